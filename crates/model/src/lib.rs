@@ -1,1 +1,26 @@
-//! apex-model
+//! The nouns of Apex.
+//!
+//! Everything that can influence an agent's behaviour is one of a few shared types, after the paper's own rule
+//! (section V, Extensibility): tasks with their monitors and controllers, histories, resource tables, procedures,
+//! the library, the agent, events and effects. Services elsewhere are functions over them.
+//!
+//! This crate imports no other crate of Apex. It holds no clock, no I/O, no randomness.
+
+pub mod because;
+pub mod condition;
+pub mod effect;
+pub mod event;
+pub mod expression;
+pub mod host;
+pub mod library;
+pub mod limits;
+pub mod pattern;
+pub mod problem;
+pub mod procedure;
+pub mod quantity;
+pub mod solver;
+pub mod source;
+pub mod symbol;
+pub mod task;
+pub mod time;
+pub mod value;

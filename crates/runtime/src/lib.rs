@@ -1,1 +1,3 @@
-//! apex-runtime
+//! The imperative shell: clock, inbox, outbox, solver pool, flight record, replay, ports.
+
+pub mod ports;

@@ -1,0 +1,225 @@
+//! Conditions: what monitors watch for (`monitoring.md` section 1, paper Appendix B and Table 1).
+//!
+//! Everything the language can say is representable; what the executive cannot evaluate yet is refused by the
+//! checker with a clear diagnostic, never ignored.
+
+use crate::expression::{Expr, Template};
+use crate::pattern::Pattern;
+use crate::source::Place;
+use crate::symbol::Symbol;
+use serde::{Deserialize, Serialize};
+
+/// A condition and where it stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// The name that its result is bound to, without `?`.
+    pub tag: Option<Symbol>,
+    /// What it is.
+    pub kind: ConditionKind,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// The forms of conditions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ConditionKind {
+    /// One sample of a state variable.
+    Measurement(MeasurementCondition),
+    /// A run of samples of a state variable.
+    Episode(Box<EpisodeCondition>),
+    /// All parts hold; constraints over the parts' tags.
+    And(Vec<Condition>, Vec<Expr>),
+    /// One part holds; constraints over the parts' tags.
+    Or(Vec<Condition>, Vec<Expr>),
+    /// The part has no result up to now.
+    Not(Box<Condition>),
+    /// A whole window of this length passed without the part.
+    Absent(Box<Condition>, Expr),
+    /// Each part ends before the next starts.
+    InOrder(Vec<Condition>, Vec<Expr>),
+    /// An Allen relation between adjacent parts.
+    Allen {
+        /// Which of the thirteen.
+        relation: AllenRelation,
+        /// The parts.
+        parts: Vec<Condition>,
+        /// Equality of end points within this.
+        tolerance: Option<Expr>,
+        /// Constraints over tags.
+        constraints: Vec<Expr>,
+    },
+    /// `(:delay D1 [D2])`.
+    Delay(Expr, Option<Expr>),
+    /// `(:timestamp T1 [T2])`: the current time is T1, or within [T1, T2].
+    Timestamp(Expr, Option<Expr>),
+    /// An event (atomic episode) whose form matches.
+    Event {
+        /// The form waited for.
+        pattern: Pattern,
+        /// Constraints on when it happened.
+        timing: Timing,
+    },
+    /// `?s1`, `(end ?s1)`, `(terminated ?s1)`: the task of that step has ended.
+    TaskEnded(Symbol),
+    /// `(state ?s1 = S)`, `(task-state +this-task+ = S)`; S may be `resumed`, the change interrupted -> ongoing.
+    TaskState {
+        /// The task: a variable or an indexical.
+        task: Expr,
+        /// The state's name.
+        state: Pattern,
+    },
+    /// `(:function EXPR)`, pure.
+    Function(Expr),
+    /// `:probing`: active sensing while the part is watched.
+    Probing {
+        /// What is watched.
+        condition: Box<Condition>,
+        /// The goal pursued to sense.
+        goal: Template,
+        /// How often.
+        interval: Expr,
+        /// Not longer than.
+        time_limit: Option<Expr>,
+        /// Not more often than.
+        count_limit: Option<Expr>,
+    },
+    /// `(:cyclic (ATTR OBJ) :period C ..)`.
+    Cyclic {
+        /// The state variable.
+        variable: VariablePattern,
+        /// Options by keyword without the colon, each with its constraints.
+        options: Vec<(Symbol, Vec<Constraint>)>,
+    },
+}
+
+/// `(ATTR OBJ)`: the attribute is fixed, the object may contain variables.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariablePattern {
+    /// The attribute, for example `roll-angle`.
+    pub attribute: Symbol,
+    /// The object; several objects are a list pattern; none is the literal nil.
+    pub object: Pattern,
+}
+
+/// A constraint on one sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasurementCondition {
+    /// The state variable.
+    pub variable: VariablePattern,
+    /// All must hold of the value.
+    pub value: Vec<Constraint>,
+    /// All must hold of the object.
+    pub object: Vec<Constraint>,
+    /// All must hold of the time stamp; empty means the default window, from the creation of the task on.
+    pub timestamp: Vec<Constraint>,
+    /// How values between samples are estimated.
+    pub estimation: Option<Estimation>,
+}
+
+/// One constraint on a value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Constraint {
+    /// `REL expr [+/- tolerance]`.
+    Compare {
+        /// The relation.
+        relation: Relation,
+        /// The right side.
+        right: Expr,
+        /// Symmetric tolerance of `=`.
+        tolerance: Option<Expr>,
+    },
+    /// The value matches a pattern, and may bind variables (`= ?loc`).
+    Matches(Pattern),
+    /// A predicate by name, with arguments after the value.
+    Predicate(Symbol, Vec<Expr>),
+    /// `(:range a b)`, closed; `:min` and `:max` leave one side open.
+    Range(Option<Expr>, Option<Expr>),
+}
+
+/// Comparison of measured values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Relation {
+    /// `=`
+    Equal,
+    /// `/=`
+    Different,
+    /// `<`
+    Less,
+    /// `<=`
+    LessOrEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterOrEqual,
+}
+
+/// Values between and beyond samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Estimation {
+    /// The last sample holds, at most for the timeout.
+    Persist(Option<Expr>),
+    /// Least squares line; options by keyword without the colon.
+    LinearRegression(Vec<(Symbol, Expr)>),
+}
+
+/// A constraint on a run of samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeCondition {
+    /// The state variable.
+    pub variable: VariablePattern,
+    /// The required sampling quality; stating none is a load-time error.
+    pub quality: Quality,
+    /// Must hold of every value in the run.
+    pub value: Vec<Constraint>,
+    /// Must hold of the first value.
+    pub first_value: Vec<Constraint>,
+    /// Must hold of the last value.
+    pub last_value: Vec<Constraint>,
+    /// Must hold of the object.
+    pub object: Vec<Constraint>,
+    /// When it starts and ends and how long it lasts.
+    pub timing: Timing,
+    /// Aggregates: name without the colon and constraints.
+    pub stats: Vec<(Symbol, Vec<Constraint>)>,
+    /// Trends: name without the colon and constraints.
+    pub trend: Vec<(Symbol, Vec<Constraint>)>,
+}
+
+/// How dense samples must be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Quality {
+    /// Whatever arrives counts.
+    NoConstraints,
+    /// The largest gap between samples, and from the last sample to now.
+    MaximumGap(Expr),
+}
+
+/// Constraints on an interval.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// On the start.
+    pub start: Vec<Constraint>,
+    /// On the end.
+    pub end: Vec<Constraint>,
+    /// On end - start.
+    pub duration: Vec<Constraint>,
+}
+
+/// Allen's thirteen relations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub enum AllenRelation {
+    Before,
+    After,
+    Meets,
+    MetBy,
+    Overlaps,
+    OverlappedBy,
+    Starts,
+    StartedBy,
+    Finishes,
+    FinishedBy,
+    During,
+    Contains,
+    Cotemporal,
+}

@@ -1,0 +1,190 @@
+//! Effects: the one door out. Commands, solver requests, output and decisions all leave here.
+
+use crate::because::Because;
+use crate::source::Place;
+use crate::symbol::Symbol;
+use crate::task::{Outcome, TaskId, TaskState};
+use crate::time::{Duration, Time};
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Numbers a command; from a counter of the agent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct CommandId(pub u64);
+
+/// Numbers a request to a solver; from a counter of the agent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct SolveRequestId(pub u64);
+
+/// Numbers a question to the operator; from a counter of the agent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct QuestionId(pub u64);
+
+/// What the executive wants the world to know or do, in the order decided.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Effect {
+    /// A decision, with its cause. Every change of a task's state is one.
+    Decided(Decision),
+    /// Send this form to the vehicle; answered by `CommandAcknowledged`.
+    Command {
+        /// For the answer.
+        command: CommandId,
+        /// The primitive's task.
+        task: TaskId,
+        /// The ground form, for example `(fly-to (34.7 -119.8 7010))`.
+        form: Value,
+    },
+    /// The command's task ended or was interrupted before the answer: the vehicle should stop doing it.
+    WithdrawCommand {
+        /// The command.
+        command: CommandId,
+        /// Why, for the record.
+        reason: String,
+    },
+    /// Run a solver; answered by `SolverReported`.
+    Solve(SolveRequest),
+    /// Nobody waits for this answer any more.
+    CancelSolve(SolveRequestId),
+    /// `(inform FORM)`: a message for whoever listens outside. The agent itself receives it as an event too.
+    Inform {
+        /// Who said it.
+        task: TaskId,
+        /// What.
+        form: Value,
+    },
+    /// `(print ..)`.
+    Print {
+        /// Who printed.
+        task: TaskId,
+        /// The text.
+        text: String,
+    },
+    /// `(ask operator ..)`; answered by `OperatorAnswered`.
+    Ask {
+        /// For the answer.
+        question: QuestionId,
+        /// Who asks.
+        task: TaskId,
+        /// The question.
+        text: String,
+        /// Choices.
+        options: Vec<Value>,
+        /// When the default is taken.
+        by: Option<Time>,
+        /// Taken then.
+        default: Value,
+    },
+    /// The application is over: by `(end-application)` or because the root task ended.
+    EndApplication {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A request to plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolveRequest {
+    /// For the answer.
+    pub request: SolveRequestId,
+    /// The task whose goal no procedure matched.
+    pub task: TaskId,
+    /// The ground goal.
+    pub goal: Value,
+    /// The chosen solver's name, or `auto`.
+    pub solver: Symbol,
+    /// Deliberation time; none is the runtime's default.
+    pub budget: Option<Duration>,
+}
+
+/// One decision of the executive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Decision {
+    /// The task it is about; none for decisions about the whole agent.
+    pub task: Option<TaskId>,
+    /// What was decided.
+    pub kind: DecisionKind,
+    /// Why.
+    pub because: Because,
+}
+
+/// What was decided.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum DecisionKind {
+    /// A task came into being, in state pending.
+    Created {
+        /// Its parent; none for the root.
+        parent: Option<TaskId>,
+        /// The step's tag.
+        tag: Symbol,
+        /// The goal as known now; unbound variables stay `?x` symbols.
+        goal: Value,
+        /// The step.
+        place: Option<Place>,
+    },
+    /// A task changed state. The cause says which row of the table applied.
+    Transition {
+        /// Before.
+        from: TaskState,
+        /// After.
+        to: TaskState,
+        /// Set when `to` is terminated.
+        outcome: Option<Outcome>,
+    },
+    /// A monitor's condition became true.
+    Satisfied {
+        /// Which clause: `waitfor`, `end-when`, ..
+        clause: String,
+        /// The hull of the evidence.
+        interval: (Time, Time),
+    },
+    /// A variable got a value in a task's context.
+    Bound {
+        /// The name without `?`.
+        variable: Symbol,
+        /// The value.
+        value: Value,
+    },
+    /// How the goal will be pursued.
+    Selected {
+        /// Procedure, primitive, built-in or solver.
+        method: Method,
+        /// The goal, now ground.
+        goal: Value,
+        /// Other methods that matched, less specific or later in the library.
+        alternatives: Vec<Method>,
+    },
+    /// The task stays as it is for want of resources: it lost a conflict, or its holder defends.
+    Refused {
+        /// The resource.
+        resource: Value,
+        /// Who has it or gets it.
+        winner: TaskId,
+    },
+    /// A procedure was added to the library from a plan.
+    ProcedureAdded {
+        /// The request it answers.
+        request: SolveRequestId,
+        /// One line about the plan.
+        summary: String,
+        /// The plan as PDL text.
+        pdl: String,
+    },
+    /// An error inside an expression, a limit reached, a stray answer: named, never silent.
+    Trouble {
+        /// What.
+        message: String,
+    },
+}
+
+/// A way to pursue a goal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// A procedure at this place.
+    Procedure(Place),
+    /// A primitive at this place.
+    Primitive(Place),
+    /// A built-in activity.
+    BuiltIn,
+    /// A solver by name.
+    Solver(Symbol),
+}

@@ -1,0 +1,111 @@
+//! Events: the one door in. Telemetry, messages, acknowledgements, solver answers and wakes all enter here.
+
+use crate::effect::{CommandId, QuestionId, SolveRequestId};
+use crate::expression::Template;
+use crate::source::SourceFile;
+use crate::symbol::Symbol;
+use crate::time::Time;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What one call of the executive's `step` works on. Events are in order of arrival, none later than `now`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Batch {
+    /// The instant of this step.
+    pub now: Time,
+    /// What happened since the last step.
+    pub events: Vec<Event>,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Arrival number, strictly increasing over the life of an agent; orders events of one instant.
+    pub sequence: u64,
+    /// When it happened; may be earlier than the step's `now`.
+    pub at: Time,
+    /// What it is.
+    pub kind: EventKind,
+}
+
+/// Kinds of events.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum EventKind {
+    /// A sample of a state variable (publish-subscribe input).
+    Measurement(StateVariable, Value),
+    /// A message (message-passing input), for example `(ready camera-1)`.
+    Occurrence(Value),
+    /// The vehicle finished a command, or refused or lost it.
+    CommandAcknowledged(CommandId, Result<Value, String>),
+    /// A solver answered.
+    SolverReported(SolveRequestId, SolverReport),
+    /// A person answered.
+    OperatorAnswered(QuestionId, Value),
+    /// The requested time has come.
+    Woken,
+}
+
+/// A state variable: an attribute of an object, for example `(altitude aircraft-1)`.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct StateVariable {
+    /// The attribute.
+    pub attribute: Symbol,
+    /// The object: usually a symbol; several objects are a list; none is nil.
+    pub object: Value,
+}
+
+impl StateVariable {
+    /// The variable `(attribute object)`; a whole real object is the integer, so that 2 and 2.0 name one variable.
+    pub fn new(attribute: Symbol, object: Value) -> StateVariable {
+        let object = match object {
+            Value::Real(real) if libm::trunc(real) == real && real.abs() < 9e15 => Value::Integer(real as i64),
+            other => other,
+        };
+        StateVariable { attribute, object }
+    }
+}
+
+impl fmt::Display for StateVariable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.object {
+            Value::List(items) if items.is_empty() => write!(f, "({})", self.attribute),
+            Value::List(items) => {
+                write!(f, "({}", self.attribute)?;
+                items.iter().try_for_each(|item| write!(f, " {item}"))?;
+                f.write_str(")")
+            }
+            object => write!(f, "({} {object})", self.attribute),
+        }
+    }
+}
+
+impl fmt::Debug for StateVariable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// What came back from a solver, already checked by the pool.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SolverReport {
+    /// A plan as steps of a sequential procedure.
+    Plan(PlannedProcedure),
+    /// No plan, with the reason.
+    Failed(String),
+}
+
+/// A solver's plan in the executive's terms. It becomes a sequential procedure indexed by the request's goal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedProcedure {
+    /// The solver that made it.
+    pub solver: Symbol,
+    /// One line for people: value, bound, what was left out.
+    pub summary: String,
+    /// Step activities in order, ground (no holes), each with its tag.
+    pub steps: Vec<(Symbol, Template)>,
+    /// True: a repeatable cycle, begun again when it ends.
+    pub repeat: bool,
+    /// The same plan as PDL text, so that places in it can be shown.
+    pub source: SourceFile,
+}

@@ -1,0 +1,44 @@
+//! Host functions: pure functions of the host program that PDL calls by name (`pdl.md` section 6).
+
+use crate::symbol::Symbol;
+use crate::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A host function: values in, value out, or a message that says what was wrong with the arguments.
+/// It must be pure and deterministic: replay calls it again and expects the same value.
+pub type HostFunction = Arc<dyn Fn(&[Value]) -> Result<Value, String> + Send + Sync>;
+
+/// Registered host functions by name. Geometry (`distance`, `bearing`, ..) comes from `apex-geo` through here.
+#[derive(Clone, Default)]
+pub struct HostFunctions(BTreeMap<Symbol, HostFunction>);
+
+impl HostFunctions {
+    /// Adds or replaces the function called `name`.
+    pub fn register(&mut self, name: &str, function: HostFunction) {
+        self.0.insert(Symbol::new(name), function);
+    }
+
+    /// The function called `name`.
+    pub fn get(&self, name: &Symbol) -> Option<&HostFunction> {
+        self.0.get(name)
+    }
+
+    /// All names, in order.
+    pub fn names(&self) -> impl Iterator<Item = &Symbol> {
+        self.0.keys()
+    }
+}
+
+impl std::fmt::Debug for HostFunctions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.0.keys()).finish()
+    }
+}
+
+impl PartialEq for HostFunctions {
+    /// Functions have no identity of their own: equal when the names are.
+    fn eq(&self, other: &HostFunctions) -> bool {
+        self.0.keys().eq(other.0.keys())
+    }
+}

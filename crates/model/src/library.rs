@@ -1,0 +1,165 @@
+//! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
+
+use crate::expression::{Expr, Template};
+use crate::pattern::Pattern;
+use crate::procedure::{Primitive, Procedure};
+use crate::quantity::Dimension;
+use crate::source::{Place, SourceFile};
+use crate::symbol::Symbol;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Checked definitions. Built by the PDL front end; believed by everyone after.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Library {
+    /// Source texts, in load order; [`Place::file`] indexes them.
+    pub sources: Vec<SourceFile>,
+    /// Procedures in library order.
+    pub procedures: Vec<Arc<Procedure>>,
+    /// Primitives in library order.
+    pub primitives: Vec<Arc<Primitive>>,
+    /// Declared solvers in library order.
+    pub solvers: Vec<SolverDeclaration>,
+    /// `(state-variable ..)` declarations by attribute.
+    pub state_variables: BTreeMap<Symbol, StateVariableDeclaration>,
+    /// `(resource ..)` declarations by name.
+    pub resources: BTreeMap<Symbol, ResourceDeclaration>,
+    /// `(defindexical +name+ EXPR)`, by name without the plus signs.
+    pub indexicals: BTreeMap<Symbol, Expr>,
+    /// `(defun name (parameter..) body..)`.
+    pub functions: BTreeMap<Symbol, Function>,
+    /// Declared host functions (`(declare-function ..)`).
+    pub host_functions: BTreeMap<Symbol, HostDeclaration>,
+    /// `(defapplication ..)`, if any.
+    pub application: Option<Application>,
+    /// `(agent ..)` forms, outside and inside of the application, in order.
+    pub agents: Vec<AgentDeclaration>,
+}
+
+impl Library {
+    /// `file.pdl:14:3`, as shown in every message.
+    pub fn describe_place(&self, place: Place) -> String {
+        let name = usize::try_from(place.file).ok().and_then(|index| self.sources.get(index));
+        match name {
+            Some(source) => format!("{}:{}:{}", source.name, place.line, place.column),
+            None => format!("{}:{}", place.line, place.column),
+        }
+    }
+}
+
+/// `(defun ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Function {
+    /// Parameter names.
+    pub parameters: Vec<Symbol>,
+    /// The body.
+    pub body: Vec<Expr>,
+    /// Calls nothing that publishes, prints, assigns task variables or commands.
+    pub pure: bool,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A function of the host program that PDL may call:
+/// `(declare-function (NAME parameter..) [:pure t|nil] [:command t|nil])`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HostDeclaration {
+    /// Parameter names; a last `&rest` name takes all further arguments.
+    pub parameters: Vec<Symbol>,
+    /// Only pure functions may stand in conditions.
+    pub pure: bool,
+    /// Calling it sends `(NAME argument..)` to the vehicle as a command instead of computing a value.
+    pub command: bool,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(state-variable (ATTR ?object) :unit U :type T ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StateVariableDeclaration {
+    /// The unit's canonical name; bare numbers compared with the variable, or published to it, are in it.
+    pub unit: Option<Symbol>,
+    /// The unit's dimension.
+    pub dimension: Dimension,
+    /// `real`, `integer`, `symbol`, `string`, `location`, `boolean`; none is anything.
+    pub value_type: Option<Symbol>,
+    /// `:lateness D`: how late a sample may come and still be inserted in order.
+    pub lateness: Option<Value>,
+    /// `:rate R`: samples per second to expect, for memory estimates.
+    pub rate_per_s: Option<f64>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(resource NAME [:capacity N] [:depletable Q])`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResourceDeclaration {
+    /// Exclusive, shared or consumed.
+    pub kind: ResourceKind,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// How a resource may be taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ResourceKind {
+    /// One holder at a time: the default.
+    Unitary,
+    /// So many units at a time.
+    Capacity(u32),
+    /// Reserved at engagement, consumed at the end.
+    Depletable(Value),
+}
+
+/// `(solver NAME (index PATTERN) ..)`: a planner's invocation pattern.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolverDeclaration {
+    /// The solver's name, as the runtime's pool knows it; `auto` lets the pool's table choose.
+    pub name: Symbol,
+    /// Goals it can plan for.
+    pub index: Pattern,
+    /// Deliberation time it is given; none is the runtime's default.
+    pub budget: Option<Expr>,
+    /// A goal pursued while the plan is late.
+    pub meanwhile: Option<Template>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(agent NAME ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AgentDeclaration {
+    /// The agent's name.
+    pub name: Symbol,
+    /// The goal of its root task; none is `(do-domain)`.
+    pub initial_task: Value,
+    /// Bundles it uses; empty is all.
+    pub bundles: Vec<Symbol>,
+    /// Routers it uses.
+    pub routers: Vec<Symbol>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(defapplication "NAME" ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Application {
+    /// The title.
+    pub name: Arc<str>,
+    /// `native-sim`, `realtime` or `foreign-sim`.
+    pub kind: Symbol,
+    /// Every other keyword in written order, without the colon, with its raw datum
+    /// (`:vehicle`, `:targets`, `:airspace`, `:weather`, `:libraries`, `:files`, `:init`, ..).
+    pub options: Vec<(Symbol, Value)>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl Application {
+    /// The datum of option `name` (folded, without the colon), if given.
+    pub fn option(&self, name: &str) -> Option<&Value> {
+        self.options.iter().find(|(key, _)| key.is(name)).map(|(_, value)| value)
+    }
+}

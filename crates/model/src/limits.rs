@@ -1,0 +1,38 @@
+//! Every limit of the core, with its reason. Loops over external input take their bound from here.
+
+/// Rounds of notice/enable/choose/contend/commit/act at one instant. A chain of a thousand zero-time steps is legal; more is a loop.
+pub const CASCADE_ROUNDS_MAX: u32 = 10_000;
+/// Nesting of lists in PDL text: deeper than any human writes, shallower than the stack.
+pub const READ_DEPTH_MAX: usize = 256;
+/// Bytes of one PDL source file: a thousand times the largest mission known.
+pub const SOURCE_BYTES_MAX: usize = 16 << 20;
+/// Nesting of expression evaluation (calls of `defun`s included).
+pub const EVALUATION_DEPTH_MAX: u32 = 128;
+/// Expression nodes evaluated for one clause.
+pub const EVALUATION_STEPS_MAX: u64 = 1_000_000;
+/// Steps of pattern matching with segments, which can backtrack.
+pub const MATCH_STEPS_MAX: u64 = 10_000;
+/// Nesting of tasks: a procedure that calls itself without bound ends here, with a cause.
+pub const TASK_DEPTH_MAX: u32 = 200;
+/// Live tasks of one agent.
+pub const TASKS_MAX: usize = 1_000_000;
+/// Items of one `forall`.
+pub const FORALL_ITEMS_MAX: usize = 100_000;
+/// Instances of a `repeating` step that start and end at one instant.
+pub const REPETITIONS_PER_INSTANT_MAX: u32 = 1_000;
+/// Samples kept of one state variable, whatever conditions ask: one hour of 10 Hz attitude, doubled.
+pub const HISTORY_SAMPLES_MAX: usize = 72_000;
+/// Samples kept of a variable for which no condition or log clause asks for more.
+pub const HISTORY_SAMPLES_DEFAULT: usize = 2;
+/// Events remembered for monitors created later in the same instant and for short look-backs.
+pub const EVENT_HISTORY_MAX: usize = 1_000;
+/// Events of one batch: the runtime splits larger ones.
+pub const BATCH_EVENTS_MAX: usize = 100_000;
+/// Characters of one printed text or one message.
+pub const TEXT_CHARACTERS_MAX: usize = 65_536;
+/// Items of a list that an expression makes.
+pub const LIST_ITEMS_MAX: usize = 1_000_000;
+/// Solver requests that may be open at one time.
+pub const SOLVE_REQUESTS_MAX: usize = 64;
+/// Seconds after which a command without an answer has failed, where the primitive gives no timeout.
+pub const COMMAND_TIMEOUT_DEFAULT_S: i64 = 6 * 3600;

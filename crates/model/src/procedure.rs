@@ -1,0 +1,238 @@
+//! Procedures, steps and primitives after checking (`pdl.md` sections 3 to 5). Paper: section III.
+//!
+//! Solver plans become the same [`Procedure`] type.
+
+use crate::condition::Condition;
+use crate::expression::{Expr, Template};
+use crate::pattern::Pattern;
+use crate::source::Place;
+use crate::symbol::Symbol;
+use crate::time::Duration;
+use serde::{Deserialize, Serialize};
+
+/// How a procedure orders its steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ProcedureKind {
+    /// All at once unless waitfors order them.
+    Concurrent,
+    /// Each after the end of the one before.
+    Sequential,
+    /// All at once, conflicts resolved by rank 1..n in written order.
+    Ranked,
+    /// In written order where resources conflict (the manual's soft-seq).
+    SoftSequential,
+}
+
+/// A stored or generated procedure: the template of a controller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Procedure {
+    /// How its steps are ordered.
+    pub kind: ProcedureKind,
+    /// The class of goals it serves.
+    pub index: Pattern,
+    /// Resources that its task needs to be ongoing.
+    pub profile: Vec<ResourceNeed>,
+    /// Logging policies open while its task lives.
+    pub log: Vec<LogPolicy>,
+    /// An estimate of how long it takes.
+    pub expected_duration: Option<Expr>,
+    /// Added to the task's priority while ongoing; none is the default 0.1.
+    pub interrupt_cost: Option<Expr>,
+    /// Transition clauses at procedure level.
+    pub transitions: Transitions,
+    /// Hooks at procedure level.
+    pub hooks: Hooks,
+    /// The steps in written order. `terminate` steps are steps too.
+    pub steps: Vec<Step>,
+    /// The bundle it belongs to.
+    pub bundle: Option<Symbol>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(profile ..)` entry: a resource and how much of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResourceNeed {
+    /// The name, possibly a variable bound by the index.
+    pub resource: Template,
+    /// Units of a capacity or amount of a depletable; none takes the whole.
+    pub amount: Option<Expr>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// `(log ..)` clause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogPolicy {
+    /// The state variable, `(ATTR OBJ)`.
+    pub variable: Template,
+    /// Not more often than this.
+    pub frequency_limit: Option<Duration>,
+    /// Not longer than this.
+    pub time_limit: Option<Duration>,
+    /// Not more samples than this.
+    pub count_limit: Option<u64>,
+}
+
+/// Clauses that move a task from state to state while it lives.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Transitions {
+    /// `end-when`, `(terminate (when C))`.
+    pub end_when: Option<Condition>,
+    /// `restart-when`.
+    pub restart_when: Option<Condition>,
+    /// `resume-when`.
+    pub resume_when: Option<Condition>,
+    /// `suspend-when C [until C]`.
+    pub suspend_when: Option<Condition>,
+    /// The `until` of `suspend-when`.
+    pub suspend_until: Option<Condition>,
+}
+
+/// Forms run at moments of a task's life, in order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Hooks {
+    /// `on-start`, and a primitive's `on-enablement`.
+    pub on_start: Vec<Expr>,
+    /// `on-end`: at termination, whatever the outcome.
+    pub on_end: Vec<Expr>,
+    /// `on-suspend`.
+    pub on_suspend: Vec<Expr>,
+    /// `on-resume`.
+    pub on_resume: Vec<Expr>,
+}
+
+/// One step of a procedure: the template of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Its name; also the variable `?tag` that holds its task.
+    pub tag: Symbol,
+    /// What is to be achieved.
+    pub activity: Activity,
+    /// `=> ?v`: what the task's value is bound to in the parent's context.
+    pub binds: Option<Pattern>,
+    /// Preconditions; empty means none. All must hold.
+    pub waitfor: Vec<Condition>,
+    /// `select` clauses in order.
+    pub select: Vec<(Symbol, Expr)>,
+    /// `forall ?x in LIST`.
+    pub forall: Option<(Symbol, Expr)>,
+    /// Priority clauses; the task takes the greatest.
+    pub priority: Vec<PriorityClause>,
+    /// `rank`.
+    pub rank: Option<Expr>,
+    /// `interrupt-cost`.
+    pub interrupt_cost: Option<Expr>,
+    /// `repeating`.
+    pub repeating: Option<Repetition>,
+    /// `responding`.
+    pub responding: Option<Repetition>,
+    /// + Resources of the step itself.
+    pub profile: Vec<ResourceNeed>,
+    /// Transition clauses at step level.
+    pub transitions: Transitions,
+    /// Hooks at step level.
+    pub hooks: Hooks,
+    /// + Goal to pursue if the step fails.
+    pub on_failure: Option<Activity>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// What a step does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Activity {
+    /// A goal, matched against procedures, primitives and solvers.
+    Goal(Template),
+    /// `(terminate [task] [outcome] [>> value])`; without a task it ends the procedure.
+    Terminate {
+        /// The task; none is the step's parent.
+        task: Option<Expr>,
+        /// The outcome; none is success.
+        outcome: Option<Expr>,
+        /// The value handed to the parent.
+        value: Option<Expr>,
+    },
+    /// Another built-in activity; its arguments are expressions.
+    BuiltIn(BuiltInActivity, Vec<Expr>),
+}
+
+/// Activities that need no procedure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BuiltInActivity {
+    /// `(reset TASK)`
+    Reset,
+    /// `(suspend TASK)`
+    Suspend,
+    /// `(resume TASK)`
+    Resume,
+    /// `(reprioritize TASK)`
+    Reprioritize,
+    /// `(cogevent FORM [AGENT])`
+    Cogevent,
+    /// `(inform FORM)`: sends the form as an event to this agent and its routers.
+    Inform,
+    /// `(hold-resource R..)`
+    HoldResource,
+    /// `(release-resource R..)`
+    ReleaseResource,
+    /// `(print ..)`
+    Print,
+    /// `(end-application)`
+    EndApplication,
+    /// + `(ask operator QUESTION ..)`: arguments are question, options, by, default (nil where absent).
+    AskOperator,
+    /// + `(plan GOAL ..)`: arguments are goal, with, budget (nil where absent).
+    Plan,
+}
+
+/// `priority` clause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PriorityClause {
+    /// A number or expression.
+    Number(Expr),
+    /// Urgency and importance, each 0..10.
+    UrgencyImportance(Expr, Expr),
+}
+
+/// Options of `repeating` and `responding`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Repetition {
+    /// Only while this is true.
+    pub while_true: Option<Expr>,
+    /// Only until this is true.
+    pub until: Option<Expr>,
+    /// `:enabled`: the new instance starts enabled, when the expression (default true) holds.
+    pub enabled: Option<Expr>,
+    /// `:with-recovery`: priority recovers over this span.
+    pub recovery: Option<Expr>,
+    /// `:with-min-interval`.
+    pub minimum_interval: Option<Expr>,
+    /// `:for-new`: one instance for each new combination of these variables.
+    pub for_new: Vec<Symbol>,
+}
+
+/// A primitive: the template of a command to the controlled system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Primitive {
+    /// The class of goals it serves.
+    pub index: Pattern,
+    /// Resources that its task needs.
+    pub profile: Vec<ResourceNeed>,
+    /// Variables of the primitive with initial values, in order.
+    pub locals: Vec<(Symbol, Expr)>,
+    /// How long it takes.
+    pub duration: Option<Expr>,
+    /// Forms run every interval while ongoing; no interval is the agent's default.
+    pub update: Option<(Option<Expr>, Vec<Expr>)>,
+    /// `on-start`/`on-enablement`, `on-end`, `on-suspend`, `on-resume`.
+    pub hooks: Hooks,
+    /// Forms run at completion, not at other ends.
+    pub on_completion: Vec<Expr>,
+    /// The value of its task.
+    pub returns: Option<Expr>,
+    /// The bundle it belongs to.
+    pub bundle: Option<Symbol>,
+    /// Where it stands.
+    pub place: Place,
+}

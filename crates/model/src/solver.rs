@@ -1,0 +1,69 @@
+//! The solver contract: what a planner is given and what it gives back (paper, sections IV and V).
+//!
+//! A solver runs beside the executive. It gets its powers by name: random numbers, a budget and a channel for its best
+//! plan so far. It answers with a [`Plan`], which an independent checker validates before the executive sees it.
+
+use crate::problem::{Plan, Problem};
+
+/// What a solver may use.
+pub struct Environment<'a> {
+    /// Seed for the solver's own generator; equal seed and budget give an equal plan.
+    pub seed: u64,
+    /// Work allowed. Counted in the solver's work units in simulation and replay, by the clock in flight.
+    pub budget: &'a mut dyn Budget,
+    /// Receives every better plan as soon as it is found.
+    pub report: &'a mut dyn FnMut(&Plan),
+}
+
+/// Permission to go on.
+pub trait Budget {
+    /// Charges `units` of work.
+    fn charge(&mut self, units: u64);
+    /// True when the solver must return its best plan now.
+    fn exhausted(&self) -> bool;
+    /// Units charged so far.
+    fn used(&self) -> u64;
+}
+
+/// A budget of a fixed number of work units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkBudget {
+    /// Units allowed.
+    pub allowed: u64,
+    /// Units charged.
+    pub used: u64,
+}
+
+impl WorkBudget {
+    /// A fresh budget of `allowed` units.
+    pub fn new(allowed: u64) -> WorkBudget {
+        WorkBudget { allowed, used: 0 }
+    }
+}
+
+impl Budget for WorkBudget {
+    fn charge(&mut self, units: u64) {
+        self.used = self.used.saturating_add(units);
+    }
+    fn exhausted(&self) -> bool {
+        self.used >= self.allowed
+    }
+    fn used(&self) -> u64 {
+        self.used
+    }
+}
+
+/// A planner. Third parties implement this.
+pub trait Solver: Send + Sync {
+    /// The name in profile tables, records and `(solver NAME ..)` forms.
+    fn name(&self) -> &'static str;
+
+    /// Can it plan for problems of this kind?
+    fn serves(&self, problem: &Problem) -> bool;
+
+    /// Plans. Returns when done or when the budget is exhausted.
+    ///
+    /// # Errors
+    /// A sentence for people when there is no feasible plan or the problem makes no sense.
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String>;
+}

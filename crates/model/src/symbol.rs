@@ -1,0 +1,97 @@
+//! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md` section 1).
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::cmp::Ordering;
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+/// A name of PDL. Two symbols are equal when they differ in case only.
+#[derive(Clone)]
+pub struct Symbol(Arc<SymbolText>);
+
+struct SymbolText {
+    folded: Box<str>,
+    printed: Option<Box<str>>,
+}
+
+impl Symbol {
+    /// The symbol written as `text`.
+    pub fn new(text: &str) -> Symbol {
+        let folded: Box<str> = text.to_lowercase().into();
+        let printed = (*folded != *text).then(|| text.into());
+        Symbol(Arc::new(SymbolText { folded, printed }))
+    }
+
+    /// The folded (lower case) text: the symbol's identity.
+    pub fn folded(&self) -> &str {
+        &self.0.folded
+    }
+
+    /// The text as its author wrote it.
+    pub fn printed(&self) -> &str {
+        self.0.printed.as_deref().unwrap_or(&self.0.folded)
+    }
+
+    /// Is this the symbol with the folded text `folded`?
+    pub fn is(&self, folded: &str) -> bool {
+        &*self.0.folded == folded
+    }
+}
+
+impl PartialEq for Symbol {
+    fn eq(&self, other: &Symbol) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0.folded == other.0.folded
+    }
+}
+
+impl Eq for Symbol {}
+
+impl PartialOrd for Symbol {
+    fn partial_cmp(&self, other: &Symbol) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Symbol {
+    fn cmp(&self, other: &Symbol) -> Ordering {
+        if Arc::ptr_eq(&self.0, &other.0) { Ordering::Equal } else { self.0.folded.cmp(&other.0.folded) }
+    }
+}
+
+impl Hash for Symbol {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.folded.hash(state);
+    }
+}
+
+impl From<&str> for Symbol {
+    fn from(text: &str) -> Symbol {
+        Symbol::new(text)
+    }
+}
+
+impl fmt::Display for Symbol {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.printed())
+    }
+}
+
+impl fmt::Debug for Symbol {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.printed())
+    }
+}
+
+impl Serialize for Symbol {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.printed())
+    }
+}
+
+impl<'de> Deserialize<'de> for Symbol {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Symbol, D::Error> {
+        let text = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
+        Ok(Symbol::new(&text))
+    }
+}

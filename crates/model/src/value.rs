@@ -1,0 +1,268 @@
+//! Values: what variables are bound to, messages carry, histories hold and expressions yield.
+//!
+//! `nil` and the empty list are one value and mean false; `t` is the symbol for true; every other value counts as true.
+//! A location is a list `(latitude_deg longitude_deg [altitude_m])` of plain reals on WGS84.
+
+use crate::expression::Closure;
+use crate::quantity::{Dimension, Quantity};
+use crate::symbol::Symbol;
+use crate::task::TaskId;
+use crate::time::{Duration, Time};
+use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::fmt;
+use std::sync::Arc;
+
+/// A PDL value.
+#[derive(Clone, Serialize, Deserialize)]
+pub enum Value {
+    /// A whole number.
+    Integer(i64),
+    /// A real number without dimension.
+    Real(f64),
+    /// A number with a dimension other than time.
+    Quantity(Quantity),
+    /// A span of time.
+    Duration(Duration),
+    /// An instant.
+    Time(Time),
+    /// A name.
+    Symbol(Symbol),
+    /// A string.
+    Text(Arc<str>),
+    /// A list; empty is `nil`.
+    List(Arc<[Value]>),
+    /// The closed interval of a recognised condition or a task.
+    Interval(Time, Time),
+    /// A task, as bound to its step's tag.
+    Task(TaskId),
+    /// A function value made by `lambda` or `#'name`.
+    Closure(Arc<Closure>),
+}
+
+impl Value {
+    /// `nil`: the empty list, false.
+    pub fn nil() -> Value {
+        Value::List(Arc::from([]))
+    }
+
+    /// The symbol `name`.
+    pub fn symbol(name: &str) -> Value {
+        Value::Symbol(Symbol::new(name))
+    }
+
+    /// A string.
+    pub fn text(text: &str) -> Value {
+        Value::Text(Arc::from(text))
+    }
+
+    /// A list of `items`.
+    pub fn list(items: impl IntoIterator<Item = Value>) -> Value {
+        Value::List(items.into_iter().collect())
+    }
+
+    /// `t` or `nil`.
+    pub fn truth(truth: bool) -> Value {
+        if truth { Value::symbol("t") } else { Value::nil() }
+    }
+
+    /// A number of SI units: a real when dimensionless, a duration when time, else a quantity.
+    pub fn measured(si: f64, dimension: Dimension) -> Value {
+        match dimension {
+            Dimension::NONE => Value::Real(si),
+            Dimension::TIME => Value::Duration(Duration::from_seconds(si)),
+            other => Value::Quantity(Quantity::si(si, other)),
+        }
+    }
+
+    /// False only for `nil`.
+    pub fn is_true(&self) -> bool {
+        !matches!(self, Value::List(items) if items.is_empty())
+    }
+
+    /// The list's items, if this is a list.
+    pub fn as_list(&self) -> Option<&[Value]> {
+        match self {
+            Value::List(items) => Some(items),
+            _ => None,
+        }
+    }
+
+    /// The symbol, if this is one.
+    pub fn as_symbol(&self) -> Option<&Symbol> {
+        match self {
+            Value::Symbol(symbol) => Some(symbol),
+            _ => None,
+        }
+    }
+
+    /// SI number and dimension, if this is numeric. Instants are not numbers.
+    pub fn as_number(&self) -> Option<(f64, Dimension)> {
+        match self {
+            Value::Integer(integer) => Some((*integer as f64, Dimension::NONE)),
+            Value::Real(real) => Some((*real, Dimension::NONE)),
+            Value::Quantity(quantity) => Some((quantity.si, quantity.dimension)),
+            Value::Duration(duration) => Some((duration.seconds(), Dimension::TIME)),
+            _ => None,
+        }
+    }
+
+    /// PDL's `=`: numbers by value (2 = 2.0) within one dimension, symbols in any case, strings exactly, lists element-wise.
+    /// Not-a-number equals nothing.
+    pub fn equals(&self, other: &Value) -> bool {
+        self.compare_items(other, |a, b| a == b)
+    }
+
+    /// Equality inside patterns: as [`Value::equals`], but strings in any case.
+    pub fn matches(&self, other: &Value) -> bool {
+        self.compare_items(other, |a, b| a == b || a.to_lowercase() == b.to_lowercase())
+    }
+
+    fn compare_items(&self, other: &Value, text: fn(&str, &str) -> bool) -> bool {
+        match (self, other) {
+            (Value::Integer(a), Value::Integer(b)) => a == b,
+            (Value::Duration(a), Value::Duration(b)) => a == b,
+            (Value::Symbol(a), Value::Symbol(b)) => a == b,
+            (Value::Text(a), Value::Text(b)) => text(a, b),
+            (Value::List(a), Value::List(b)) => {
+                a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| a.compare_items(b, text))
+            }
+            (Value::Time(a), Value::Time(b)) => a == b,
+            (Value::Interval(a, b), Value::Interval(c, d)) => a == c && b == d,
+            (Value::Task(a), Value::Task(b)) => a == b,
+            (Value::Closure(a), Value::Closure(b)) => a == b,
+            _ => match (self.as_number(), other.as_number()) {
+                (Some((a, dimension_a)), Some((b, dimension_b))) => dimension_a == dimension_b && a == b,
+                _ => false,
+            },
+        }
+    }
+
+    /// Order of two numbers of one dimension, or of two instants; none for everything else and for not-a-number.
+    pub fn order(&self, other: &Value) -> Option<Ordering> {
+        match (self, other) {
+            (Value::Integer(a), Value::Integer(b)) => Some(a.cmp(b)),
+            (Value::Duration(a), Value::Duration(b)) => Some(a.cmp(b)),
+            (Value::Time(a), Value::Time(b)) => Some(a.cmp(b)),
+            _ => match (self.as_number(), other.as_number()) {
+                (Some((a, dimension_a)), Some((b, dimension_b))) if dimension_a == dimension_b => a.partial_cmp(&b),
+                _ => None,
+            },
+        }
+    }
+
+    fn rank(&self) -> u8 {
+        match self {
+            Value::Integer(_) => 0,
+            Value::Real(_) => 1,
+            Value::Quantity(_) => 2,
+            Value::Duration(_) => 3,
+            Value::Time(_) => 4,
+            Value::Symbol(_) => 5,
+            Value::Text(_) => 6,
+            Value::List(_) => 7,
+            Value::Interval(..) => 8,
+            Value::Task(_) => 9,
+            Value::Closure(_) => 10,
+        }
+    }
+}
+
+/// Structural order for keys of ordered maps; not PDL's comparison (see [`Value::order`]).
+impl Ord for Value {
+    fn cmp(&self, other: &Value) -> Ordering {
+        match (self, other) {
+            (Value::Integer(a), Value::Integer(b)) => a.cmp(b),
+            (Value::Real(a), Value::Real(b)) => a.total_cmp(b),
+            (Value::Quantity(a), Value::Quantity(b)) => a.dimension.cmp(&b.dimension).then(a.si.total_cmp(&b.si)),
+            (Value::Duration(a), Value::Duration(b)) => a.cmp(b),
+            (Value::Time(a), Value::Time(b)) => a.cmp(b),
+            (Value::Symbol(a), Value::Symbol(b)) => a.cmp(b),
+            (Value::Text(a), Value::Text(b)) => a.cmp(b),
+            (Value::List(a), Value::List(b)) => a.cmp(b),
+            (Value::Interval(a, b), Value::Interval(c, d)) => a.cmp(c).then(b.cmp(d)),
+            (Value::Task(a), Value::Task(b)) => a.cmp(b),
+            (Value::Closure(a), Value::Closure(b)) => a.place.cmp(&b.place),
+            _ => self.rank().cmp(&other.rank()),
+        }
+    }
+}
+
+impl PartialOrd for Value {
+    fn partial_cmp(&self, other: &Value) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Structural equality (bit-equal reals), so that snapshots compare whole; not PDL's `=` (see [`Value::equals`]).
+impl PartialEq for Value {
+    fn eq(&self, other: &Value) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Value {}
+
+impl fmt::Display for Value {
+    /// PDL text that reads back as the same value, except for tasks, intervals, instants and functions.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Integer(integer) => write!(f, "{integer}"),
+            Value::Real(real) => write!(f, "{real:?}"),
+            Value::Quantity(quantity) => write!(f, "{quantity}"),
+            Value::Duration(duration) => write!(f, "{duration}"),
+            Value::Time(time) => write!(f, "{time}"),
+            Value::Symbol(symbol) => write!(f, "{symbol}"),
+            Value::Text(text) => write_text(f, text),
+            Value::List(items) if items.is_empty() => f.write_str("nil"),
+            Value::List(items) => {
+                f.write_str("(")?;
+                for (index, item) in items.iter().enumerate() {
+                    if index > 0 {
+                        f.write_str(" ")?;
+                    }
+                    write!(f, "{item}")?;
+                }
+                f.write_str(")")
+            }
+            Value::Interval(start, end) => write!(f, "[{start}, {end}]"),
+            Value::Task(task) => write!(f, "{task}"),
+            Value::Closure(_) => f.write_str("#<function>"),
+        }
+    }
+}
+
+fn write_text(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+    f.write_str("\"")?;
+    for character in text.chars() {
+        if matches!(character, '"' | '\\') {
+            f.write_str("\\")?;
+        }
+        write!(f, "{character}")?;
+    }
+    f.write_str("\"")
+}
+
+impl fmt::Debug for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_is_two_point_zero_and_feet_are_not_seconds() {
+        assert!(Value::Integer(2).equals(&Value::Real(2.0)));
+        assert!(!Value::Integer(2).equals(&Value::Duration(Duration::from_seconds(2.0))));
+        assert!(!Value::Real(f64::NAN).equals(&Value::Real(f64::NAN)));
+    }
+
+    #[test]
+    fn strings_match_in_any_case_but_equal_exactly() {
+        assert!(Value::text("Abort").matches(&Value::text("ABORT")));
+        assert!(!Value::text("Abort").equals(&Value::text("ABORT")));
+    }
+}

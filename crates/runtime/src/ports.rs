@@ -1,0 +1,61 @@
+//! The ports of the shell: what a vehicle, a source of planning problems and an observer of a run must offer.
+//!
+//! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
+
+use apex_model::effect::{CommandId, Effect, SolveRequest};
+use apex_model::event::{Batch, EventKind, PlannedProcedure};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Something that came in, before the inbox numbers it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// When it happened, in mission time.
+    pub at: Time,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// A controlled system: the built-in simulator, a simulator elsewhere, or an autopilot behind a link.
+pub trait Vehicle {
+    /// When it will next have something to say by itself, if it knows (simulators do).
+    fn next_report(&self) -> Option<Time>;
+
+    /// Lets it live until `to` (never backwards) and collects what it says, in order of time, none later than `to`.
+    ///
+    /// # Errors
+    /// A sentence when the link is beyond repair.
+    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String>;
+
+    /// Sends a command, for example `(fly-to (34.7 -119.8 7010))`. The answer comes as `CommandAcknowledged`
+    /// out of a later [`Vehicle::advance`], also for commands it refuses.
+    fn command(&mut self, command: CommandId, form: &Value, at: Time);
+
+    /// Withdraws a command that is still being carried out.
+    fn withdraw(&mut self, command: CommandId, at: Time);
+}
+
+/// What the pool brings back for one request.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolverAnswer {
+    /// The plan as a procedure, or the reason why there is none.
+    pub result: Result<PlannedProcedure, String>,
+    /// Deliberation time to charge in simulation.
+    pub charged: Duration,
+}
+
+/// Turns a request's goal into a planning problem, solves and translates. The mission knows targets, weather and
+/// vehicle; the runtime only knows when to ask and when the answer counts.
+pub trait Deliberator {
+    /// Answers `request`, made at `at`. Must not touch the clock in simulation: `charged` counts work units.
+    fn deliberate(&mut self, request: &SolveRequest, at: Time) -> SolverAnswer;
+}
+
+/// Sees every step of a run, live: recorder, progress bar, Sherpa and mission bookkeeping are observers.
+pub trait Observer {
+    /// One executive step: the batch that went in and the effects that came out.
+    ///
+    /// # Errors
+    /// A sentence when going on would lose data (an unwritable record); the run stops.
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String>;
+}
