@@ -6,7 +6,9 @@
 //!
 //! This crate imports no other crate of Apex. It holds no clock, no I/O, no randomness.
 
+pub mod agent;
 pub mod because;
+pub mod bindings;
 pub mod condition;
 pub mod effect;
 pub mod event;

@@ -214,7 +214,11 @@ impl Quantity {
     /// `number` of `unit`.
     pub fn of(number: f64, unit: &'static Unit) -> Quantity {
         let index = UNITS.iter().position(|each| std::ptr::eq(each, unit));
-        Quantity { si: number * unit.factor, dimension: unit.dimension, unit: index.and_then(|index| u8::try_from(index).ok()) }
+        Quantity {
+            si: number * unit.factor,
+            dimension: unit.dimension,
+            unit: index.and_then(|index| u8::try_from(index).ok()),
+        }
     }
 
     /// A quantity given in SI that prints in its dimension's SI unit.

@@ -1,0 +1,54 @@
+//! Variable bindings of a context: small, ordered by first binding, searched linearly.
+
+use crate::symbol::Symbol;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Variables (named without `?`) and their values.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bindings(Vec<(Symbol, Value)>);
+
+impl Bindings {
+    /// No bindings.
+    pub fn new() -> Bindings {
+        Bindings::default()
+    }
+
+    /// The value of `name`.
+    pub fn get(&self, name: &Symbol) -> Option<&Value> {
+        self.0.iter().find(|(key, _)| key == name).map(|(_, value)| value)
+    }
+
+    /// Binds `name`, replacing an earlier value.
+    pub fn set(&mut self, name: Symbol, value: Value) {
+        match self.0.iter_mut().find(|(key, _)| *key == name) {
+            Some((_, slot)) => *slot = value,
+            None => self.0.push((name, value)),
+        }
+    }
+
+    /// Removes the binding of `name`.
+    pub fn remove(&mut self, name: &Symbol) {
+        self.0.retain(|(key, _)| key != name);
+    }
+
+    /// Pairs in order of first binding.
+    pub fn iter(&self) -> impl Iterator<Item = (&Symbol, &Value)> {
+        self.0.iter().map(|(name, value)| (name, value))
+    }
+
+    /// How many variables are bound.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// True without any binding.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Drops all bindings after the first `length`: undoes a failed branch of a match.
+    pub fn truncate(&mut self, length: usize) {
+        self.0.truncate(length);
+    }
+}
