@@ -9,6 +9,7 @@
 pub mod agent;
 pub mod because;
 pub mod bindings;
+pub mod builtins;
 pub mod condition;
 pub mod effect;
 pub mod event;
@@ -22,6 +23,7 @@ pub mod procedure;
 pub mod quantity;
 pub mod solver;
 pub mod source;
+pub mod support;
 pub mod symbol;
 pub mod task;
 pub mod time;

@@ -140,7 +140,7 @@ const fn unit(name: &'static str, aliases: &'static [&'static str], dimension: D
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// Every unit that PDL knows. `FL` is written before its number (`FL120`).
-pub const UNITS: &[Unit] = &[
+pub static UNITS: &[Unit] = &[
     unit("ns", &["nanosecond", "nanoseconds"], Dimension::TIME, 1e-9),
     unit("us", &["microsecond", "microseconds"], Dimension::TIME, 1e-6),
     unit("ms", &["millisecond", "milliseconds", "msec", "msecs"], Dimension::TIME, 1e-3),

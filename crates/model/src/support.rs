@@ -1,0 +1,52 @@
+//! What the executive cannot do yet: the checker refuses it with a clear message, nothing is ignored silently.
+//!
+//! Each function answers with the name of the unsupported construct as its author writes it.
+
+use crate::condition::{Condition, ConditionKind, EpisodeCondition};
+use crate::procedure::{Procedure, Step};
+
+/// The first construct of `condition` (its parts included) that the executive cannot evaluate.
+pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
+    match &condition.kind {
+        ConditionKind::Measurement(measurement) => measurement.estimation.as_ref().map(|_| ":estimation"),
+        ConditionKind::Episode(episode) => unsupported_episode(episode),
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
+            parts.iter().find_map(unsupported_condition)
+        }
+        ConditionKind::Not(part) => unsupported_condition(part),
+        ConditionKind::Absent(..) => Some(":absent"),
+        ConditionKind::Allen { .. } => Some("an Allen relation"),
+        ConditionKind::Function(_) => Some(":function"),
+        ConditionKind::Probing { .. } => Some(":probing"),
+        ConditionKind::Cyclic { .. } => Some(":cyclic"),
+        ConditionKind::Delay(..)
+        | ConditionKind::Timestamp(..)
+        | ConditionKind::Event { .. }
+        | ConditionKind::TaskEnded(_)
+        | ConditionKind::TaskState { .. } => None,
+    }
+}
+
+fn unsupported_episode(episode: &EpisodeCondition) -> Option<&'static str> {
+    if !episode.stats.is_empty() {
+        Some(":stats")
+    } else if !episode.trend.is_empty() {
+        Some(":trend")
+    } else if !episode.first_value.is_empty() {
+        Some(":first-value")
+    } else if !episode.last_value.is_empty() {
+        Some(":last-value")
+    } else {
+        None
+    }
+}
+
+/// The first clause of `step` itself (not of its conditions) that the executive cannot carry out.
+pub fn unsupported_step(_step: &Step) -> Option<&'static str> {
+    None
+}
+
+/// The first clause of `procedure` itself (not of its steps or conditions) that the executive cannot carry out.
+pub fn unsupported_procedure(_procedure: &Procedure) -> Option<&'static str> {
+    None
+}
