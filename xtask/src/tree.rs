@@ -1,0 +1,87 @@
+//! The project's texts, read once: every rule works on this list.
+
+use std::fs;
+use std::path::Path;
+
+/// Folders that hold nothing written by hand.
+const SKIPPED_FOLDERS: &[&str] =
+    &["target", "node_modules", "dist", ".git", ".venv", "test-results", "playwright-report", "pictures"];
+/// Endings of texts that rules look at.
+const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte"];
+
+/// One text of the project.
+#[derive(Clone, Debug)]
+pub(crate) struct Text {
+    /// Path from the project's top folder, with `/`.
+    pub(crate) path: String,
+    /// The whole text.
+    pub(crate) body: String,
+}
+
+impl Text {
+    /// A text for a rule's own tests.
+    #[cfg(test)]
+    pub(crate) fn sample(path: &str, body: &str) -> Text {
+        Text { path: path.into(), body: body.into() }
+    }
+}
+
+/// All texts below `root`, in order of path.
+///
+/// # Errors
+/// The file or folder that cannot be read.
+pub(crate) fn read(root: &Path) -> Result<Vec<Text>, String> {
+    let mut texts = Vec::new();
+    collect(root, "", &mut texts)?;
+    texts.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(texts)
+}
+
+/// The text at `path`, if there is one.
+pub(crate) fn find<'a>(texts: &'a [Text], path: &str) -> Option<&'a Text> {
+    texts.iter().find(|text| text.path == path)
+}
+
+/// Names of the folders directly below `folder` that hold at least one text, in order.
+pub(crate) fn folders_below(texts: &[Text], folder: &str) -> Vec<String> {
+    let prefix = format!("{folder}/");
+    let mut names: Vec<String> = texts
+        .iter()
+        .filter_map(|text| text.path.strip_prefix(&prefix))
+        .filter_map(|rest| rest.split_once('/').map(|(name, _)| format!("{prefix}{name}")))
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+fn collect(folder: &Path, prefix: &str, texts: &mut Vec<Text>) -> Result<(), String> {
+    let entries = fs::read_dir(folder).map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
+    for entry in entries {
+        let entry = entry.map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let kind = entry.file_type().map_err(|error| format!("cannot read {name}: {error}"))?;
+        let path = format!("{prefix}{name}");
+        if kind.is_dir() {
+            if !SKIPPED_FOLDERS.contains(&name.as_str()) {
+                collect(&entry.path(), &format!("{path}/"), texts)?;
+            }
+        } else if kind.is_file() && ENDINGS.iter().any(|ending| name.ends_with(ending)) {
+            let body = fs::read_to_string(entry.path()).map_err(|error| format!("cannot read {path}: {error}"))?;
+            texts.push(Text { path, body });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_listed_once() {
+        let texts =
+            [Text::sample("crates/a/x.rs", ""), Text::sample("crates/a/y.rs", ""), Text::sample("crates/z", "")];
+        assert_eq!(folders_below(&texts, "crates"), ["crates/a"]);
+    }
+}
