@@ -1,0 +1,240 @@
+//! The single-visit problem: see a subset of targets once each, in the best order and way (paper, section II.B).
+
+use super::{AirspaceZone, LandingPlace, LeftOut, Position, TimeWindow, WindField};
+use serde::{Deserialize, Serialize};
+
+/// Choose targets, order and manoeuvres so that the mission score is highest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SingleVisitProblem {
+    /// What may be observed; names are unique.
+    pub targets: Vec<SingleVisitTarget>,
+    /// What flies.
+    pub vehicle: SingleVisitVehicle,
+    /// Where the vehicle is when the plan begins.
+    pub start: Position,
+    /// At which altitude above mean sea level.
+    pub start_altitude_m: f64,
+    /// When the plan begins.
+    pub start_s: f64,
+    /// Where it must end; none is anywhere.
+    pub base: Option<Position>,
+    /// Time after which the vehicle must be down; none leaves it to endurance and fuel.
+    pub end_s: Option<f64>,
+    /// Civil time (seconds since 1970-01-01T00:00Z) of the problem's time zero: the sun needs it.
+    pub zero_unix_s: f64,
+    /// `(earlier, later)`: if `later` is observed, then after `earlier`.
+    pub precedence: Vec<(String, String)>,
+    /// Airspace to keep out of and to stay in.
+    pub zones: Vec<AirspaceZone>,
+    /// Distance kept from zones' edges.
+    pub zone_margin_m: f64,
+    /// Emergency landing places.
+    pub landing_places: Vec<LandingPlace>,
+    /// Never farther than this from the nearest landing place; none is no limit.
+    pub landing_distance_m_max: Option<f64>,
+    /// The wind as forecast.
+    pub wind: WindField,
+    /// Who works on the mission: their hours cost.
+    pub crew: Vec<CrewMember>,
+    /// What failure would cost.
+    pub failure: FailureTerm,
+}
+
+/// Something to be observed once.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SingleVisitTarget {
+    /// Its name.
+    pub name: String,
+    /// Its middle.
+    pub position: Position,
+    /// Worth of a perfect observation.
+    pub value: f64,
+    /// Ways to observe it, best guess first; at least one.
+    pub manoeuvres: Vec<Manoeuvre>,
+    /// The observation must begin in one of these; empty is any time.
+    pub windows: Vec<TimeWindow>,
+    /// Light wanted from beginning to end of the observation.
+    pub light: Light,
+    /// `(time_s, factor 0..1)` by rising time: the timing factor `o(t)` of an observation that begins at `time_s`;
+    /// straight between points, constant outside. Empty is 1.
+    pub timing: Vec<(f64, f64)>,
+}
+
+impl SingleVisitTarget {
+    /// The timing factor of an observation that begins at `begin_s`.
+    pub fn timing_at(&self, begin_s: f64) -> f64 {
+        let after = self.timing.iter().position(|(time_s, _)| *time_s > begin_s);
+        let Some(after) = after else { return self.timing.last().map_or(1.0, |(_, factor)| *factor) };
+        let next = self.timing.get(after);
+        let before = after.checked_sub(1).and_then(|index| self.timing.get(index));
+        match (before, next) {
+            (Some((t0, f0)), Some((t1, f1))) if t1 > t0 => f0 + (f1 - f0) * (begin_s - t0) / (t1 - t0),
+            (_, Some((_, factor))) => *factor,
+            _ => 1.0,
+        }
+    }
+}
+
+/// Light that an observation needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Light {
+    /// Any.
+    #[default]
+    Any,
+    /// The sun is up.
+    Day,
+    /// The sun is at least 6 degrees below the horizon.
+    Night,
+}
+
+/// One way to observe a target: lines flown at an altitude, with what they are predicted to give.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Manoeuvre {
+    /// Its name, for example `sweep-7000m`.
+    pub name: String,
+    /// Altitude of the lines above mean sea level.
+    pub altitude_m: f64,
+    /// Straight lines `(from, to)` in order; the first `from` is the entry, the last `to` the exit. Empty means
+    /// overhead at the target's position.
+    pub lines: Vec<(Position, Position)>,
+    /// Time from entry to exit, turns included.
+    pub duration_s: f64,
+    /// Distance over ground from entry to exit.
+    pub length_m: f64,
+    /// Predicted coverage, resolution and clarity.
+    pub quality: QualityFactors,
+}
+
+/// Factors 0..1 that discount a target's value, each with its cause.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct QualityFactors {
+    /// Share of what should be seen that is seen.
+    pub coverage: QualityFactor,
+    /// Wanted against obtained resolution.
+    pub resolution: QualityFactor,
+    /// Wings level, smooth air.
+    pub clarity: QualityFactor,
+}
+
+impl QualityFactors {
+    /// The product of the three.
+    pub fn product(&self) -> f64 {
+        self.coverage.factor * self.resolution.factor * self.clarity.factor
+    }
+}
+
+/// A factor with its cause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QualityFactor {
+    /// 0 worthless .. 1 as wished.
+    pub factor: f64,
+    /// Why it is not 1, for example "roll 12 deg for 8 s on leg 3"; empty where it is.
+    pub cause: String,
+}
+
+impl Default for QualityFactor {
+    fn default() -> QualityFactor {
+        QualityFactor { factor: 1.0, cause: String::new() }
+    }
+}
+
+/// What flies, as far as a planner needs to know.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SingleVisitVehicle {
+    /// Cruise speed through the air.
+    pub true_airspeed_mps: f64,
+    /// Altitude of transit above mean sea level.
+    pub cruise_altitude_m: f64,
+    /// Rate of climb; 0 or less: altitude changes take no time.
+    pub climb_rate_mps: f64,
+    /// Rate of descent, positive; 0 or less: altitude changes take no time.
+    pub descent_rate_mps: f64,
+    /// Usable fuel when the plan begins.
+    pub fuel_kg: f64,
+    /// Fuel that must be left at the end.
+    pub fuel_reserve_kg: f64,
+    /// Fuel burnt per second of flight; 0 for no limit by fuel.
+    pub fuel_flow_kg_per_s: f64,
+    /// Flight time from the plan's beginning to empty.
+    pub endurance_s: f64,
+    /// Flight time that must be left at the end.
+    pub endurance_reserve_s: f64,
+}
+
+/// A person whose hours cost.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrewMember {
+    /// For example `sensor operator`.
+    pub role: String,
+    /// Pay per hour, in units of target value.
+    pub wage_per_hour: f64,
+    /// Hours worked whatever the flight takes (briefing, standby).
+    pub fixed_hours: f64,
+    /// Share of the flight time that they work.
+    pub flight_share: f64,
+}
+
+/// The failure term `P (R C_v + M C_m)` of the mission score.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FailureTerm {
+    /// P: probability of failure in an hour of flight; over a mission `1 - exp(-P hours)`.
+    pub probability_per_hour: f64,
+    /// R: share of the vehicle to be replaced.
+    pub vehicle_share: f64,
+    /// C_v: cost of the vehicle.
+    pub vehicle_cost: f64,
+    /// M: share of the mission lost.
+    pub mission_share: f64,
+    /// C_m: cost of the mission.
+    pub mission_cost: f64,
+}
+
+/// One observation, with the way to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedVisit {
+    /// The target's name.
+    pub target: String,
+    /// Index into the target's manoeuvres.
+    pub manoeuvre: usize,
+    /// Way points from the exit before to this entry, both included; detours around airspace are in between.
+    pub route: Vec<Position>,
+    /// When the vehicle leaves the exit before (or the start).
+    pub depart_s: f64,
+    /// When it is at the entry.
+    pub arrive_s: f64,
+    /// When the observation begins; later than arrival where it has to wait.
+    pub begin_s: f64,
+    /// When the observation ends.
+    pub end_s: f64,
+    /// The timing factor `o(t)`.
+    pub timing: f64,
+    /// Value times all factors.
+    pub worth: f64,
+}
+
+/// A subset of targets in order, with times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SingleVisitPlan {
+    /// Who made it.
+    pub solver: String,
+    /// The observations in order.
+    pub visits: Vec<PlannedVisit>,
+    /// Way points from the last exit to the base, both included; empty where there is no base.
+    pub return_route: Vec<Position>,
+    /// When the flight ends: at the base, or at the last exit where there is none.
+    pub end_s: f64,
+    /// Fuel burnt.
+    pub fuel_used_kg: f64,
+    /// Sum of the visits' worths.
+    pub benefits: f64,
+    /// Expected personnel and failure costs.
+    pub costs: f64,
+    /// Benefits minus costs: the mission score expected.
+    pub score: f64,
+    /// No plan can have more benefits than this, where a bound is known.
+    pub benefits_bound: Option<f64>,
+    /// Targets not visited, with reasons.
+    pub left_out: Vec<LeftOut>,
+    /// One line for people.
+    pub summary: String,
+}

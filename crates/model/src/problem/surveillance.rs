@@ -1,0 +1,158 @@
+//! The surveillance problem: watch targets so that the expected cost of ignorance is least (paper, sections II and V.C).
+
+use super::{LeftOut, Position};
+use serde::{Deserialize, Serialize};
+
+/// A travel time that means there is no way; finite, so that it survives JSON. Every time at or above counts.
+pub const UNREACHABLE_S: f64 = 1e15;
+
+/// Watch `targets` from time 0 to `horizon_s`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveillanceProblem {
+    /// What to watch; names are unique.
+    pub targets: Vec<SurveillanceTarget>,
+    /// How long it takes to get from place to place.
+    pub travel: TravelTimes,
+    /// End of the mission: open intervals of ignorance are closed here.
+    pub horizon_s: f64,
+    /// Must the vehicle be back at its base by the horizon (and by the end of endurance)?
+    pub return_to_base: bool,
+    /// Flight time that fuel or batteries allow, reserve already taken off; none is no limit.
+    pub endurance_s: Option<f64>,
+}
+
+/// Something to be watched.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveillanceTarget {
+    /// Its name.
+    pub name: String,
+    /// Where it is; used for features of the problem and for display, not for travel times.
+    pub position: Position,
+    /// How long one observation takes. Ignorance is reset at its end.
+    pub dwell_s: f64,
+    /// Likelihood of the event that matters.
+    pub rate: EventRate,
+    /// What it costs not to know of an event, by age of the event.
+    pub cost: CostFunction,
+    /// Time since the last observation when the mission starts; 0 is fresh.
+    pub initial_age_s: f64,
+}
+
+/// Events per second, piecewise constant (events are rare: rates add up as probabilities).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EventRate {
+    /// `(from_s, events_per_s)` by rising time; the first also holds before its time. Empty is never.
+    pub steps: Vec<(f64, f64)>,
+}
+
+impl EventRate {
+    /// The same rate for ever.
+    pub fn constant(events_per_s: f64) -> EventRate {
+        EventRate { steps: vec![(0.0, events_per_s)] }
+    }
+
+    /// Events per second at `time_s`.
+    pub fn at(&self, time_s: f64) -> f64 {
+        let later = self.steps.iter().rev().find(|(from_s, _)| *from_s <= time_s);
+        later.or_else(|| self.steps.first()).map_or(0.0, |(_, events_per_s)| *events_per_s)
+    }
+}
+
+/// Cost of not knowing of an event for `d` seconds; never falls with `d`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum CostFunction {
+    /// `cost_per_s d`.
+    Linear {
+        /// Cost of every further second.
+        cost_per_s: f64,
+    },
+    /// `maximum (1 - exp(-rate_per_s d))`.
+    Saturating {
+        /// Cost of an event that is never found.
+        maximum: f64,
+        /// How fast the cost gathers.
+        rate_per_s: f64,
+    },
+    /// Nothing before the deadline, `maximum` from then on.
+    Step {
+        /// Age at which it is too late.
+        deadline_s: f64,
+        /// Cost of being late.
+        maximum: f64,
+    },
+    /// `maximum / (1 + exp(-rate_per_s (d - midpoint_s)))`.
+    Logistic {
+        /// Cost of an event that is never found.
+        maximum: f64,
+        /// Steepness.
+        rate_per_s: f64,
+        /// Age of half the maximum.
+        midpoint_s: f64,
+    },
+    /// Straight lines between points, constant before the first and after the last.
+    Table {
+        /// `(age_s, cost)` by rising age.
+        points: Vec<(f64, f64)>,
+    },
+}
+
+/// Travel times in seconds, in general not symmetric (wind). [`UNREACHABLE_S`] is no way. Indices are those of
+/// [`SurveillanceProblem::targets`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TravelTimes {
+    /// From the start to each target.
+    pub from_start_s: Vec<f64>,
+    /// `between_s[from][to]`; the diagonal is what it takes to observe the same target again at once.
+    pub between_s: Vec<Vec<f64>>,
+    /// From each target to the base; may be empty where the problem does not ask for a return.
+    pub to_base_s: Vec<f64>,
+}
+
+impl TravelTimes {
+    /// From the start to target `to`.
+    pub fn start_to(&self, to: usize) -> f64 {
+        self.from_start_s.get(to).copied().unwrap_or(UNREACHABLE_S)
+    }
+
+    /// From target `from` to target `to`.
+    pub fn between(&self, from: usize, to: usize) -> f64 {
+        self.between_s.get(from).and_then(|row| row.get(to)).copied().unwrap_or(UNREACHABLE_S)
+    }
+
+    /// From target `from` to the base.
+    pub fn to_base(&self, from: usize) -> f64 {
+        self.to_base_s.get(from).copied().unwrap_or(UNREACHABLE_S)
+    }
+}
+
+/// One observation of one target.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveillanceVisit {
+    /// The target's name.
+    pub target: String,
+    /// When the vehicle is there and begins to observe.
+    pub arrive_s: f64,
+    /// When the observation ends and ignorance is reset.
+    pub end_s: f64,
+}
+
+/// Observations in order of time, until the horizon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveillancePlan {
+    /// Who made it.
+    pub solver: String,
+    /// The cycle that is flown again and again; empty where the plan is no cycle.
+    pub cycle: Vec<String>,
+    /// Every visit that ends by the horizon.
+    pub visits: Vec<SurveillanceVisit>,
+    /// When the vehicle is back at its base, where the problem asks for it.
+    pub return_s: Option<f64>,
+    /// Expected cost of ignorance over the horizon.
+    pub expected_cost: f64,
+    /// No plan can cost less than this, where a bound is known.
+    pub expected_cost_bound: Option<f64>,
+    /// Targets never visited, with reasons.
+    pub left_out: Vec<LeftOut>,
+    /// One line for people.
+    pub summary: String,
+}
