@@ -1,0 +1,111 @@
+# The daily commands. CI calls the same names and nothing else. `make help` lists them.
+# Everything is built inside the clone; only Chromium (for the page's tests) is installed from the system's packages.
+
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-builtin-rules
+
+MISSION ?= western-states
+MISSIONS := first-picture structure-watch western-states
+SEED ?= 1
+TARGET := $(or $(CARGO_TARGET_DIR),target)
+APEX := $(TARGET)/release/apex
+# Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.
+CI_PROFILE := --profile ci
+CI_APEX := $(TARGET)/ci/apex
+FLIGHTS := $(TARGET)/flights
+RECORD ?= $(MISSION).apex
+WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
+
+.PHONY: help build fly test check web bench spec sim nightly clean
+.PHONY: rust-lints rust-tests web-checks web-tests flights page-tests chromium
+
+help: ## List the commands.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 18
+
+build: web ## Build the command with its web page: target/release/apex.
+	cargo build --locked --release --package apex-cli
+
+fly: build ## Fly MISSION=western-states and record it; OPEN=1 then shows it in Sherpa.
+	$(APEX) fly missions/$(MISSION) --record $(RECORD)
+	@if [ -n "$(OPEN)" ]; then $(APEX) serve $(RECORD) --open; \
+	else echo "Look at it: $(APEX) serve $(RECORD)   or ask: $(APEX) trace $(RECORD) --type transition"; fi
+
+check: rust-lints web-checks ## Format, lints, house rules; nothing is run.
+
+test: ## Everything that CI runs: check, tests, spec pages, flights with replay, the page in a browser.
+	$(MAKE) web
+	$(MAKE) --jobs=2 --output-sync=target rust-lints web-checks web-tests
+	$(MAKE) rust-tests
+	$(MAKE) flights
+	$(MAKE) page-tests
+
+spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (review the diff).
+	UPDATE=$(UPDATE) cargo test --locked $(CI_PROFILE) --package apex-spec
+
+bench: ## Measure latency, throughput and load time.
+	cargo bench --locked --package apex-benches
+
+sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
+	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
+
+nightly: test build ## What is too slow for every change: many seeds, replay across builds, measurements.
+	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
+	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
+	$(MAKE) bench
+
+web: web/dist/index.html ## Build the web page.
+
+clean: ## Remove everything that was built.
+	rm -rf $(TARGET) web/dist web/node_modules web/test-results
+
+# --- parts of the above -------------------------------------------------------------------------------------------
+
+web/node_modules/.installed: web/package.json web/package-lock.json
+	cd web && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
+
+web/dist/index.html: web/node_modules/.installed $(WEB_SOURCES)
+	cd web && npm run --silent build
+	touch $@
+
+# The server embeds web/dist when it is compiled, so the page comes first.
+rust-lints: web/dist/index.html
+	cargo fmt --all --check
+	cargo xtask tidy
+	cargo clippy --locked --quiet $(CI_PROFILE) --workspace --all-targets -- -D warnings
+
+rust-tests: web/dist/index.html
+	cargo test --locked --quiet $(CI_PROFILE) --workspace
+
+web-checks: web/node_modules/.installed
+	cd web && npm run --silent check
+
+web-tests: web/node_modules/.installed
+	cd web && npm test --silent
+
+.PHONY: $(CI_APEX)
+$(CI_APEX): web/dist/index.html
+	cargo build --locked --quiet $(CI_PROFILE) --package apex-cli
+
+# $(call fly_all,APEX,FOLDER,OPTIONS): every mission is flown headless, then replayed and compared, two at a time.
+define fly_all
+	mkdir -p $(2)
+	printf '%s\n' $(MISSIONS) | xargs -P 2 -I {} bash -c \
+	  'set -euo pipefail; $(1) fly missions/{} --record $(2)/{}.apex --no-progress $(3) > $(2)/{}.txt \
+	   || { echo "flight of {} failed:"; cat $(2)/{}.txt; exit 1; }; $(1) replay $(2)/{}.apex'
+endef
+
+flights: $(CI_APEX)
+	rm -rf $(FLIGHTS)
+	$(call fly_all,$(CI_APEX),$(FLIGHTS),)
+
+page-tests: $(CI_APEX) web/node_modules/.installed chromium
+	[ -f $(FLIGHTS)/western-states.apex ] || $(MAKE) flights
+	cd web && APEX_BINARY=$(abspath $(CI_APEX)) APEX_RECORD=$(abspath $(FLIGHTS)/western-states.apex) npm run --silent e2e
+
+chromium:
+	@if ! command -v chromium > /dev/null; then \
+	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium; \
+	  else echo "The page's tests need Chromium: install the package 'chromium' and try again." >&2; exit 1; fi; fi
