@@ -1,1 +1,13 @@
-//! apex-geo
+//! Geodesy, wind, airspace, coverage and the sun: pure functions over the plain data of `apex_model::problem`.
+//!
+//! No state, no clock, no randomness. Trigonometry goes through `libm`, so that results are equal on every platform;
+//! the one exception is `geographiclib-rs` (geodesics on WGS84).
+
+pub mod airspace;
+pub mod coverage;
+pub mod functions;
+pub mod geodesy;
+pub mod landing;
+pub mod plane;
+pub mod sun;
+pub mod wind;

@@ -1,0 +1,221 @@
+//! Wind: queries of a wind field, the wind triangle, and leg times through wind.
+//!
+//! Bound: a query is O(layers); a leg is O(sub-steps x layers) with at most [`LEG_STEPS_MAX`] sub-steps.
+
+use crate::geodesy::{self, Position, RAD_PER_DEG, wrap_360};
+use apex_model::problem::TimeWindow;
+pub use apex_model::problem::{WindField, WindLayer};
+
+/// Wind at one place, altitude and time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wind {
+    /// Air moves east at this speed.
+    pub east_mps: f64,
+    /// Air moves north at this speed.
+    pub north_mps: f64,
+    /// 0 smooth .. 1 severe.
+    pub turbulence: f64,
+}
+
+/// Flying along a track through wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindTriangle {
+    /// Speed over ground along the track.
+    pub ground_speed_mps: f64,
+    /// Where the nose points, clockwise from north, 0..360.
+    pub heading_deg: f64,
+}
+
+/// Sub-steps of one leg: with [`LEG_STEP_M`], legs up to 5,000 km are cut finely and longer ones coarser.
+pub const LEG_STEPS_MAX: usize = 200;
+/// Length of a sub-step: wind layers are far wider.
+pub const LEG_STEP_M: f64 = 25_000.0;
+/// Slower progress over ground than this counts as not flyable.
+pub const GROUND_SPEED_MPS_MIN: f64 = 1.0;
+
+/// The wind at a place, altitude (above mean sea level) and time. Later layers win over earlier ones; still air where
+/// no layer holds. With `blend`, wind is interpolated between the middles of the layers that hold here and now.
+pub fn at(field: &WindField, position: Position, altitude_m: f64, time_s: f64) -> Wind {
+    let here = |layer: &&WindLayer| {
+        let window = TimeWindow { from_s: layer.from_s, until_s: layer.until_s };
+        window.contains(time_s) && layer.area.is_none_or(|area| area.contains(position))
+    };
+    if field.blend {
+        return blended(field.layers.iter().filter(here), altitude_m);
+    }
+    let holds = |layer: &&WindLayer| layer.altitude_m_min <= altitude_m && altitude_m < layer.altitude_m_max;
+    field.layers.iter().rev().filter(here).find(holds).map(wind_of).unwrap_or_default()
+}
+
+fn wind_of(layer: &WindLayer) -> Wind {
+    Wind { east_mps: layer.wind_east_mps, north_mps: layer.wind_north_mps, turbulence: layer.turbulence }
+}
+
+/// Interpolates between the nearest layer middles below and above; the outermost hold to the ground and to space.
+fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> Wind {
+    let middle_m = |layer: &WindLayer| 0.5 * (layer.altitude_m_min + layer.altitude_m_max);
+    let (mut below, mut above): (Option<&WindLayer>, Option<&WindLayer>) = (None, None);
+    for layer in layers {
+        let middle = middle_m(layer);
+        if middle <= altitude_m {
+            if below.is_none_or(|best| middle_m(best) <= middle) {
+                below = Some(layer);
+            }
+        } else if above.is_none_or(|best| middle <= middle_m(best)) {
+            above = Some(layer);
+        }
+    }
+    match (below, above) {
+        (Some(low), Some(high)) => {
+            let share = (altitude_m - middle_m(low)) / (middle_m(high) - middle_m(low));
+            let (low, high) = (wind_of(low), wind_of(high));
+            Wind {
+                east_mps: low.east_mps + share * (high.east_mps - low.east_mps),
+                north_mps: low.north_mps + share * (high.north_mps - low.north_mps),
+                turbulence: low.turbulence + share * (high.turbulence - low.turbulence),
+            }
+        }
+        (Some(only), None) | (None, Some(only)) => wind_of(only),
+        (None, None) => Wind::default(),
+    }
+}
+
+/// Ground speed and heading for flying `track_deg` at `true_airspeed_mps`; none where the wind is too strong to hold
+/// the track or to get on along it.
+pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<WindTriangle> {
+    let track_rad = track_deg * RAD_PER_DEG;
+    let (sine, cosine) = (libm::sin(track_rad), libm::cos(track_rad));
+    let tail_mps = wind.east_mps * sine + wind.north_mps * cosine;
+    let from_left_mps = wind.east_mps * cosine - wind.north_mps * sine;
+    let squared = true_airspeed_mps * true_airspeed_mps - from_left_mps * from_left_mps;
+    if !(true_airspeed_mps > 0.0 && squared > 0.0) {
+        return None;
+    }
+    let forward_mps = libm::sqrt(squared);
+    let ground_speed_mps = forward_mps + tail_mps;
+    let heading_deg = wrap_360(track_deg - libm::atan2(from_left_mps, forward_mps) / RAD_PER_DEG);
+    (ground_speed_mps >= GROUND_SPEED_MPS_MIN).then_some(WindTriangle { ground_speed_mps, heading_deg })
+}
+
+/// Time to fly the geodesic from `from` to `to` through the field, leaving at `start_s`: integrated in sub-steps by the
+/// midpoint rule. None where some part cannot be flown (or an argument is not finite).
+pub fn leg_time_s(
+    from: Position,
+    to: Position,
+    altitude_m: f64,
+    true_airspeed_mps: f64,
+    field: &WindField,
+    start_s: f64,
+) -> Option<f64> {
+    let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
+    if distance_m == 0.0 {
+        return Some(0.0);
+    }
+    if !distance_m.is_finite() || !(true_airspeed_mps > 0.0) {
+        return None;
+    }
+    if field.layers.is_empty() {
+        return Some(distance_m / true_airspeed_mps);
+    }
+    let steps = ((distance_m / LEG_STEP_M) as usize + 1).min(LEG_STEPS_MAX);
+    let step_m = distance_m / steps as f64;
+    let mut elapsed_s = 0.0;
+    for step in 0..steps {
+        let middle = geodesy::destination(from, azimuth_deg, (step as f64 + 0.5) * step_m);
+        let track_deg = geodesy::azimuth_deg(middle, to);
+        let guess_s = start_s + elapsed_s + 0.5 * step_m / true_airspeed_mps;
+        let wind = at(field, middle, altitude_m, guess_s);
+        elapsed_s += step_m / triangle(track_deg, true_airspeed_mps, wind)?.ground_speed_mps;
+    }
+    Some(elapsed_s)
+}
+
+/// Time to fly a route of straight legs at one altitude, leaving its first point at `start_s`. See [`leg_time_s`].
+pub fn route_time_s(
+    route: &[Position],
+    altitude_m: f64,
+    true_airspeed_mps: f64,
+    field: &WindField,
+    start_s: f64,
+) -> Option<f64> {
+    route.iter().zip(route.iter().skip(1)).try_fold(0.0, |elapsed_s, (from, to)| {
+        let leg_s = leg_time_s(*from, *to, altitude_m, true_airspeed_mps, field, start_s + elapsed_s)?;
+        Some(elapsed_s + leg_s)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::problem::FOREVER_S;
+
+    fn layer(low: f64, high: f64, east: f64, north: f64) -> WindLayer {
+        WindLayer {
+            area: None,
+            altitude_m_min: low,
+            altitude_m_max: high,
+            from_s: 0.0,
+            until_s: FOREVER_S,
+            wind_east_mps: east,
+            wind_north_mps: north,
+            turbulence: 0.2,
+        }
+    }
+
+    #[test]
+    fn head_tail_and_cross_wind() {
+        let west_wind = Wind { east_mps: 30.0, north_mps: 0.0, turbulence: 0.0 };
+        let east = triangle(90.0, 50.0, west_wind).unwrap();
+        assert!((east.ground_speed_mps - 80.0).abs() < 1e-9 && (east.heading_deg - 90.0).abs() < 1e-9);
+        let north = triangle(0.0, 50.0, west_wind).unwrap();
+        assert!((north.ground_speed_mps - 40.0).abs() < 1e-9);
+        assert!((north.heading_deg - 323.130_102).abs() < 1e-5, "the nose points into the wind: {north:?}");
+        assert_eq!(triangle(270.0, 30.5, west_wind), None);
+        assert_eq!(triangle(0.0, 29.0, west_wind), None);
+        assert_eq!(triangle(0.0, f64::NAN, west_wind), None);
+    }
+
+    #[test]
+    fn later_layers_win_and_outside_is_still() {
+        let field =
+            WindField { layers: vec![layer(0.0, 9000.0, 5.0, 0.0), layer(6000.0, 8000.0, 20.0, 1.0)], blend: false };
+        let here = Position::new(40.0, -120.0);
+        assert_eq!(at(&field, here, 7000.0, 1.0).east_mps, 20.0);
+        assert_eq!(at(&field, here, 1000.0, 1.0).east_mps, 5.0);
+        assert_eq!(at(&field, here, 9000.0, 1.0), Wind::default());
+        assert_eq!(at(&field, here, 1000.0, -1.0), Wind::default());
+    }
+
+    #[test]
+    fn blending_is_linear_between_middles() {
+        let field =
+            WindField { layers: vec![layer(0.0, 2000.0, 0.0, 0.0), layer(2000.0, 4000.0, 10.0, 4.0)], blend: true };
+        let here = Position::new(40.0, -120.0);
+        assert_eq!(at(&field, here, 2000.0, 0.0).east_mps, 5.0);
+        assert_eq!(at(&field, here, 500.0, 0.0).east_mps, 0.0);
+        assert_eq!(at(&field, here, 9500.0, 0.0).east_mps, 10.0);
+    }
+
+    #[test]
+    fn wind_makes_the_way_back_longer_than_the_way_out() {
+        let field = WindField { layers: vec![layer(0.0, 9000.0, 25.0, 0.0)], blend: false };
+        let (west, east) = (Position::new(40.0, -120.0), Position::new(40.0, -110.0));
+        let out = leg_time_s(west, east, 7000.0, 95.0, &field, 0.0).unwrap();
+        let back = leg_time_s(east, west, 7000.0, 95.0, &field, 0.0).unwrap();
+        let still = leg_time_s(west, east, 7000.0, 95.0, &WindField::default(), 0.0).unwrap();
+        assert!(out < still && still < back);
+        assert!((still - geodesy::distance_m(west, east) / 95.0).abs() < 1e-9);
+        assert_eq!(leg_time_s(east, west, 7000.0, 20.0, &field, 0.0), None);
+    }
+
+    #[test]
+    fn wind_that_turns_off_is_noticed_on_the_way() {
+        let mut gust = layer(0.0, 9000.0, -40.0, 0.0);
+        gust.until_s = 3600.0;
+        let field = WindField { layers: vec![gust], blend: false };
+        let (west, east) = (Position::new(40.0, -120.0), Position::new(40.0, -110.0));
+        let now = leg_time_s(west, east, 7000.0, 95.0, &field, 0.0).unwrap();
+        let later = leg_time_s(west, east, 7000.0, 95.0, &field, 3600.0).unwrap();
+        assert!(now > later + 1000.0);
+    }
+}
