@@ -1,5 +1,8 @@
 //! The executive: one door in, one door out.
 
+mod expression;
+mod monitoring;
+
 pub use apex_model::agent::Agent;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;

@@ -36,3 +36,11 @@ pub const LIST_ITEMS_MAX: usize = 1_000_000;
 pub const SOLVE_REQUESTS_MAX: usize = 64;
 /// Seconds after which a command without an answer has failed, where the primitive gives no timeout.
 pub const COMMAND_TIMEOUT_DEFAULT_S: i64 = 6 * 3600;
+/// Samples of one variable kept aside because they came too late: enough to see the pattern of a bad link.
+pub const LATE_SAMPLES_MAX: usize = 64;
+/// Results that one part of a condition remembers for combination with other parts; the oldest go first.
+pub const MONITOR_RESULTS_MAX: usize = 4_096;
+/// Combinations of results tried for one composite condition at one instant.
+pub const MONITOR_COMBINATIONS_MAX: u64 = 100_000;
+/// Objects that one condition with an object variable follows.
+pub const MONITOR_OBJECTS_MAX: usize = 10_000;

@@ -1,0 +1,442 @@
+//! Histories: what was measured and what happened, as far back as somebody may still ask (paper, section III).
+//!
+//! A history is a ring of samples in order of time. How much is kept follows from what conditions, queries and log
+//! policies ask for, within the hard limits of [`crate::limits`]. What was dropped is remembered as one instant, so
+//! that a question about the time before it is answered with "unknown", never with "no".
+
+use crate::event::StateVariable;
+use crate::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
+use crate::symbol::Symbol;
+use crate::time::{Duration, Time};
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, VecDeque};
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// When it was measured.
+    pub at: Time,
+    /// Arrival number of its event.
+    pub sequence: u64,
+    /// The value.
+    pub value: Value,
+}
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Occurrence {
+    /// When it happened.
+    pub at: Time,
+    /// Arrival number of its event.
+    pub sequence: u64,
+    /// Its form.
+    pub form: Value,
+}
+
+/// What recording did with a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recorded {
+    /// Newer than all before.
+    Appended,
+    /// Late, but within the variable's lateness: put in order.
+    Inserted,
+    /// Another value for an instant already known: the later arrival wins.
+    Replaced,
+    /// The same value for the same instant: nothing new.
+    Repeated,
+    /// Later than the variable's lateness allows: kept aside.
+    TooLate,
+    /// Not a number: a missing measurement.
+    Missing,
+}
+
+/// The samples of one state variable and what became of the odd ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    samples: VecDeque<Sample>,
+    late: VecDeque<Sample>,
+    /// Samples that came later than the variable's lateness allows.
+    pub late_count: u64,
+    /// Samples that replaced another value of the same instant.
+    pub replaced_count: u64,
+    /// Samples that were not a number.
+    pub missing_count: u64,
+    /// The newest instant of a sample that is no longer kept.
+    pub forgotten_until: Option<Time>,
+    retention: Retention,
+}
+
+/// How much of a history is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Retention {
+    lookback: Duration,
+    lateness: Duration,
+    log_time: Duration,
+    log_count: u64,
+    /// The smallest spacing of samples kept for logs alone; zero keeps all.
+    log_spacing: Duration,
+}
+
+/// Limits of one open `(log ..)` policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OpenLog {
+    /// Whose samples are logged.
+    pub variable: StateVariable,
+    /// Not more often than this; zero keeps all.
+    pub spacing: Duration,
+    /// Not longer than this.
+    pub time: Duration,
+    /// Not more samples than this.
+    pub count: u64,
+}
+
+/// All histories of an agent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Histories {
+    variables: BTreeMap<StateVariable, History>,
+    lookbacks: BTreeMap<Symbol, Duration>,
+    logs: BTreeMap<u64, OpenLog>,
+    next_log: u64,
+    events: VecDeque<Occurrence>,
+    events_forgotten_until: Option<Time>,
+    event_lookback: Duration,
+}
+
+impl History {
+    /// All samples kept, oldest first.
+    pub fn samples(&self) -> impl DoubleEndedIterator<Item = &Sample> + ExactSizeIterator {
+        self.samples.iter()
+    }
+
+    /// Samples kept aside because they came too late, in order of arrival.
+    pub fn late_samples(&self) -> impl Iterator<Item = &Sample> {
+        self.late.iter()
+    }
+
+    /// The newest sample.
+    pub fn newest(&self) -> Option<&Sample> {
+        self.samples.back()
+    }
+
+    /// The latest sample at or before `instant`.
+    pub fn at(&self, instant: Time) -> Option<&Sample> {
+        self.samples.partition_point(|sample| sample.at <= instant).checked_sub(1).and_then(|index| self.samples.get(index))
+    }
+
+    /// The latest sample strictly before `instant`.
+    pub fn before(&self, instant: Time) -> Option<&Sample> {
+        self.samples.partition_point(|sample| sample.at < instant).checked_sub(1).and_then(|index| self.samples.get(index))
+    }
+
+    /// Samples with `start <= at <= end`, oldest first.
+    pub fn between(&self, start: Time, end: Time) -> impl DoubleEndedIterator<Item = &Sample> {
+        let first = self.samples.partition_point(|sample| sample.at < start);
+        let last = self.samples.partition_point(|sample| sample.at <= end).max(first);
+        self.samples.range(first..last)
+    }
+
+    /// True when every sample at or after `instant` is still kept.
+    pub fn covers(&self, instant: Time) -> bool {
+        self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
+    }
+
+    fn record(&mut self, sample: Sample) -> Recorded {
+        if matches!(&sample.value, Value::Real(real) if real.is_nan())
+            || matches!(&sample.value, Value::Quantity(quantity) if quantity.si.is_nan())
+        {
+            self.missing_count = self.missing_count.saturating_add(1);
+            return Recorded::Missing;
+        }
+        let newest = self.samples.back().map(|newest| newest.at);
+        let recorded = match newest {
+            Some(newest) if sample.at <= newest => self.record_out_of_order(sample, newest),
+            _ => {
+                self.samples.push_back(sample);
+                Recorded::Appended
+            }
+        };
+        self.trim();
+        recorded
+    }
+
+    fn record_out_of_order(&mut self, sample: Sample, newest: Time) -> Recorded {
+        let index = self.samples.partition_point(|kept| kept.at < sample.at);
+        if let Some(kept) = self.samples.get_mut(index).filter(|kept| kept.at == sample.at) {
+            if kept.value.equals(&sample.value) {
+                return Recorded::Repeated;
+            }
+            *kept = sample;
+            self.replaced_count = self.replaced_count.saturating_add(1);
+            return Recorded::Replaced;
+        }
+        if newest - sample.at > self.retention.lateness || !self.covers(sample.at) {
+            self.late_count = self.late_count.saturating_add(1);
+            self.late.push_back(sample);
+            if self.late.len() > LATE_SAMPLES_MAX {
+                self.late.pop_front();
+            }
+            return Recorded::TooLate;
+        }
+        self.samples.insert(index, sample);
+        Recorded::Inserted
+    }
+
+    /// Drops what nobody may ask for any more; constant time on average.
+    fn trim(&mut self) {
+        self.thin();
+        let Some(newest) = self.samples.back().map(|sample| sample.at) else { return };
+        let Retention { lookback, lateness, log_time, log_count, .. } = self.retention;
+        let needed_from = newest - (lookback + lateness);
+        let log_from = newest - log_time;
+        let log_count = usize::try_from(log_count).unwrap_or(usize::MAX);
+        while self.samples.len() > HISTORY_SAMPLES_DEFAULT {
+            let Some(oldest) = self.samples.front().map(|sample| sample.at) else { return };
+            // The sample before the window's edge is kept too: it is the value that held at the edge.
+            let next = self.samples.get(1).map_or(oldest, |sample| sample.at);
+            let asked = lookback > Duration::ZERO && next > needed_from;
+            let logged = log_count >= self.samples.len() && oldest >= log_from;
+            if (asked || logged) && self.samples.len() <= HISTORY_SAMPLES_MAX {
+                return;
+            }
+            self.samples.pop_front();
+            self.forget(oldest);
+        }
+    }
+
+    /// Keeps samples that only logs want no denser than the densest log asks.
+    fn thin(&mut self) {
+        let Retention { lookback, log_spacing, .. } = self.retention;
+        if lookback > Duration::ZERO || log_spacing == Duration::ZERO {
+            return;
+        }
+        let Some(index) = self.samples.len().checked_sub(HISTORY_SAMPLES_DEFAULT + 1).filter(|index| *index > 0) else {
+            return;
+        };
+        let close = match (self.samples.get(index - 1), self.samples.get(index)) {
+            (Some(before), Some(sample)) => sample.at - before.at < log_spacing,
+            _ => false,
+        };
+        if close && let Some(dropped) = self.samples.remove(index) {
+            self.forget(dropped.at);
+        }
+    }
+
+    fn forget(&mut self, at: Time) {
+        self.forgotten_until = Some(self.forgotten_until.map_or(at, |before| before.max(at)));
+    }
+}
+
+impl Histories {
+    /// The history of `variable`, if it was ever measured.
+    pub fn get(&self, variable: &StateVariable) -> Option<&History> {
+        self.variables.get(variable)
+    }
+
+    /// All variables ever measured, in order, with their histories.
+    pub fn iter(&self) -> impl Iterator<Item = (&StateVariable, &History)> {
+        self.variables.iter()
+    }
+
+    /// The variables of one attribute, in order of their objects.
+    pub fn of_attribute(&self, attribute: &Symbol) -> impl Iterator<Item = (&StateVariable, &History)> {
+        // `Value::Integer(i64::MIN)` is the least value of the structural order.
+        let first = StateVariable { attribute: attribute.clone(), object: Value::Integer(i64::MIN) };
+        let attribute = attribute.clone();
+        self.variables.range(first..).take_while(move |(variable, _)| variable.attribute == attribute)
+    }
+
+    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all).
+    pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> Recorded {
+        if let Some(history) = self.variables.get_mut(variable) {
+            history.retention.lateness = lateness;
+            return history.record(sample);
+        }
+        let mut history = History { retention: self.retention_of(variable), ..History::default() };
+        history.retention.lateness = lateness;
+        let recorded = history.record(sample);
+        self.variables.insert(variable.clone(), history);
+        recorded
+    }
+
+    /// Puts a message into the memory of events.
+    pub fn record_event(&mut self, event: Occurrence) {
+        let index = self.events.partition_point(|kept| kept.at <= event.at);
+        self.events.insert(index, event);
+        while let Some(oldest) = self.events.front().map(|event| event.at) {
+            let newest = self.events.back().map_or(oldest, |event| event.at);
+            if self.events.len() <= EVENT_HISTORY_MAX && newest - oldest <= self.event_lookback {
+                return;
+            }
+            self.events.pop_front();
+            self.events_forgotten_until = Some(self.events_forgotten_until.map_or(oldest, |before| before.max(oldest)));
+        }
+    }
+
+    /// Remembered messages with `start <= at`, in order of time and, within an instant, of arrival.
+    pub fn events_from(&self, start: Time) -> impl Iterator<Item = &Occurrence> {
+        let first = self.events.partition_point(|event| event.at < start);
+        self.events.range(first..)
+    }
+
+    /// True when every message at or after `instant` is still remembered.
+    pub fn events_cover(&self, instant: Time) -> bool {
+        self.events_forgotten_until.is_none_or(|forgotten| forgotten < instant)
+    }
+
+    /// Somebody may ask for samples of `attribute` up to `lookback` before the newest.
+    pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
+        let slot = self.lookbacks.entry(attribute.clone()).or_default();
+        *slot = (*slot).max(lookback);
+        let lookback = *slot;
+        for (variable, history) in &mut self.variables {
+            if variable.attribute == *attribute {
+                history.retention.lookback = lookback;
+            }
+        }
+    }
+
+    /// Somebody may ask for messages up to `lookback` before the newest.
+    pub fn require_event_lookback(&mut self, lookback: Duration) {
+        self.event_lookback = self.event_lookback.max(lookback);
+    }
+
+    /// Opens a log policy; the number closes it again.
+    pub fn open_log(&mut self, log: OpenLog) -> u64 {
+        let number = self.next_log;
+        self.next_log = self.next_log.saturating_add(1);
+        let variable = log.variable.clone();
+        self.logs.insert(number, log);
+        self.refresh(&variable);
+        number
+    }
+
+    /// Closes a log policy. Samples it kept go with the next sample that arrives.
+    pub fn close_log(&mut self, number: u64) {
+        if let Some(log) = self.logs.remove(&number) {
+            self.refresh(&log.variable);
+        }
+    }
+
+    fn refresh(&mut self, variable: &StateVariable) {
+        let retention = self.retention_of(variable);
+        if let Some(history) = self.variables.get_mut(variable) {
+            let lateness = history.retention.lateness;
+            history.retention = Retention { lateness, ..retention };
+        }
+    }
+
+    /// The least restrictive of all open policies, and what conditions ask.
+    fn retention_of(&self, variable: &StateVariable) -> Retention {
+        let mut retention = Retention {
+            lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default(),
+            ..Retention::default()
+        };
+        let mut spacing = None;
+        for log in self.logs.values().filter(|log| log.variable == *variable) {
+            retention.log_time = retention.log_time.max(log.time);
+            retention.log_count = retention.log_count.max(log.count);
+            spacing = Some(spacing.map_or(log.spacing, |least: Duration| least.min(log.spacing)));
+        }
+        retention.log_spacing = spacing.unwrap_or_default();
+        retention
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn variable() -> StateVariable {
+        StateVariable::new(Symbol::new("altitude"), Value::symbol("uav"))
+    }
+
+    fn sample(at: i64, value: f64) -> Sample {
+        Sample { at: Time(at), sequence: 0, value: Value::Real(value) }
+    }
+
+    fn times(histories: &Histories) -> Vec<i64> {
+        histories.get(&variable()).unwrap().samples().map(|sample| sample.at.0).collect()
+    }
+
+    #[test]
+    fn keeps_two_samples_where_nobody_asks_for_more_and_says_what_it_forgot() {
+        let mut histories = Histories::default();
+        for at in 0..5 {
+            histories.record(&variable(), sample(at, 1.0), Duration::ZERO);
+        }
+        assert_eq!(times(&histories), [3, 4]);
+        let history = histories.get(&variable()).unwrap();
+        assert!(history.covers(Time(3)) && !history.covers(Time(2)));
+    }
+
+    #[test]
+    fn keeps_the_lookback_and_the_value_that_held_at_its_edge() {
+        let mut histories = Histories::default();
+        histories.require_lookback(&Symbol::new("altitude"), Duration(10));
+        for at in [0, 4, 8, 12, 16, 20] {
+            histories.record(&variable(), sample(at, 1.0), Duration::ZERO);
+        }
+        assert_eq!(times(&histories), [8, 12, 16, 20]);
+        assert_eq!(histories.get(&variable()).unwrap().at(Time(10)).unwrap().at, Time(8));
+        assert_eq!(histories.get(&variable()).unwrap().before(Time(12)).unwrap().at, Time(8));
+    }
+
+    #[test]
+    fn late_samples_are_inserted_within_lateness_and_kept_aside_beyond() {
+        let mut histories = Histories::default();
+        histories.require_lookback(&Symbol::new("altitude"), Duration::MAX);
+        for at in [0, 10, 20] {
+            histories.record(&variable(), sample(at, 1.0), Duration(5));
+        }
+        assert_eq!(histories.record(&variable(), sample(16, 2.0), Duration(5)), Recorded::Inserted);
+        assert_eq!(histories.record(&variable(), sample(3, 2.0), Duration(5)), Recorded::TooLate);
+        assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)), Recorded::Replaced);
+        assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)), Recorded::Repeated);
+        assert_eq!(histories.record(&variable(), sample(21, f64::NAN), Duration(5)), Recorded::Missing);
+        assert_eq!(times(&histories), [0, 10, 16, 20]);
+        let history = histories.get(&variable()).unwrap();
+        assert_eq!((history.late_count, history.replaced_count, history.missing_count), (1, 1, 1));
+        assert_eq!(history.late_samples().count(), 1);
+    }
+
+    #[test]
+    fn an_open_log_keeps_samples_no_denser_than_it_asks_and_closing_it_lets_them_go() {
+        let mut histories = Histories::default();
+        let number = histories.open_log(OpenLog {
+            variable: variable(),
+            spacing: Duration(10),
+            time: Duration::MAX,
+            count: u64::MAX,
+        });
+        for at in (0..=60).step_by(5) {
+            histories.record(&variable(), sample(at, 1.0), Duration::ZERO);
+        }
+        assert_eq!(times(&histories), [0, 10, 20, 30, 40, 50, 55, 60]);
+        histories.close_log(number);
+        histories.record(&variable(), sample(65, 1.0), Duration::ZERO);
+        assert_eq!(times(&histories), [60, 65]);
+    }
+
+    #[test]
+    fn variables_of_an_attribute_are_found_without_the_others() {
+        let mut histories = Histories::default();
+        for (attribute, object) in [("altitude", 1), ("bank", 1), ("altitude", 2), ("roll", 1)] {
+            let variable = StateVariable::new(Symbol::new(attribute), Value::Integer(object));
+            histories.record(&variable, sample(0, 1.0), Duration::ZERO);
+        }
+        let objects: Vec<_> = histories.of_attribute(&Symbol::new("altitude")).map(|(v, _)| v.object.clone()).collect();
+        assert_eq!(objects, [Value::Integer(1), Value::Integer(2)]);
+    }
+
+    #[test]
+    fn events_of_the_newest_instant_are_remembered_in_order_of_arrival() {
+        let mut histories = Histories::default();
+        for (at, sequence) in [(1, 1), (2, 2), (2, 3)] {
+            histories.record_event(Occurrence { at: Time(at), sequence, form: Value::symbol("x") });
+        }
+        let kept: Vec<_> = histories.events_from(Time(0)).map(|event| event.sequence).collect();
+        assert_eq!(kept, [2, 3]);
+        assert!(histories.events_cover(Time(2)) && !histories.events_cover(Time(1)));
+    }
+}
