@@ -1,0 +1,179 @@
+//! Controllers: what carries out an ongoing task (paper, section III). One per way of pursuing a goal.
+
+use crate::bindings::Bindings;
+use crate::effect::{CommandId, QuestionId, SolveRequestId};
+use crate::procedure::BuiltInActivity;
+use crate::resource::Need;
+use crate::task::{ProcedureRef, TaskId};
+use crate::time::{Duration, Time};
+use crate::value::Value;
+use crate::wake::WakeKey;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// How a task's goal is pursued: chosen when it is enabled, kept until it ends or starts over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Selection {
+    /// The goal with its variables filled in.
+    pub goal: Value,
+    /// The way.
+    pub way: Way,
+    /// The profile: all of it or nothing.
+    pub needs: Vec<Need>,
+    /// Added to the priority of the task while it is ongoing.
+    pub interrupt_cost: f64,
+}
+
+/// Ways of pursuing a goal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Way {
+    /// By a procedure, with what its index bound.
+    Procedure(ProcedureRef, Bindings),
+    /// By a primitive (its index in the library), with what its index bound.
+    Primitive(u32, Bindings),
+    /// By one child per item.
+    Items(Vec<Value>),
+    /// By a built-in activity, its arguments evaluated at the start.
+    BuiltIn(BuiltInActivity),
+    /// By `(terminate ..)`.
+    Terminate,
+    /// By asking a solver (the index of its declaration) for a procedure first.
+    Solver(u32),
+}
+
+/// What carries out an ongoing task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Controller {
+    /// An instance of a procedure.
+    Procedure(ProcedureController),
+    /// An instance of a primitive.
+    Primitive(PrimitiveController),
+    /// The items of a `forall`.
+    Items(ItemsController),
+    /// Waits for the operator.
+    Question(QuestionController),
+    /// Waits for a plan.
+    Planning(PlanningController),
+    /// A failure is being handled by another goal.
+    Handling(HandlingController),
+    /// A built-in activity: done at once.
+    BuiltIn,
+}
+
+/// An instance of a procedure: one context, one child per step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProcedureController {
+    /// The template.
+    pub procedure: ProcedureRef,
+    /// Its variables: index bindings, `=>` results. Tags are read from `current`.
+    pub context: Bindings,
+    /// The task that each step's tag stands for now.
+    pub current: Vec<Option<TaskId>>,
+    /// All children that still exist, ended ones included.
+    pub children: BTreeSet<TaskId>,
+    /// Steps that the end of the procedure waits for.
+    pub open: u32,
+    /// How often a plan that repeats was begun again at `instant`.
+    pub rounds: u32,
+    /// The instant of `rounds`.
+    pub instant: Time,
+}
+
+/// An instance of a primitive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrimitiveController {
+    /// The template: its index in the library.
+    pub primitive: u32,
+    /// What its index bound, and what its forms assigned.
+    pub context: Bindings,
+    /// Its `locals`.
+    pub locals: Bindings,
+    /// How long it takes, if it has a duration.
+    pub duration: Option<Duration>,
+    /// Time worked before the present stretch.
+    pub worked: Duration,
+    /// When the present stretch began; none while interrupted.
+    pub running_since: Option<Time>,
+    /// The end of the duration.
+    pub end: Option<WakeKey>,
+    /// The next update.
+    pub update: Option<WakeKey>,
+    /// Spacing of updates, if it has any.
+    pub update_interval: Option<Duration>,
+    /// Time left to the next update when it was interrupted.
+    pub update_left: Duration,
+    /// Commands without an answer.
+    pub commands: Vec<CommandId>,
+    /// It sent commands: it ends with their answers unless it has a duration.
+    pub commanded: bool,
+    /// The last answer's value.
+    pub answer: Option<Value>,
+}
+
+/// The children of a `forall`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ItemsController {
+    /// Children that still exist.
+    pub children: BTreeSet<TaskId>,
+    /// How many have not ended.
+    pub open: u64,
+    /// How many there were.
+    pub items: u64,
+}
+
+/// A question to the operator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QuestionController {
+    /// Its number.
+    pub question: QuestionId,
+    /// What is taken when the time is over.
+    pub default: Value,
+    /// When that is.
+    pub wake: Option<WakeKey>,
+}
+
+/// A plan that is awaited.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningController {
+    /// The request.
+    pub request: SolveRequestId,
+    /// The goal that is planned for.
+    pub goal: Value,
+    /// What is done meanwhile.
+    pub meanwhile: Option<TaskId>,
+    /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
+    pub pursue: bool,
+}
+
+/// A failure that another goal handles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HandlingController {
+    /// The task that handles it.
+    pub handler: TaskId,
+}
+
+impl Controller {
+    /// The children that still exist, in order of creation.
+    pub fn children(&self) -> Vec<TaskId> {
+        match self {
+            Controller::Procedure(controller) => controller.children.iter().copied().collect(),
+            Controller::Items(controller) => controller.children.iter().copied().collect(),
+            Controller::Planning(controller) => controller.meanwhile.into_iter().collect(),
+            Controller::Handling(controller) => vec![controller.handler],
+            Controller::Primitive(_) | Controller::Question(_) | Controller::BuiltIn => Vec::new(),
+        }
+    }
+}
+
+/// A command without an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OpenCommand {
+    /// The primitive's task.
+    pub task: TaskId,
+    /// What was sent.
+    pub form: Value,
+    /// When.
+    pub sent_at: Time,
+    /// When it has failed.
+    pub timeout: WakeKey,
+}

@@ -1,0 +1,199 @@
+//! What is found out about a library once, so that nobody has to search it again: candidates by the first word of a
+//! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
+
+use crate::condition::{Condition, ConditionKind};
+use crate::library::Library;
+use crate::pattern::Pattern;
+use crate::procedure::{Procedure, ProcedureKind, Repetition, Step};
+use crate::source::Place;
+use crate::symbol::Symbol;
+use crate::variables;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Something with an index that may serve a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Candidate {
+    /// A stored procedure.
+    Procedure(u32),
+    /// A generated procedure.
+    Generated(u64),
+    /// A primitive.
+    Primitive(u32),
+    /// A solver declaration.
+    Solver(u32),
+}
+
+/// Candidates by the first word of their index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Heads {
+    by_head: BTreeMap<Symbol, Vec<Candidate>>,
+    general: Vec<Candidate>,
+}
+
+impl Heads {
+    /// Files `candidate` under the first word of `pattern`.
+    pub fn insert(&mut self, pattern: &Pattern, candidate: Candidate) {
+        match head(pattern) {
+            Some(head) => self.by_head.entry(head).or_default().push(candidate),
+            None => self.general.push(candidate),
+        }
+    }
+
+    /// Takes `candidate` out again.
+    pub fn remove(&mut self, pattern: &Pattern, candidate: Candidate) {
+        let list = match head(pattern) {
+            Some(head) => self.by_head.get_mut(&head),
+            None => Some(&mut self.general),
+        };
+        if let Some(list) = list {
+            list.retain(|each| *each != candidate);
+        }
+    }
+
+    /// Candidates for a goal that begins with `head`, in order of filing.
+    pub fn candidates(&self, head: Option<&Symbol>) -> impl Iterator<Item = Candidate> {
+        let filed = head.and_then(|head| self.by_head.get(head));
+        filed.into_iter().flatten().chain(&self.general).copied()
+    }
+}
+
+/// The symbol that every value matching `pattern` begins with, if there is one.
+fn head(pattern: &Pattern) -> Option<Symbol> {
+    match pattern {
+        Pattern::Literal(value) => match value.as_list() {
+            Some(items) => items.first()?.as_symbol().cloned(),
+            None => value.as_symbol().cloned(),
+        },
+        Pattern::List(parts) => match parts.first()? {
+            Pattern::Literal(value) => value.as_symbol().cloned(),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// What is known about a step beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepIndex {
+    /// Its preconditions as one condition; none when there are none.
+    pub waitfor: Option<Arc<Condition>>,
+    /// Results of other steps that its preconditions, activity, `select` or `forall` mention.
+    pub awaits: Vec<Symbol>,
+    /// The end of its procedure waits for it.
+    pub counts: bool,
+}
+
+/// What is known about a procedure beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProcedureIndex {
+    /// Steps by tag.
+    pub tags: BTreeMap<Symbol, u32>,
+    /// Its steps.
+    pub steps: Vec<StepIndex>,
+}
+
+/// What is known about a library beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LibraryIndex {
+    /// Procedures and primitives in library order, procedures first.
+    pub methods: Heads,
+    /// Solver declarations.
+    pub solvers: Heads,
+    /// By index in the library.
+    pub procedures: Vec<Arc<ProcedureIndex>>,
+}
+
+impl LibraryIndex {
+    /// The index of `library` for an agent that uses `bundles`; no bundles are all.
+    pub fn new(library: &Library, bundles: &[Symbol]) -> LibraryIndex {
+        let uses = |bundle: &Option<Symbol>| {
+            bundles.is_empty() || bundle.as_ref().is_none_or(|bundle| bundles.contains(bundle))
+        };
+        let mut index = LibraryIndex::default();
+        for (procedure, number) in library.procedures.iter().zip(0..) {
+            if uses(&procedure.bundle) {
+                index.methods.insert(&procedure.index, Candidate::Procedure(number));
+            }
+            index.procedures.push(Arc::new(ProcedureIndex::new(procedure)));
+        }
+        for (primitive, number) in library.primitives.iter().zip(0..) {
+            if uses(&primitive.bundle) {
+                index.methods.insert(&primitive.index, Candidate::Primitive(number));
+            }
+        }
+        for (solver, number) in library.solvers.iter().zip(0..) {
+            index.solvers.insert(&solver.index, Candidate::Solver(number));
+        }
+        index
+    }
+}
+
+impl ProcedureIndex {
+    /// The index of `procedure`.
+    pub fn new(procedure: &Procedure) -> ProcedureIndex {
+        let results = procedure.steps.iter().map(results).collect::<Vec<_>>();
+        let endless_only = procedure.steps.iter().all(|step| !ends_by_itself(step));
+        let mut producers: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();
+        for (step, names) in results.iter().enumerate() {
+            names.iter().for_each(|name| producers.entry(name).or_default().push(step));
+        }
+        let sequential = procedure.kind == ProcedureKind::Sequential;
+        let steps = procedure.steps.iter().enumerate().map(|(number, step)| StepIndex {
+            waitfor: conjunction(&step.waitfor, step.place),
+            awaits: awaits(step, |name| {
+                let others = producers.get(name).map(Vec::as_slice).unwrap_or_default();
+                others.iter().any(|producer| *producer != number && (!sequential || *producer < number))
+            }),
+            counts: endless_only || ends_by_itself(step),
+        });
+        ProcedureIndex {
+            tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
+            steps: steps.collect(),
+        }
+    }
+}
+
+/// A step that repeats without bound, or responds again and again, never ends by itself.
+fn ends_by_itself(step: &Step) -> bool {
+    let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
+    step.responding.is_none() && step.repeating.as_ref().is_none_or(bounded)
+}
+
+fn conjunction(conditions: &[Condition], place: Place) -> Option<Arc<Condition>> {
+    match conditions {
+        [] => None,
+        [one] => Some(Arc::new(one.clone())),
+        several => {
+            let place = several.first().map_or(place, |first| first.place);
+            Some(Arc::new(Condition { tag: None, kind: ConditionKind::And(several.to_vec(), Vec::new()), place }))
+        }
+    }
+}
+
+/// Variables that the step's `=>` binds.
+fn results(step: &Step) -> BTreeSet<Symbol> {
+    let mut names = BTreeSet::new();
+    if let Some(pattern) = &step.binds {
+        variables::of_pattern(pattern, &mut |name| {
+            names.insert(name.clone());
+        });
+    }
+    names
+}
+
+fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool) -> Vec<Symbol> {
+    let mut own: BTreeSet<Symbol> = step.select.iter().map(|(name, _)| name.clone()).collect();
+    own.extend(step.forall.iter().map(|(name, _)| name.clone()));
+    let mut awaited = Vec::new();
+    let mut sink = |name: &Symbol| {
+        if !own.contains(name) && !awaited.contains(name) && produced_elsewhere(name) {
+            awaited.push(name.clone());
+        }
+    };
+    step.waitfor.iter().for_each(|condition| variables::of_condition(condition, &mut sink));
+    variables::of_activity(&step.activity, &mut sink);
+    step.select.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
+    step.forall.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
+    awaited
+}

@@ -1,0 +1,195 @@
+//! A table by counted numbers: constant-time access, memory only for what lives.
+//!
+//! Numbers come from counters and are never reused, so the table is a directory of small pages that point into slots;
+//! a page goes when its last entry goes. No hashing, so that nothing depends on a seed. Two tables are equal, and are
+//! stored equal, when they hold the same entries, whatever their slots look like inside.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Numbers of one page: small, so that one old entry does not keep much alive.
+const PAGE: u64 = 64;
+/// Marks a number without entry.
+const VACANT: u32 = u32::MAX;
+
+/// Entries of type `T` by number.
+#[derive(Clone, Debug)]
+pub struct Table<T> {
+    pages: Vec<Option<Box<Page>>>,
+    slots: Vec<Option<T>>,
+    free: Vec<u32>,
+    length: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Page {
+    slots: [u32; PAGE as usize],
+    used: u32,
+}
+
+impl<T> Default for Table<T> {
+    fn default() -> Table<T> {
+        Table { pages: Vec::new(), slots: Vec::new(), free: Vec::new(), length: 0 }
+    }
+}
+
+fn split(number: u64) -> Option<(usize, usize)> {
+    let page = usize::try_from(number / PAGE).ok()?;
+    let offset = usize::try_from(number % PAGE).ok()?;
+    Some((page, offset))
+}
+
+impl<T> Table<T> {
+    /// How many entries there are.
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    /// True without entries.
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    fn slot(&self, number: u64) -> Option<usize> {
+        let (page, offset) = split(number)?;
+        let slot = *self.pages.get(page)?.as_ref()?.slots.get(offset)?;
+        (slot != VACANT).then_some(slot as usize)
+    }
+
+    /// The entry with this number.
+    pub fn get(&self, number: u64) -> Option<&T> {
+        self.slots.get(self.slot(number)?)?.as_ref()
+    }
+
+    /// The entry with this number, to change it.
+    pub fn get_mut(&mut self, number: u64) -> Option<&mut T> {
+        let slot = self.slot(number)?;
+        self.slots.get_mut(slot)?.as_mut()
+    }
+
+    /// Is there an entry with this number?
+    pub fn contains(&self, number: u64) -> bool {
+        self.slot(number).is_some()
+    }
+
+    /// Adds or replaces the entry with this number.
+    pub fn insert(&mut self, number: u64, entry: T) {
+        if let Some(slot) = self.get_mut(number) {
+            *slot = entry;
+            return;
+        }
+        let Some((page, offset)) = split(number) else { return };
+        let slot = match self.free.pop() {
+            Some(slot) => slot,
+            None => {
+                self.slots.push(None);
+                u32::try_from(self.slots.len() - 1).unwrap_or(VACANT)
+            }
+        };
+        if self.pages.len() <= page {
+            self.pages.resize_with(page + 1, || None);
+        }
+        if let Some(place) = self.pages.get_mut(page) {
+            let page = place.get_or_insert_with(|| Box::new(Page { slots: [VACANT; PAGE as usize], used: 0 }));
+            if let (Some(pointer), Some(room)) = (page.slots.get_mut(offset), self.slots.get_mut(slot as usize)) {
+                *pointer = slot;
+                *room = Some(entry);
+                page.used += 1;
+                self.length += 1;
+            }
+        }
+    }
+
+    /// Takes the entry with this number out.
+    pub fn remove(&mut self, number: u64) -> Option<T> {
+        let slot = self.slot(number)?;
+        let (page_index, offset) = split(number)?;
+        let place = self.pages.get_mut(page_index)?;
+        if let Some(page) = place {
+            if let Some(pointer) = page.slots.get_mut(offset) {
+                *pointer = VACANT;
+            }
+            page.used -= 1;
+            if page.used == 0 {
+                *place = None;
+            }
+        }
+        self.length -= 1;
+        self.free.push(u32::try_from(slot).unwrap_or(VACANT));
+        self.slots.get_mut(slot)?.take()
+    }
+
+    /// Entries in order of their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (u64, &T)> {
+        self.pages.iter().zip(0_u64..).filter_map(|(page, index)| page.as_ref().map(|page| (page, index))).flat_map(
+            move |(page, index)| {
+                page.slots.iter().zip(index * PAGE..).filter_map(move |(slot, number)| {
+                    Some((number, self.slots.get(usize::try_from(*slot).ok()?)?.as_ref()?))
+                })
+            },
+        )
+    }
+}
+
+impl<T: PartialEq> PartialEq for Table<T> {
+    fn eq(&self, other: &Table<T>) -> bool {
+        self.length == other.length && self.iter().eq(other.iter())
+    }
+}
+
+impl<T: Serialize> Serialize for Table<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let entries: Vec<(u64, &T)> = self.iter().collect();
+        entries.serialize(serializer)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Table<T>, D::Error> {
+        let entries: Vec<(u64, T)> = Vec::deserialize(deserializer)?;
+        let mut table = Table::default();
+        for (number, entry) in entries {
+            table.insert(number, entry);
+        }
+        Ok(table)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_come_in_order_of_their_numbers_whatever_came_first() {
+        let mut table = Table::default();
+        for number in [700, 3, 64, 65] {
+            table.insert(number, number * 10);
+        }
+        assert_eq!(table.remove(64), Some(640));
+        table.insert(1, 10);
+        assert_eq!(table.iter().collect::<Vec<_>>(), [(1, &10), (3, &30), (65, &650), (700, &7000)]);
+        assert_eq!((table.get(64), table.len()), (None, 4));
+    }
+
+    #[test]
+    fn equality_does_not_see_the_slots() {
+        let mut first = Table::default();
+        first.insert(1, 'a');
+        first.insert(2, 'b');
+        first.remove(1);
+        first.insert(3, 'c');
+        let mut second = Table::default();
+        second.insert(3, 'c');
+        second.insert(2, 'b');
+        assert_eq!(first, second);
+    }
+
+    #[test]
+    fn a_page_goes_with_its_last_entry() {
+        let mut table = Table::default();
+        for number in 0..1_000_u64 {
+            table.insert(number, ());
+            table.remove(number);
+        }
+        assert!(table.pages.iter().all(Option::is_none) && table.slots.len() == 1);
+    }
+}
