@@ -1,3 +1,21 @@
 //! The imperative shell: clock, inbox, outbox, solver pool, flight record, replay, ports.
+//!
+//! Everything impure of Apex that is not an adapter, the web server or the command line lives here. The executive is
+//! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
+pub mod error;
+pub mod inbox;
+pub mod input_lines;
+pub mod limits;
+pub mod mission_loop;
+pub mod narrator;
+pub mod outbox;
+pub mod pacing;
+pub mod pool;
 pub mod ports;
+pub mod program;
+pub mod record;
+pub mod replay;
+
+pub use error::{RecordError, RunError};
+pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, fly};

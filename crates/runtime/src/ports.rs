@@ -2,10 +2,12 @@
 //!
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
+use apex_model::agent::Agent;
 use apex_model::effect::{CommandId, Effect, SolveRequest};
 use apex_model::event::{Batch, EventKind, PlannedProcedure};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Something that came in, before the inbox numbers it.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,10 +54,67 @@ pub trait Deliberator {
 }
 
 /// Sees every step of a run, live: recorder, progress bar, Sherpa and mission bookkeeping are observers.
+///
+/// Per step the calls are `begin`, (the executive works), `observe`, (the effects go out), `inspect`.
+/// An error of any call is a sentence that says why going on would lose data (an unwritable record); the run stops.
 pub trait Observer {
-    /// One executive step: the batch that went in and the effects that came out.
+    /// The batch that is about to be executed: recorders store inputs before they are used.
+    ///
+    /// # Errors
+    /// A sentence; the run stops.
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        let _ = batch;
+        Ok(())
+    }
+
+    /// One executive step: the batch that went in and the effects that came out, before they are sent.
     ///
     /// # Errors
     /// A sentence when going on would lose data (an unwritable record); the run stops.
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String>;
+
+    /// The agent after the step, for snapshots.
+    ///
+    /// # Errors
+    /// A sentence; the run stops.
+    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
+        let _ = (agent, now);
+        Ok(())
+    }
+
+    /// Something that the shell itself decided, for example a solver's answer that was dropped.
+    ///
+    /// # Errors
+    /// A sentence; the run stops.
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        let _ = (at, text);
+        Ok(())
+    }
+
+    /// The run is about to sleep or to end: whatever is held back should go out now.
+    ///
+    /// # Errors
+    /// A sentence; the run stops.
+    fn flush(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// A shared observer, so that mission bookkeeping can write rows of its own into the recorder of a running mission.
+impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).begin(batch)
+    }
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).observe(batch, effects)
+    }
+    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).inspect(agent, now)
+    }
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).note(at, text)
+    }
+    fn flush(&mut self) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).flush()
+    }
 }

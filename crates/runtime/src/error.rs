@@ -1,0 +1,123 @@
+//! What can go wrong in the shell, in sentences for people: what, where, why, what to do.
+
+use apex_model::time::Time;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A run stopped before its end.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The link to the vehicle is beyond repair.
+    #[error("The vehicle failed at {at}: {message}")]
+    Vehicle {
+        /// When.
+        at: Time,
+        /// The vehicle's sentence.
+        message: String,
+    },
+    /// An observer cannot go on, usually the recorder.
+    #[error("The run stopped at {at}: {message}")]
+    Observer {
+        /// When.
+        at: Time,
+        /// The observer's sentence.
+        message: String,
+    },
+    /// Somebody sends more than can be worked on.
+    #[error(
+        "More than {limit} inputs wait at {at}. Whoever sends them is faster than any vehicle; look for a loop in the vehicle or in the input file."
+    )]
+    InboxFull {
+        /// When.
+        at: Time,
+        /// The limit.
+        limit: usize,
+    },
+    /// Time stands still.
+    #[error(
+        "Time stands still at {at}: more than {limit} steps at one instant. The last cause was {cause}. Look for a repeating step whose work takes no time."
+    )]
+    Stuck {
+        /// When.
+        at: Time,
+        /// The limit.
+        limit: u64,
+        /// What asked for the last step.
+        cause: String,
+    },
+    /// An option makes no sense.
+    #[error("{0}")]
+    Options(String),
+}
+
+/// A flight record cannot be written or read.
+#[derive(Debug, Error)]
+pub enum RecordError {
+    /// There is no such file.
+    #[error("There is no flight record at {}. Check the name; `apex fly` prints where it writes.", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is something else.
+    #[error("{} is not a flight record of Apex ({found}), and it is left as it is. Choose another file name.", path.display())]
+    NotARecord {
+        /// The file.
+        path: PathBuf,
+        /// What it seems to be.
+        found: String,
+    },
+    /// The file was written by a later Apex.
+    #[error("{} was written in version {found} of the record format; this Apex reads up to version {known}. Use a newer Apex.", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: i64,
+        /// Ours.
+        known: i64,
+    },
+    /// Somebody else writes it now.
+    #[error("{} is being written by another run. Wait for its end or choose another file name.", path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be made or written.
+    #[error("The flight record {} cannot be written while {doing}: {reason}. Check the folder and its permissions, or choose another place.", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What was being done.
+        doing: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// The disk is full.
+    #[error("The disk is full: the flight record {} ends while {doing}. Everything before is kept and can be read. Free some space or record to another disk, then fly again.", path.display())]
+    DiskFull {
+        /// The file.
+        path: PathBuf,
+        /// What was being done.
+        doing: String,
+    },
+    /// The file is a record, but parts of it cannot be understood.
+    #[error("The flight record {} is damaged: {what}. Use a copy from a backup; `apex trace` can still show what stands before the damage.", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        what: String,
+    },
+    /// The mission in the record cannot be loaded by this Apex.
+    #[error("The mission inside {} cannot be loaded: {message}", path.display())]
+    Load {
+        /// The file.
+        path: PathBuf,
+        /// The loader's message.
+        message: String,
+    },
+    /// Nothing was recorded up to the asked instant, or the name is unknown.
+    #[error("{0}")]
+    Question(String),
+}

@@ -1,0 +1,156 @@
+//! Inputs as JSON lines: what `apex run --inputs` reads and what tests write by hand.
+//!
+//! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
+//! `{"t": 9, "answer": 1, "value": "yes"}`. A value is a number, a string, true or false, a list of values, or
+//! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
+
+use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
+use crate::ports::Input;
+use apex_model::effect::QuestionId;
+use apex_model::event::{EventKind, StateVariable};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde_json::{Map, Value as Json};
+use std::fmt;
+
+/// Reads one PDL datum from text; the PDL front end is passed in so that this crate need not know it.
+pub type ReadValue<'a> = &'a dyn Fn(&str) -> Result<Value, String>;
+
+/// Faults of an input file, one sentence each with `file:line`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputErrors(pub Vec<String>);
+
+impl fmt::Display for InputErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.join("\n"))
+    }
+}
+
+impl std::error::Error for InputErrors {}
+
+/// Reads the inputs in `text`, called `name` in messages, ordered by time (lines of one time keep their order).
+///
+/// # Errors
+/// Every bad line with `name:line` and what is wrong, up to a limit.
+pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<Vec<Input>, InputErrors> {
+    let mut inputs = Vec::new();
+    let mut faults = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        match read_line(line, read_value) {
+            Ok(input) => inputs.push(input),
+            Err(fault) => {
+                faults.push(format!("{name}:{}{fault}", index + 1));
+                if faults.len() == INPUT_MESSAGES_MAX {
+                    faults.push(format!("{name}: further faults are not shown"));
+                    break;
+                }
+            }
+        }
+    }
+    if !faults.is_empty() {
+        return Err(InputErrors(faults));
+    }
+    inputs.sort_by_key(|input: &Input| input.at);
+    Ok(inputs)
+}
+
+fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
+    if line.len() > INPUT_LINE_BYTES_MAX {
+        return Err(format!(": the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
+    }
+    let json: Json = serde_json::from_str(line).map_err(|error| json_fault(&error))?;
+    let Json::Object(fields) = json else {
+        return Err(r#": expected an object like {"t": 1.5, "event": "(stop)"}"#.into());
+    };
+    let at = time_of(&fields).map_err(|fault| format!(": {fault}"))?;
+    let kind = kind_of(&fields, read_value).map_err(|fault| format!(": {fault}"))?;
+    Ok(Input { at, kind })
+}
+
+/// `:7: this is no JSON: expected ..` with the column in the place where readers look for it.
+fn json_fault(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let what = text.split(" at line ").next().unwrap_or(&text);
+    format!(":{}: this is no JSON: {what}", error.column())
+}
+
+fn time_of(fields: &Map<String, Json>) -> Result<Time, String> {
+    let Some(time) = fields.get("t") else { return Err("\"t\" is missing: seconds of mission time".into()) };
+    match time.as_f64() {
+        Some(seconds) if (0.0..=9e9).contains(&seconds) => Ok(Time::from_seconds(seconds)),
+        Some(_) => Err(format!("\"t\" is {time}; mission time begins at 0 and is given in seconds")),
+        None => Err(format!("\"t\" is {time}; expected a number of seconds")),
+    }
+}
+
+fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<EventKind, String> {
+    let subjects = ["event", "measurement", "answer"];
+    let given: Vec<&str> = subjects.into_iter().filter(|key| fields.contains_key(*key)).collect();
+    let &[subject] = given.as_slice() else {
+        return Err("expected exactly one of \"event\", \"measurement\" and \"answer\"".into());
+    };
+    let stranger =
+        fields.keys().find(|key| !(*key == "t" || *key == subject || (*key == "value" && subject != "event")));
+    if let Some(stranger) = stranger {
+        return Err(format!("\"{stranger}\" is not known beside \"{subject}\""));
+    }
+    let datum = fields.get(subject).unwrap_or(&Json::Null);
+    if subject == "event" {
+        return Ok(EventKind::Occurrence(pdl(subject, datum, read_value)?));
+    }
+    let Some(value) = fields.get("value") else { return Err(format!("\"value\" is missing beside \"{subject}\"")) };
+    let value = value_of(value, read_value)?;
+    if subject == "measurement" {
+        return Ok(EventKind::Measurement(variable(&pdl(subject, datum, read_value)?)?, value));
+    }
+    let question = datum.as_u64().ok_or_else(|| format!("\"answer\" is {datum}; expected the question's number"))?;
+    Ok(EventKind::OperatorAnswered(QuestionId(question), value))
+}
+
+fn pdl(key: &str, datum: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
+    let Json::String(text) = datum else { return Err(format!("\"{key}\" is {datum}; expected PDL text in a string")) };
+    read_value(text).map_err(|message| format!("\"{key}\" cannot be read: {message}"))
+}
+
+fn variable(form: &Value) -> Result<StateVariable, String> {
+    let (attribute, objects) = match form {
+        Value::Symbol(attribute) => (attribute, &[][..]),
+        _ => match form.as_list().and_then(<[Value]>::split_first) {
+            Some((Value::Symbol(attribute), objects)) => (attribute, objects),
+            _ => {
+                return Err(format!(
+                    "\"measurement\" is {form}; expected (ATTRIBUTE OBJECT), like (altitude aircraft-1)"
+                ));
+            }
+        },
+    };
+    let object = match objects {
+        [one] => one.clone(),
+        several => Value::list(several.iter().cloned()),
+    };
+    Ok(StateVariable::new(attribute.clone(), object))
+}
+
+fn value_of(json: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
+    match json {
+        Json::Bool(truth) => Ok(Value::truth(*truth)),
+        Json::String(text) => Ok(Value::text(text)),
+        Json::Number(number) => number
+            .as_i64()
+            .map(Value::Integer)
+            .or_else(|| number.as_f64().map(Value::Real))
+            .ok_or_else(|| format!("the number {number} is out of range")),
+        Json::Array(items) => {
+            items.iter().map(|item| value_of(item, read_value)).collect::<Result<Vec<_>, _>>().map(Value::list)
+        }
+        Json::Object(fields) => match (fields.get("pdl"), fields.len()) {
+            (Some(text), 1) => pdl("pdl", text, read_value),
+            _ => Err(format!("the value {json} is not known; PDL is written {{\"pdl\": \"(..)\"}}")),
+        },
+        Json::Null => Err("null is no value; write {\"pdl\": \"nil\"} for nil".into()),
+    }
+}

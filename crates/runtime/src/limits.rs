@@ -1,0 +1,24 @@
+//! Every limit of the shell, with its reason. The executive's limits stand in `apex_model::limits`.
+
+/// Inputs waiting in the inbox: a few batches of the largest size. A vehicle that says more at once is broken.
+pub const INBOX_INPUTS_MAX: usize = 4 * apex_model::limits::BATCH_EVENTS_MAX;
+/// Executive steps at one instant. Command, acknowledgement and next command may take no time, but not for ever.
+pub const STEPS_PER_INSTANT_MAX: u64 = 10_000;
+/// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
+pub const SOLVER_STACK_BYTES: usize = 64 << 20;
+/// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.
+pub const INPUT_MESSAGES_MAX: usize = 20;
+/// Bytes of one line of input: far more than any message, less than a file without line ends.
+pub const INPUT_LINE_BYTES_MAX: usize = 1 << 20;
+/// Batches that are committed together: a crash loses no more.
+pub const GROUP_BATCHES_MAX: u32 = 256;
+/// Milliseconds of wall time after which a group is committed even when it is small, so that live readers see it.
+pub const GROUP_MILLISECONDS_MAX: u128 = 200;
+/// Batches between snapshots, at least.
+pub const SNAPSHOT_BATCHES_MIN: u64 = 500;
+/// Batches after which a snapshot is taken even when it is bigger than the input since the last one.
+pub const SNAPSHOT_BATCHES_MAX: u64 = 20_000;
+/// Bytes of one snapshot: beyond, restoring by replay is the better bargain.
+pub const SNAPSHOT_BYTES_MAX: usize = 16 << 20;
+/// Candidates that an ambiguous or unknown task name lists.
+pub const CANDIDATES_MAX: usize = 12;

@@ -1,0 +1,207 @@
+//! The narrator: says in words what an effect is about. Record, trace and explanations use the same words.
+//!
+//! It remembers the goal of each task and the sources that plans bring, so that every line can name its task and its
+//! place in PDL.
+
+use apex_model::because::Because;
+use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId};
+use apex_model::event::{Batch, EventKind, SolverReport};
+use apex_model::library::Library;
+use apex_model::source::{Place, SourceFile};
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// One effect in words: the columns of the record's `effect` table and the keys of a trace line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The kind, as in the record.
+    pub kind: &'static str,
+    /// The task it is about.
+    pub task: Option<TaskId>,
+    /// That task's goal as known now; empty without a task.
+    pub goal: Arc<str>,
+    /// The task's parent, for `created`.
+    pub parent: Option<TaskId>,
+    /// The step's tag, for `created`.
+    pub tag: Option<String>,
+    /// State before, for `transition`.
+    pub from: Option<TaskState>,
+    /// State after, for `transition`.
+    pub to: Option<TaskState>,
+    /// `success`, `failure` or `cut`, for the transition to terminated.
+    pub outcome: Option<&'static str>,
+    /// The task's value, for a successful end with a value.
+    pub value: Option<Value>,
+    /// The goal, form or variable.
+    pub subject: String,
+    /// The cause (or what was said) in words, without the place.
+    pub text: String,
+    /// `file:line:column`.
+    pub place: Option<String>,
+}
+
+/// Remembers what is needed to tell effects.
+#[derive(Clone, Debug)]
+pub struct Narrator {
+    /// Only its sources are used and extended.
+    library: Library,
+    goals: BTreeMap<TaskId, Arc<str>>,
+    plans: BTreeMap<SolveRequestId, SourceFile>,
+}
+
+impl Narrator {
+    /// A narrator for a run of `library`, from the run's first step on.
+    pub fn new(library: &Library) -> Narrator {
+        let library = Library { sources: library.sources.clone(), ..Library::default() };
+        Narrator { library, goals: BTreeMap::new(), plans: BTreeMap::new() }
+    }
+
+    /// `file.pdl:14:3`, also for places inside of plans.
+    pub fn place(&self, place: Place) -> String {
+        self.library.describe_place(place)
+    }
+
+    /// The goal of `task` as known now.
+    pub fn goal(&self, task: TaskId) -> Arc<str> {
+        self.goals.get(&task).cloned().unwrap_or_default()
+    }
+
+    /// The step's inputs; must be told before its effects, because plans bring sources.
+    pub fn hear(&mut self, batch: &Batch) {
+        for event in &batch.events {
+            if let EventKind::SolverReported(request, SolverReport::Plan(plan)) = &event.kind {
+                self.plans.insert(*request, plan.source.clone());
+            }
+        }
+    }
+
+    /// Tells one effect. Effects must be told in order, all of them.
+    pub fn tell(&mut self, effect: &Effect) -> Told {
+        match effect {
+            Effect::Decided(decision) => self.decided(decision),
+            Effect::Command { command, task, form } => {
+                self.said("command", Some(*task), form.to_string(), format!("command {}", command.0))
+            }
+            Effect::WithdrawCommand { command, reason } => {
+                self.said("withdraw", None, format!("command {}", command.0), reason.clone())
+            }
+            Effect::Solve(request) => {
+                let budget = request.budget.map_or_else(String::new, |budget| format!(", budget {budget}"));
+                let text = format!("request {} to {}{budget}", request.request.0, request.solver);
+                self.said("solve", Some(request.task), request.goal.to_string(), text)
+            }
+            Effect::CancelSolve(request) => {
+                self.said("cancel-solve", None, format!("request {}", request.0), "nobody waits for it any more".into())
+            }
+            Effect::Inform { task, form } => self.said("inform", Some(*task), form.to_string(), String::new()),
+            Effect::Print { task, text } => self.said("print", Some(*task), String::new(), text.clone()),
+            Effect::Ask { question, task, text, options, by, default } => {
+                let options: Vec<String> = options.iter().map(Value::to_string).collect();
+                let by = by.map_or_else(String::new, |by| format!("; {default} is taken at {by}"));
+                let words = format!("question {}; options: {}{by}", question.0, options.join(", "));
+                self.said("ask", Some(*task), text.clone(), words)
+            }
+            Effect::EndApplication { reason } => self.said("end-application", None, String::new(), reason.clone()),
+        }
+    }
+
+    fn said(&self, kind: &'static str, task: Option<TaskId>, subject: String, text: String) -> Told {
+        let goal = task.map(|task| self.goal(task)).unwrap_or_default();
+        let (parent, tag, from, to) = (None, None, None, None);
+        Told { kind, task, goal, parent, tag, from, to, outcome: None, value: None, subject, text, place: None }
+    }
+
+    fn decided(&mut self, decision: &Decision) -> Told {
+        let because = &decision.because;
+        let mut told = self.said("trouble", decision.task, String::new(), cause_text(because));
+        let mut place = because.place;
+        match &decision.kind {
+            DecisionKind::Created { parent, tag, goal, place: step } => {
+                place = step.or(place);
+                told.kind = "created";
+                (told.parent, told.tag) = (*parent, Some(tag.to_string()));
+                self.set_goal(&mut told, goal);
+            }
+            DecisionKind::Transition { from, to, outcome } => {
+                told.kind = "transition";
+                told.subject = told.goal.to_string();
+                (told.from, told.to) = (Some(*from), Some(*to));
+                told.outcome = outcome.as_ref().map(outcome_word);
+                told.value = outcome.as_ref().and_then(outcome_value);
+            }
+            DecisionKind::Satisfied { clause, interval } => {
+                told.kind = "satisfied";
+                told.subject = clause.clone();
+                told.text = format!("{} in [{}, {}]", told.text, interval.0, interval.1);
+            }
+            DecisionKind::Bound { variable, value } => {
+                told.kind = "bound";
+                told.subject = format!("?{variable} = {value}");
+                told.value = Some(value.clone());
+            }
+            DecisionKind::Selected { method, goal, .. } => {
+                told.kind = "selected";
+                told.text = format!("{} because {}", self.method(method), told.text);
+                self.set_goal(&mut told, goal);
+            }
+            DecisionKind::Refused { resource, .. } => {
+                told.kind = "refused";
+                told.subject = resource.to_string();
+            }
+            DecisionKind::ProcedureAdded { request, summary, .. } => {
+                told.kind = "procedure-added";
+                told.subject.clone_from(summary);
+                self.library.sources.extend(self.plans.remove(request));
+            }
+            DecisionKind::Trouble { message } => told.subject.clone_from(message),
+        }
+        told.place = place.map(|place| self.place(place));
+        told
+    }
+
+    fn set_goal(&mut self, told: &mut Told, goal: &Value) {
+        told.subject = goal.to_string();
+        told.goal = Arc::from(&*told.subject);
+        if let Some(task) = told.task {
+            self.goals.insert(task, Arc::clone(&told.goal));
+        }
+    }
+
+    /// `procedure first-picture.pdl:3:1`
+    pub fn method(&self, method: &Method) -> String {
+        match method {
+            Method::Procedure(place) => format!("procedure {}", self.place(*place)),
+            Method::Primitive(place) => format!("primitive {}", self.place(*place)),
+            Method::BuiltIn => "built-in".into(),
+            Method::Solver(name) => format!("solver {name}"),
+        }
+    }
+}
+
+/// The cause with its evidence, without the place, which has a column of its own.
+pub fn cause_text(because: &Because) -> String {
+    let mut text = because.cause.text();
+    for (index, evidence) in because.evidence.iter().enumerate() {
+        text.push_str(if index == 0 { ": " } else { ", " });
+        text.push_str(&evidence.text());
+    }
+    text
+}
+
+/// `success`, `failure` or `cut`.
+pub fn outcome_word(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::Success(_) => "success",
+        Outcome::Failure => "failure",
+        Outcome::Cut => "cut",
+    }
+}
+
+fn outcome_value(outcome: &Outcome) -> Option<Value> {
+    match outcome {
+        Outcome::Success(value) if value.is_true() => Some(value.clone()),
+        Outcome::Success(_) | Outcome::Failure | Outcome::Cut => None,
+    }
+}

@@ -1,0 +1,264 @@
+//! Batches as bytes. A day of telemetry is millions of samples, so a regular sample costs about ten bytes.
+//!
+//! A batch is: number of events, sequence number of the first, then the events. A regular event follows the one
+//! before in sequence and happened at the batch's instant; others carry both differences. State variables are
+//! referred to by number. A quantity in its variable's usual shape (dimension and printing unit) is its number alone.
+//! Whole numbers are LEB128 (signed ones zigzag), reals eight bytes little-endian, everything else postcard.
+
+use apex_model::event::{Batch, Event, EventKind, StateVariable};
+use apex_model::limits::BATCH_EVENTS_MAX;
+use apex_model::quantity::{Dimension, Quantity};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+const SAMPLE_USUAL: u8 = 0;
+const SAMPLE_REAL: u8 = 1;
+const SAMPLE_OTHER: u8 = 2;
+const OTHER_EVENT: u8 = 3;
+const WOKEN: u8 = 4;
+/// Added to the kind when sequence and time are not the expected ones.
+const IRREGULAR: u8 = 0x80;
+
+/// Dimension and printing unit of a quantity.
+pub(super) type Shape = (Dimension, Option<u8>);
+
+/// A numbered state variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Variable {
+    pub(super) variable: StateVariable,
+    /// The shape of its first sample, if that was a quantity.
+    pub(super) usual: Option<Shape>,
+}
+
+/// State variables with their numbers, in order of first appearance, from 1.
+///
+/// Variables that differ in the case of letters are one variable for the executive, but two here: replay must be given
+/// exactly what was received.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Variables {
+    list: Vec<Variable>,
+    numbers: BTreeMap<Vec<u8>, u64>,
+    /// By number: the variable that came next the last time. Telemetry repeats its order.
+    successors: Vec<u64>,
+}
+
+impl Variables {
+    pub(super) fn add(&mut self, variable: Variable) -> u64 {
+        let number = self.list.len() as u64 + 1;
+        self.numbers.insert(spelling(&variable.variable), number);
+        self.list.push(variable);
+        number
+    }
+
+    pub(super) fn get(&self, number: u64) -> Option<&Variable> {
+        let index = usize::try_from(number.checked_sub(1)?).ok()?;
+        self.list.get(index)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The number of `variable`, which was measured after the variable `before` (0: as the first of a batch).
+    fn number_after(&mut self, before: u64, variable: &StateVariable) -> Option<u64> {
+        let slot = usize::try_from(before).ok()?;
+        let guess = self.successors.get(slot).copied().unwrap_or(0);
+        if self.get(guess).is_some_and(|known| same_spelling(&known.variable, variable)) {
+            return Some(guess);
+        }
+        let number = self.numbers.get(&spelling(variable)).copied()?;
+        if slot >= self.successors.len() {
+            self.successors.resize(self.list.len() + 1, 0);
+        }
+        if let Some(successor) = self.successors.get_mut(slot) {
+            *successor = number;
+        }
+        Some(number)
+    }
+}
+
+/// A key that keeps the case of letters and the type of numbers.
+fn spelling(variable: &StateVariable) -> Vec<u8> {
+    postcard::to_stdvec(variable).unwrap_or_else(|_| variable.to_string().into_bytes())
+}
+
+fn same_spelling(a: &StateVariable, b: &StateVariable) -> bool {
+    a.attribute.printed() == b.attribute.printed()
+        && match (&a.object, &b.object) {
+            (Value::Symbol(a), Value::Symbol(b)) => a.printed() == b.printed(),
+            (Value::Integer(a), Value::Integer(b)) => a == b,
+            _ => spelling(a) == spelling(b),
+        }
+}
+
+/// Writes `batch` into `bytes` (cleared first); adds variables that were not seen before.
+pub(super) fn encode(batch: &Batch, variables: &mut Variables, bytes: &mut Vec<u8>) -> Result<(), postcard::Error> {
+    bytes.clear();
+    put_unsigned(bytes, batch.events.len() as u64);
+    let mut expected = batch.events.first().map_or(0, |event| event.sequence);
+    put_unsigned(bytes, expected);
+    let mut before = 0;
+    for event in &batch.events {
+        let regular = event.sequence == expected && event.at == batch.now;
+        let kind_at = bytes.len();
+        bytes.push(if regular { 0 } else { IRREGULAR });
+        if !regular {
+            put_unsigned(bytes, event.sequence.wrapping_sub(expected));
+            put_signed(bytes, batch.now.0.wrapping_sub(event.at.0));
+        }
+        expected = event.sequence.wrapping_add(1);
+        let kind = encode_kind(&event.kind, &mut before, variables, bytes)?;
+        if let Some(slot) = bytes.get_mut(kind_at) {
+            *slot |= kind;
+        }
+    }
+    Ok(())
+}
+
+fn encode_kind(
+    kind: &EventKind,
+    before: &mut u64,
+    variables: &mut Variables,
+    bytes: &mut Vec<u8>,
+) -> Result<u8, postcard::Error> {
+    let (variable, value) = match kind {
+        EventKind::Measurement(variable, value) => (variable, value),
+        EventKind::Woken => return Ok(WOKEN),
+        other => {
+            bytes.extend_from_slice(&postcard::to_stdvec(other)?);
+            return Ok(OTHER_EVENT);
+        }
+    };
+    let number = match variables.number_after(*before, variable) {
+        Some(number) => number,
+        None => variables.add(Variable { variable: variable.clone(), usual: shape(value) }),
+    };
+    *before = number;
+    put_unsigned(bytes, number);
+    match value {
+        Value::Real(real) => {
+            bytes.extend_from_slice(&real.to_le_bytes());
+            Ok(SAMPLE_REAL)
+        }
+        Value::Quantity(quantity) if variables.get(number).is_some_and(|known| known.usual == shape(value)) => {
+            bytes.extend_from_slice(&quantity.si.to_le_bytes());
+            Ok(SAMPLE_USUAL)
+        }
+        other => {
+            bytes.extend_from_slice(&postcard::to_stdvec(other)?);
+            Ok(SAMPLE_OTHER)
+        }
+    }
+}
+
+fn shape(value: &Value) -> Option<Shape> {
+    match value {
+        Value::Quantity(quantity) => Some((quantity.dimension, quantity.unit)),
+        _ => None,
+    }
+}
+
+/// Reads a batch of the instant `now` back.
+///
+/// # Errors
+/// What is wrong with the bytes, as a fragment of a sentence.
+pub(super) fn decode(now: Time, bytes: &[u8], variables: &Variables) -> Result<Batch, String> {
+    let mut input = Input { bytes };
+    let count = input.unsigned()?;
+    let count = usize::try_from(count).ok().filter(|count| *count <= BATCH_EVENTS_MAX);
+    let count = count.ok_or("it claims more events than a batch may have")?;
+    let mut expected = input.unsigned()?;
+    let mut events = Vec::with_capacity(count.min(bytes.len()));
+    for _ in 0..count {
+        let kind = input.byte()?;
+        let (mut sequence, mut at) = (expected, now);
+        if kind & IRREGULAR != 0 {
+            sequence = expected.wrapping_add(input.unsigned()?);
+            at = Time(now.0.wrapping_sub(input.signed()?));
+        }
+        expected = sequence.wrapping_add(1);
+        let kind = decode_kind(kind & !IRREGULAR, &mut input, variables)?;
+        events.push(Event { sequence, at, kind });
+    }
+    if !input.bytes.is_empty() {
+        return Err("bytes are left over".into());
+    }
+    Ok(Batch { now, events })
+}
+
+fn decode_kind(kind: u8, input: &mut Input<'_>, variables: &Variables) -> Result<EventKind, String> {
+    match kind {
+        WOKEN => return Ok(EventKind::Woken),
+        OTHER_EVENT => return input.postcard(),
+        SAMPLE_USUAL | SAMPLE_REAL | SAMPLE_OTHER => {}
+        unknown => return Err(format!("event kind {unknown} is not known")),
+    }
+    let number = input.unsigned()?;
+    let known = variables.get(number).ok_or_else(|| format!("state variable number {number} is not known"))?;
+    let value = match kind {
+        SAMPLE_REAL => Value::Real(input.real()?),
+        SAMPLE_OTHER => input.postcard()?,
+        _ => {
+            let (dimension, unit) = known.usual.ok_or_else(|| format!("{} has no usual unit", known.variable))?;
+            Value::Quantity(Quantity { si: input.real()?, dimension, unit })
+        }
+    };
+    Ok(EventKind::Measurement(known.variable.clone(), value))
+}
+
+fn put_unsigned(bytes: &mut Vec<u8>, mut number: u64) {
+    while number >= 0x80 {
+        bytes.push((number as u8) | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+fn put_signed(bytes: &mut Vec<u8>, number: i64) {
+    put_unsigned(bytes, ((number << 1) ^ (number >> 63)) as u64);
+}
+
+/// Bytes that are read from the front.
+struct Input<'a> {
+    bytes: &'a [u8],
+}
+
+impl Input<'_> {
+    fn byte(&mut self) -> Result<u8, String> {
+        let (first, rest) = self.bytes.split_first().ok_or("it is cut off")?;
+        self.bytes = rest;
+        Ok(*first)
+    }
+
+    fn unsigned(&mut self) -> Result<u64, String> {
+        let mut number = 0_u64;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            number |= u64::from(byte & 0x7f) << shift;
+            if byte & 0x80 == 0 {
+                return Ok(number);
+            }
+        }
+        Err("a number has too many digits".into())
+    }
+
+    fn signed(&mut self) -> Result<i64, String> {
+        let number = self.unsigned()?;
+        Ok(((number >> 1) as i64) ^ -((number & 1) as i64))
+    }
+
+    fn real(&mut self) -> Result<f64, String> {
+        let (first, rest) = self.bytes.split_first_chunk::<8>().ok_or("it is cut off")?;
+        self.bytes = rest;
+        Ok(f64::from_le_bytes(*first))
+    }
+
+    fn postcard<T: for<'de> Deserialize<'de>>(&mut self) -> Result<T, String> {
+        let (value, rest) =
+            postcard::take_from_bytes(self.bytes).map_err(|error| format!("a value is garbled ({error})"))?;
+        self.bytes = rest;
+        Ok(value)
+    }
+}

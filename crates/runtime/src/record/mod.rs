@@ -1,0 +1,18 @@
+//! The flight record: one SQLite file per flight. Schema, writer, reader, restoring (`docs/reference/flight-record.md`).
+
+mod codec;
+mod reader;
+mod restore;
+mod rows;
+mod schema;
+mod steps;
+mod store;
+mod track;
+mod writer;
+
+pub use reader::{RecordReader, Sample, StoredSource, TaskRow};
+pub use restore::{LoadProgram, Program};
+pub use rows::{TargetRow, TargetState};
+pub use schema::{APPLICATION_ID, SCHEMA_VERSION};
+pub use steps::{RecordedEffect, RecordedStep, Steps};
+pub use writer::{RecordOptions, Recorder};

@@ -1,0 +1,268 @@
+//! Reading a flight record: facts, sources, tasks, samples. Steps are in `steps.rs`, restored agents in `restore.rs`.
+
+use super::codec::{Variable, Variables};
+use super::schema::{self, read_error};
+use super::steps::Steps;
+use crate::error::RecordError;
+use apex_model::event::{EventKind, StateVariable};
+use apex_model::source::SourceFile;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use rusqlite::{Connection, OptionalExtension, Row, params};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// An open flight record. Records that are still being written can be read; they hold what was committed.
+pub struct RecordReader {
+    pub(super) path: PathBuf,
+    pub(super) connection: Connection,
+}
+
+/// A file that the mission was made from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredSource {
+    /// Its name as given by the user.
+    pub name: String,
+    /// `pdl` or `data`.
+    pub role: String,
+    /// Its bytes.
+    pub body: Vec<u8>,
+}
+
+/// A row of the `task` table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskRow {
+    /// The task.
+    pub id: TaskId,
+    /// Its parent.
+    pub parent: Option<TaskId>,
+    /// The step's tag.
+    pub tag: String,
+    /// Its goal, as known last.
+    pub goal: String,
+    /// When it was created.
+    pub created: Time,
+    /// When it ended, if it has.
+    pub ended: Option<Time>,
+    /// `success`, `failure` or `cut`, if it has ended.
+    pub outcome: Option<String>,
+    /// `procedure file.pdl:3:1`, if one was selected.
+    pub method: Option<String>,
+    /// `file:line:column` of its step.
+    pub place: Option<String>,
+}
+
+/// A recorded sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// When it was measured.
+    pub at: Time,
+    /// Its value.
+    pub value: Value,
+}
+
+impl RecordReader {
+    /// Opens the record at `path`.
+    ///
+    /// # Errors
+    /// [`RecordError`] for a missing file, a file that is no record, and a record of a newer Apex.
+    pub fn open(path: &Path) -> Result<RecordReader, RecordError> {
+        let connection = schema::open(path)?;
+        Ok(RecordReader { path: path.to_path_buf(), connection })
+    }
+
+    /// The record's file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A fact about the flight; see the `meta` table.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn meta(&self, key: &str) -> Result<Option<String>, RecordError> {
+        self.connection
+            .query_row("SELECT value FROM meta WHERE key = ?1", [key], |row| row.get(0))
+            .optional()
+            .map_err(|error| self.damaged("the facts", error))
+    }
+
+    /// True when the record was closed properly.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn is_complete(&self) -> Result<bool, RecordError> {
+        Ok(self.meta("complete")?.as_deref() == Some("1"))
+    }
+
+    /// What to tell people before anything else: that the record is incomplete, if it is.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn warning(&self) -> Result<Option<String>, RecordError> {
+        if self.is_complete()? {
+            return Ok(None);
+        }
+        let end = self.span()?.map_or_else(|| "nothing".to_owned(), |(_, end)| format!("everything up to {end}"));
+        Ok(Some(format!(
+            "The flight record {} is incomplete: its flight still goes on, or was cut off. It holds {end}.",
+            self.path.display()
+        )))
+    }
+
+    /// First and last recorded instant; none when no step is recorded.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn span(&self) -> Result<Option<(Time, Time)>, RecordError> {
+        let sql = "SELECT min(t_ns), max(t_ns) FROM batch";
+        let both: (Option<i64>, Option<i64>) = self
+            .connection
+            .query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(|error| self.damaged("the steps", error))?;
+        Ok(both.0.zip(both.1).map(|(first, last)| (Time(first), Time(last))))
+    }
+
+    /// All files that the mission was made from, in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn sources(&self) -> Result<Vec<StoredSource>, RecordError> {
+        self.rows("the sources", "SELECT name, role, body FROM source ORDER BY position", |row| {
+            Ok(StoredSource { name: row.get(0)?, role: row.get(1)?, body: row.get(2)? })
+        })
+    }
+
+    /// The PDL sources in load order: what replay loads again.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn pdl_sources(&self) -> Result<Vec<SourceFile>, RecordError> {
+        let sources = self.sources()?.into_iter().filter(|source| source.role == "pdl");
+        let file = |source: StoredSource| match String::from_utf8(source.body) {
+            Ok(text) => Ok(SourceFile { name: Arc::from(source.name), text: Arc::from(text) }),
+            Err(_) => Err(self.garbled(format!("the source {} is not UTF-8 text", source.name))),
+        };
+        sources.map(file).collect()
+    }
+
+    /// All tasks, oldest first.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn tasks(&self) -> Result<Vec<TaskRow>, RecordError> {
+        let sql = "SELECT id, parent, tag, goal, created_ns, ended_ns, outcome, method, place FROM task ORDER BY id";
+        self.rows("the tasks", sql, |row| {
+            Ok(TaskRow {
+                id: TaskId(row.get::<_, i64>(0)? as u64),
+                parent: row.get::<_, Option<i64>>(1)?.map(|id| TaskId(id as u64)),
+                tag: row.get::<_, Option<String>>(2)?.unwrap_or_default(),
+                goal: row.get::<_, Option<String>>(3)?.unwrap_or_default(),
+                created: Time(row.get(4)?),
+                ended: row.get::<_, Option<i64>>(5)?.map(Time),
+                outcome: row.get(6)?,
+                method: row.get(7)?,
+                place: row.get(8)?,
+            })
+        })
+    }
+
+    /// What the shell itself decided, with times: dropped solver answers and the like.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn notes(&self) -> Result<Vec<(Time, String)>, RecordError> {
+        let sql = "SELECT t_ns, text FROM note ORDER BY id";
+        self.rows("the notes", sql, |row| Ok((Time(row.get(0)?), row.get(1)?)))
+    }
+
+    /// The state variables that were measured, in order of first appearance.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn variables(&self) -> Result<Vec<StateVariable>, RecordError> {
+        let variables = self.variable_table()?;
+        Ok((1..).map_while(|number| variables.get(number)).map(|known| known.variable.clone()).collect())
+    }
+
+    /// All samples of `variable` with `from <= at <= to`, in order of arrival.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn samples(&self, variable: &StateVariable, from: Time, to: Time) -> Result<Vec<Sample>, RecordError> {
+        let mut samples = Vec::new();
+        for step in self.steps_between(from, Time::END)?.without_effects() {
+            for event in step?.batch.events {
+                if let EventKind::Measurement(measured, value) = event.kind
+                    && measured == *variable
+                    && (from..=to).contains(&event.at)
+                {
+                    samples.push(Sample { at: event.at, value });
+                }
+            }
+        }
+        Ok(samples)
+    }
+
+    /// All steps in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn steps(&self) -> Result<Steps<'_>, RecordError> {
+        self.steps_between(Time::BEGINNING, Time::END)
+    }
+
+    /// The steps with `from <= now <= to`, in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn steps_between(&self, from: Time, to: Time) -> Result<Steps<'_>, RecordError> {
+        let sql = "SELECT ifnull(min(id), 0) FROM batch WHERE t_ns >= ?1";
+        let first = self
+            .connection
+            .query_row(sql, [from.0], |row| row.get::<_, i64>(0))
+            .map_err(|error| self.damaged("the steps", error))?;
+        Steps::new(self, first, to)
+    }
+
+    pub(super) fn variable_table(&self) -> Result<Variables, RecordError> {
+        let mut variables = Variables::default();
+        let bodies: Vec<Vec<u8>> =
+            self.rows("the state variables", "SELECT body FROM variable ORDER BY id", |row| row.get(0))?;
+        for body in bodies {
+            let variable: Variable = postcard::from_bytes(&body).map_err(|error| {
+                self.garbled(format!("state variable {} is garbled ({error})", variables.len() + 1))
+            })?;
+            variables.add(variable);
+        }
+        Ok(variables)
+    }
+
+    /// The latest snapshot of a batch not after `to`: batch number and bytes.
+    pub(super) fn snapshot_before(&self, to: Time) -> Result<Option<(i64, Vec<u8>)>, RecordError> {
+        let sql = "SELECT batch, body FROM snapshot WHERE t_ns <= ?1 AND batch <= (SELECT max(id) FROM batch WHERE t_ns <= ?1) ORDER BY batch DESC LIMIT 1";
+        self.connection
+            .query_row(sql, params![to.0], |row| Ok((row.get(0)?, row.get(1)?)))
+            .optional()
+            .map_err(|error| self.damaged("the snapshots", error))
+    }
+
+    fn rows<T>(
+        &self,
+        what: &str,
+        sql: &str,
+        read: impl FnMut(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<Vec<T>, RecordError> {
+        let all = self.connection.prepare(sql).and_then(|mut statement| statement.query_map([], read)?.collect());
+        all.map_err(|error| self.damaged(what, error))
+    }
+
+    pub(super) fn damaged(&self, what: &str, error: rusqlite::Error) -> RecordError {
+        read_error(&self.path, what, error)
+    }
+
+    pub(super) fn garbled(&self, what: String) -> RecordError {
+        RecordError::Damaged { path: self.path.clone(), what }
+    }
+}

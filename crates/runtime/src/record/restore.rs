@@ -1,0 +1,66 @@
+//! Restoring: the agent as it was at an instant, from the nearest snapshot and the inputs after it.
+
+use super::reader::RecordReader;
+use super::steps::Steps;
+use crate::error::RecordError;
+use apex_executive::{Agent, step};
+use apex_model::host::HostFunctions;
+use apex_model::library::{AgentDeclaration, Library};
+use apex_model::source::SourceFile;
+use apex_model::time::Time;
+use std::sync::Arc;
+
+/// What the PDL sources in a record are checked into: library, the agent to run, and host functions.
+pub type Program = (Arc<Library>, AgentDeclaration, HostFunctions);
+
+/// Checks the recorded PDL sources again; passed in, because this crate knows no syntax.
+pub type LoadProgram<'a> = &'a dyn Fn(&[SourceFile]) -> Result<Program, String>;
+
+impl RecordReader {
+    /// Loads the recorded mission.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`] or [`RecordError::Load`] with the loader's message.
+    pub fn load(&self, load: LoadProgram<'_>) -> Result<Program, RecordError> {
+        load(&self.pdl_sources()?).map_err(|message| RecordError::Load { path: self.path.clone(), message })
+    }
+
+    /// The agent after the last step not later than `at`. No solver and no vehicle is asked: their answers are in the
+    /// record.
+    ///
+    /// # Errors
+    /// [`RecordError`] when the record cannot be read or its mission not loaded.
+    pub fn restore(&self, at: Time, load: LoadProgram<'_>) -> Result<Agent, RecordError> {
+        let program = self.load(load)?;
+        self.restore_with(at, &program)
+    }
+
+    /// As [`RecordReader::restore`], with a program that is loaded already.
+    ///
+    /// # Errors
+    /// [`RecordError`] when the record cannot be read or its mission not loaded.
+    pub fn restore_with(&self, at: Time, program: &Program) -> Result<Agent, RecordError> {
+        // A snapshot of an Apex with other state is no harm: everything can be had from the inputs.
+        let snapshot = self
+            .snapshot_before(at)?
+            .and_then(|(batch, body)| postcard::from_bytes::<Agent>(&body).ok().map(|agent| (batch, agent)));
+        let (first, mut agent) = match snapshot {
+            Some((batch, mut agent)) => {
+                agent.attach(Arc::clone(&program.0), program.2.clone());
+                (batch + 1, agent)
+            }
+            None => (1, self.fresh_agent(program)?),
+        };
+        for recorded in Steps::new(self, first, at)?.without_effects() {
+            step(&mut agent, &recorded?.batch);
+        }
+        Ok(agent)
+    }
+
+    /// The agent before its first step.
+    pub(crate) fn fresh_agent(&self, program: &Program) -> Result<Agent, RecordError> {
+        let (library, declaration, host) = program;
+        apex_executive::load(Arc::clone(library), declaration, host.clone())
+            .map_err(|message| RecordError::Load { path: self.path.clone(), message })
+    }
+}
