@@ -9,5 +9,6 @@ pub mod functions;
 pub mod geodesy;
 pub mod landing;
 pub mod plane;
+pub mod route;
 pub mod sun;
 pub mod wind;

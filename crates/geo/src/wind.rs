@@ -97,6 +97,65 @@ pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<Wi
     (ground_speed_mps >= GROUND_SPEED_MPS_MIN).then_some(WindTriangle { ground_speed_mps, heading_deg })
 }
 
+/// A leg cut into sub-steps, so that many start times can be tried without computing its geodesic again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LegProfile {
+    step_m: f64,
+    steps: Vec<LegStep>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LegStep {
+    middle: Position,
+    track_deg: f64,
+}
+
+impl LegProfile {
+    /// The geodesic from `from` to `to`; none where a position is not finite.
+    pub fn new(from: Position, to: Position) -> Option<LegProfile> {
+        let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
+        if !distance_m.is_finite() {
+            return None;
+        }
+        let count = if distance_m == 0.0 { 0 } else { ((distance_m / LEG_STEP_M) as usize + 1).min(LEG_STEPS_MAX) };
+        let step_m = distance_m / count.max(1) as f64;
+        let step = |index| {
+            let middle = geodesy::destination(from, azimuth_deg, (index as f64 + 0.5) * step_m);
+            LegStep { middle, track_deg: geodesy::azimuth_deg(middle, to) }
+        };
+        Some(LegProfile { step_m, steps: (0..count).map(step).collect() })
+    }
+
+    /// Distance over ground.
+    pub fn length_m(&self) -> f64 {
+        self.step_m * self.steps.len() as f64
+    }
+
+    /// Time to fly the leg, leaving at `start_s`, by the midpoint rule; none where some part cannot be flown.
+    pub fn time_s(&self, altitude_m: f64, true_airspeed_mps: f64, field: &WindField, start_s: f64) -> Option<f64> {
+        if true_airspeed_mps.is_nan() || true_airspeed_mps <= 0.0 {
+            return None;
+        }
+        if field.layers.is_empty() {
+            return Some(self.length_m() / true_airspeed_mps);
+        }
+        let still_s = self.step_m / true_airspeed_mps;
+        self.steps.iter().try_fold(0.0, |elapsed_s, step| {
+            let wind = at(field, step.middle, altitude_m, start_s + elapsed_s + 0.5 * still_s);
+            let flown = triangle(step.track_deg, true_airspeed_mps, wind)?;
+            Some(elapsed_s + self.step_m / flown.ground_speed_mps)
+        })
+    }
+}
+
+/// Is the wind the same at every time from `from_s` to `until_s`?
+pub fn is_steady(field: &WindField, from_s: f64, until_s: f64) -> bool {
+    field.layers.iter().all(|layer| {
+        let never = layer.until_s <= from_s || layer.from_s > until_s;
+        never || (layer.from_s <= from_s && layer.until_s > until_s)
+    })
+}
+
 /// Time to fly the geodesic from `from` to `to` through the field, leaving at `start_s`: integrated in sub-steps by the
 /// midpoint rule. None where some part cannot be flown (or an argument is not finite).
 pub fn leg_time_s(
@@ -107,27 +166,7 @@ pub fn leg_time_s(
     field: &WindField,
     start_s: f64,
 ) -> Option<f64> {
-    let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
-    if distance_m == 0.0 {
-        return Some(0.0);
-    }
-    if !distance_m.is_finite() || !(true_airspeed_mps > 0.0) {
-        return None;
-    }
-    if field.layers.is_empty() {
-        return Some(distance_m / true_airspeed_mps);
-    }
-    let steps = ((distance_m / LEG_STEP_M) as usize + 1).min(LEG_STEPS_MAX);
-    let step_m = distance_m / steps as f64;
-    let mut elapsed_s = 0.0;
-    for step in 0..steps {
-        let middle = geodesy::destination(from, azimuth_deg, (step as f64 + 0.5) * step_m);
-        let track_deg = geodesy::azimuth_deg(middle, to);
-        let guess_s = start_s + elapsed_s + 0.5 * step_m / true_airspeed_mps;
-        let wind = at(field, middle, altitude_m, guess_s);
-        elapsed_s += step_m / triangle(track_deg, true_airspeed_mps, wind)?.ground_speed_mps;
-    }
-    Some(elapsed_s)
+    LegProfile::new(from, to)?.time_s(altitude_m, true_airspeed_mps, field, start_s)
 }
 
 /// Time to fly a route of straight legs at one altitude, leaving its first point at `start_s`. See [`leg_time_s`].
