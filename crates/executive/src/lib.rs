@@ -2,6 +2,8 @@
 
 mod expression;
 mod monitoring;
+#[cfg(test)]
+mod test_support;
 
 pub use apex_model::agent::Agent;
 use apex_model::effect::Effect;

@@ -121,12 +121,18 @@ impl History {
 
     /// The latest sample at or before `instant`.
     pub fn at(&self, instant: Time) -> Option<&Sample> {
-        self.samples.partition_point(|sample| sample.at <= instant).checked_sub(1).and_then(|index| self.samples.get(index))
+        self.samples
+            .partition_point(|sample| sample.at <= instant)
+            .checked_sub(1)
+            .and_then(|index| self.samples.get(index))
     }
 
     /// The latest sample strictly before `instant`.
     pub fn before(&self, instant: Time) -> Option<&Sample> {
-        self.samples.partition_point(|sample| sample.at < instant).checked_sub(1).and_then(|index| self.samples.get(index))
+        self.samples
+            .partition_point(|sample| sample.at < instant)
+            .checked_sub(1)
+            .and_then(|index| self.samples.get(index))
     }
 
     /// Samples with `start <= at <= end`, oldest first.
@@ -217,8 +223,9 @@ impl History {
             (Some(before), Some(sample)) => sample.at - before.at < log_spacing,
             _ => false,
         };
-        if close && let Some(dropped) = self.samples.remove(index) {
-            self.forget(dropped.at);
+        // Not forgotten: the log asked for a history of just this density.
+        if close {
+            self.samples.remove(index);
         }
     }
 

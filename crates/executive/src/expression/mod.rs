@@ -3,30 +3,45 @@
 //! One file per family of functions. [`evaluate`] is pure; [`run`] evaluates the forms of a hook and collects what they
 //! want done as [`Action`]s. Every evaluation is bounded by the limits of `apex_model::limits`.
 
+pub(crate) mod arithmetic;
+mod effects;
+mod evaluator;
+mod higher_order;
+pub(crate) mod history_queries;
+mod lists;
+mod strings;
 mod surroundings;
+mod templates;
+#[cfg(test)]
+mod tests;
+mod time_functions;
 
-pub use surroundings::{Surroundings, WithBindings};
+pub(crate) use surroundings::{Surroundings, WithBindings};
+
+use evaluator::{Evaluator, Hook};
 
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, Template};
+use apex_model::limits::TEXT_CHARACTERS_MAX;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use std::fmt::Write;
 
 /// Why an expression has no value: a sentence for people and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EvaluationError {
+pub(crate) struct EvaluationError {
     /// What went wrong, with the values concerned, and what to do.
-    pub message: String,
+    pub(crate) message: String,
     /// Where.
-    pub place: Place,
+    pub(crate) place: Place,
 }
 
 /// What a hook's forms want done, in order.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub(crate) enum Action {
     /// `(inform FORM)`.
     Inform(Value),
     /// `(print ..)`.
@@ -54,24 +69,21 @@ pub enum Action {
 ///
 /// # Errors
 /// A message for people when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
-pub fn evaluate(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
-    let _ = surroundings;
-    Err(EvaluationError { message: "no evaluator".into(), place: expr.place })
+pub(crate) fn evaluate(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
+    Evaluator::new(surroundings, None).value(expr)
 }
 
 /// The value of `template` with its holes filled.
 ///
 /// # Errors
 /// As [`evaluate`]; an unbound variable is an error.
-pub fn instantiate(template: &Template, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
-    let _ = (template, surroundings);
-    Ok(Value::nil())
+pub(crate) fn instantiate(template: &Template, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
+    Evaluator::new(surroundings, None).template(template, templates::place_of(template))
 }
 
 /// The value of `template` where a hole that has no value yet is shown as it is written (`?x`).
-pub fn instantiate_partially(template: &Template, surroundings: &dyn Surroundings) -> Value {
-    let _ = (template, surroundings);
-    Value::nil()
+pub(crate) fn instantiate_partially(template: &Template, surroundings: &dyn Surroundings) -> Value {
+    templates::partially(template, surroundings)
 }
 
 /// Evaluates the forms of a hook in order; the value is the last form's. `locals` are the primitive's variables, which
@@ -79,25 +91,42 @@ pub fn instantiate_partially(template: &Template, surroundings: &dyn Surrounding
 ///
 /// # Errors
 /// As [`evaluate`].
-pub fn run(
+pub(crate) fn run(
     forms: &[Expr],
     surroundings: &dyn Surroundings,
     locals: &mut Bindings,
     actions: &mut Vec<Action>,
 ) -> Result<Value, EvaluationError> {
-    let _ = (forms, surroundings, locals, actions);
-    Ok(Value::nil())
+    let hook = Hook { locals, actions, assigned: Bindings::new() };
+    Evaluator::new(surroundings, Some(hook)).body(forms)
 }
 
 /// `values` as `(print ..)` shows them: strings without quotes, one blank between.
-pub fn printed(values: &[Value]) -> String {
+pub(crate) fn printed(values: &[Value]) -> String {
     values.iter().map(display).collect::<Vec<_>>().join(" ")
 }
 
-/// A value as people read it: a string without its quotes.
-pub fn display(value: &Value) -> String {
-    match value {
-        Value::Text(text) => text.to_string(),
-        other => other.to_string(),
+/// A value as people read it: a string without its quotes. Ends with `..` where it is longer than a text may be.
+pub(crate) fn display(value: &Value) -> String {
+    if let Value::Text(text) = value {
+        return text.to_string();
+    }
+    let mut text = BoundedText(String::new());
+    if write!(text, "{value}").is_err() {
+        text.0.push_str(" ..");
+    }
+    text.0
+}
+
+/// Shared parts make a small value print without end: the writer stops the printing.
+struct BoundedText(String);
+
+impl Write for BoundedText {
+    fn write_str(&mut self, part: &str) -> std::fmt::Result {
+        if self.0.len() + part.len() > TEXT_CHARACTERS_MAX {
+            return Err(std::fmt::Error);
+        }
+        self.0.push_str(part);
+        Ok(())
     }
 }

@@ -10,7 +10,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
 /// The view that a task has of its agent. Task control implements it; tests implement it small.
-pub trait Surroundings {
+pub(crate) trait Surroundings {
     /// The value of the pattern variable `name` (without `?`); step tags are `Value::Task`.
     fn variable(&self, name: &Symbol) -> Option<Value>;
     /// The value of a primitive's `locals` variable, outside of [`super::run`].
@@ -41,11 +41,11 @@ pub trait Surroundings {
 }
 
 /// Surroundings with further variables on top: pattern bindings, a task's own bindings.
-pub struct WithBindings<'a> {
+pub(crate) struct WithBindings<'a> {
     /// Below.
-    pub below: &'a dyn Surroundings,
+    pub(crate) below: &'a dyn Surroundings,
     /// On top.
-    pub bindings: &'a Bindings,
+    pub(crate) bindings: &'a Bindings,
 }
 
 impl Surroundings for WithBindings<'_> {

@@ -1,0 +1,344 @@
+//! The evaluator: forms, local variables, calls, limits.
+
+use super::higher_order;
+use super::{
+    Action, EvaluationError, Surroundings, arithmetic, effects, history_queries, lists, strings, time_functions,
+};
+use apex_model::bindings::Bindings;
+use apex_model::builtins::built_in;
+use apex_model::expression::{Closure, Expr, ExprKind};
+use apex_model::limits::{EVALUATION_DEPTH_MAX, EVALUATION_STEPS_MAX};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use std::sync::Arc;
+
+pub(super) type Outcome = Result<Value, EvaluationError>;
+
+/// One evaluation: what it sees, its local variables, and what it has used of its limits.
+pub(super) struct Evaluator<'a> {
+    pub(super) surroundings: &'a dyn Surroundings,
+    /// Local variables, innermost last.
+    scope: Vec<(Symbol, Value)>,
+    /// Where the current function's own variables begin.
+    frame: usize,
+    depth: u32,
+    steps: u64,
+    /// Set inside hooks: where actions go.
+    pub(super) hook: Option<Hook<'a>>,
+}
+
+/// What a hook may change.
+pub(super) struct Hook<'a> {
+    pub(super) locals: &'a mut Bindings,
+    pub(super) actions: &'a mut Vec<Action>,
+    /// Task variables already assigned by this hook: later forms see them.
+    pub(super) assigned: Bindings,
+}
+
+/// An error at `place`.
+pub(super) fn error(place: Place, message: impl Into<String>) -> EvaluationError {
+    EvaluationError { message: message.into(), place }
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(surroundings: &'a dyn Surroundings, hook: Option<Hook<'a>>) -> Evaluator<'a> {
+        Evaluator { surroundings, scope: Vec::new(), frame: 0, depth: 0, steps: 0, hook }
+    }
+
+    /// Charges `steps` units of work.
+    pub(super) fn charge(&mut self, steps: u64, place: Place) -> Result<(), EvaluationError> {
+        self.steps = self.steps.saturating_add(steps);
+        if self.steps > EVALUATION_STEPS_MAX {
+            return Err(error(
+                place,
+                format!("the evaluation takes more than EVALUATION_STEPS_MAX = {EVALUATION_STEPS_MAX} steps"),
+            ));
+        }
+        Ok(())
+    }
+
+    /// The value of `expr`.
+    pub(super) fn value(&mut self, expr: &Expr) -> Outcome {
+        match &expr.kind {
+            ExprKind::Constant(value) => return Ok(value.clone()),
+            ExprKind::Variable { name, .. } => return self.variable(name, expr.place),
+            ExprKind::Local(name) => return self.local(name, expr.place),
+            _ => {}
+        }
+        self.charge(1, expr.place)?;
+        if self.depth >= EVALUATION_DEPTH_MAX {
+            return Err(error(
+                expr.place,
+                format!("the evaluation is nested deeper than EVALUATION_DEPTH_MAX = {EVALUATION_DEPTH_MAX}"),
+            ));
+        }
+        self.depth += 1;
+        let result = self.form(expr);
+        self.depth -= 1;
+        result
+    }
+
+    /// The last form's value; nil without forms.
+    pub(super) fn body(&mut self, forms: &[Expr]) -> Outcome {
+        let mut last = Value::nil();
+        for form in forms {
+            last = self.value(form)?;
+        }
+        Ok(last)
+    }
+
+    fn form(&mut self, expr: &Expr) -> Outcome {
+        match &expr.kind {
+            ExprKind::Constant(value) => Ok(value.clone()),
+            ExprKind::Variable { name, .. } => self.variable(name, expr.place),
+            ExprKind::Local(name) => self.local(name, expr.place),
+            ExprKind::Indexical(name) => self.indexical(name, expr.place),
+            ExprKind::Call { function, arguments } => {
+                let values = arguments.iter().map(|argument| self.value(argument)).collect::<Result<Vec<_>, _>>()?;
+                self.call(function, &values, expr.place)
+            }
+            ExprKind::If(test, then, otherwise) => match (self.value(test)?.is_true(), otherwise) {
+                (true, _) => self.value(then),
+                (false, Some(otherwise)) => self.value(otherwise),
+                (false, None) => Ok(Value::nil()),
+            },
+            ExprKind::Cond(clauses) => self.cond(clauses),
+            ExprKind::Case(key, clauses) => {
+                let key = self.value(key)?;
+                let chosen =
+                    clauses.iter().find(|(data, _)| data.is_empty() || data.iter().any(|datum| datum.equals(&key)));
+                chosen.map_or(Ok(Value::nil()), |(_, forms)| self.body(forms))
+            }
+            ExprKind::And(parts) => {
+                let mut last = Value::truth(true);
+                for part in parts {
+                    last = self.value(part)?;
+                    if !last.is_true() {
+                        break;
+                    }
+                }
+                Ok(last)
+            }
+            ExprKind::Or(parts) => {
+                for part in parts {
+                    let value = self.value(part)?;
+                    if value.is_true() {
+                        return Ok(value);
+                    }
+                }
+                Ok(Value::nil())
+            }
+            ExprKind::Let { sequential, bindings, body } => self.bind(*sequential, bindings, body),
+            ExprKind::Lambda { parameters, body } => Ok(Value::Closure(Arc::new(Closure {
+                parameters: parameters.clone(),
+                body: body.clone(),
+                captured: self.scope.get(self.frame..).unwrap_or_default().to_vec(),
+                place: expr.place,
+            }))),
+            ExprKind::FunctionName(name) => Ok(Value::Symbol(name.clone())),
+            ExprKind::Assign { name, of_task, value } => {
+                let value = self.value(value)?;
+                self.assign(name, *of_task, value, expr.place)
+            }
+            ExprKind::Sequence(forms) => self.body(forms),
+            ExprKind::Template(template) => self.template(template, expr.place),
+        }
+    }
+
+    fn cond(&mut self, clauses: &[(Expr, Vec<Expr>)]) -> Outcome {
+        for (test, forms) in clauses {
+            let value = self.value(test)?;
+            if value.is_true() {
+                return if forms.is_empty() { Ok(value) } else { self.body(forms) };
+            }
+        }
+        Ok(Value::nil())
+    }
+
+    fn bind(&mut self, sequential: bool, bindings: &[(Symbol, Expr)], body: &[Expr]) -> Outcome {
+        let depth = self.scope.len();
+        let mut values = Vec::new();
+        for (name, initial) in bindings {
+            match self.value(initial) {
+                Ok(value) if sequential => self.scope.push((name.clone(), value)),
+                Ok(value) => values.push((name.clone(), value)),
+                Err(error) => {
+                    self.scope.truncate(depth);
+                    return Err(error);
+                }
+            }
+        }
+        self.scope.append(&mut values);
+        let result = self.body(body);
+        self.scope.truncate(depth);
+        result
+    }
+
+    fn variable(&self, name: &Symbol, place: Place) -> Outcome {
+        let assigned = self.hook.as_ref().and_then(|hook| hook.assigned.get(name)).cloned();
+        assigned
+            .or_else(|| self.surroundings.variable(name))
+            .ok_or_else(|| error(place, format!("?{name} has no value here")))
+    }
+
+    fn local(&self, name: &Symbol, place: Place) -> Outcome {
+        let own = self.scope.get(self.frame..).unwrap_or_default().iter().rev().find(|(each, _)| each == name);
+        own.map(|(_, value)| value.clone())
+            .or_else(|| self.hook.as_ref().and_then(|hook| hook.locals.get(name)).cloned())
+            .or_else(|| self.surroundings.local(name))
+            .ok_or_else(|| error(place, format!("{name} has no value here")))
+    }
+
+    fn assign(&mut self, name: &Symbol, of_task: bool, value: Value, place: Place) -> Outcome {
+        if of_task {
+            let Some(hook) = &mut self.hook else {
+                return Err(error(place, format!("(setq ?{name} ..) changes the task and can stand in hooks only")));
+            };
+            hook.assigned.set(name.clone(), value.clone());
+            hook.actions.push(Action::SetTaskVariable(name.clone(), value.clone()));
+            return Ok(value);
+        }
+        let frame = self.frame;
+        let own = self.scope.get_mut(frame..).unwrap_or_default().iter_mut().rev().find(|(each, _)| each == name);
+        if let Some((_, slot)) = own {
+            *slot = value.clone();
+            return Ok(value);
+        }
+        match &mut self.hook {
+            Some(hook) => hook.locals.set(name.clone(), value.clone()),
+            None => return Err(error(place, format!("(setq {name} ..): {name} is not a variable of this form"))),
+        }
+        Ok(value)
+    }
+
+    fn indexical(&mut self, name: &Symbol, place: Place) -> Outcome {
+        let surroundings = self.surroundings;
+        let no_task = || error(place, format!("+{name}+ has no meaning outside of a task"));
+        match name.folded() {
+            "now" => return Ok(Value::Time(surroundings.now())),
+            "self" => return Ok(Value::Symbol(surroundings.agent_name().clone())),
+            "this-task" => return surroundings.this_task().map(Value::Task).ok_or_else(no_task),
+            "tot" => {
+                let task = surroundings.this_task().ok_or_else(no_task)?;
+                return Ok(Value::Duration(surroundings.task_time_ongoing(task).unwrap_or(Duration::ZERO)));
+            }
+            "met" => return Ok(Value::Duration(surroundings.now() - apex_model::time::Time::ZERO)),
+            "beginning-of-time" => return Ok(Value::Time(apex_model::time::Time::BEGINNING)),
+            "end-of-time" => return Ok(Value::Time(apex_model::time::Time::END)),
+            "pos-infinity" => return Ok(Value::Real(f64::INFINITY)),
+            _ => {}
+        }
+        let Some(definition) = surroundings.library().indexicals.get(name) else {
+            return Err(error(place, format!("+{name}+ is not defined; (defindexical +{name}+ EXPR) defines it")));
+        };
+        self.in_frame(Vec::new(), |evaluator| evaluator.value(definition))
+    }
+
+    /// Runs `action` with only `variables` as local variables.
+    fn in_frame(&mut self, variables: Vec<(Symbol, Value)>, action: impl FnOnce(&mut Self) -> Outcome) -> Outcome {
+        let (frame, length) = (self.frame, self.scope.len());
+        self.frame = length;
+        self.scope.extend(variables);
+        let result = action(self);
+        self.scope.truncate(length);
+        self.frame = frame;
+        result
+    }
+
+    /// Calls the function named `function`.
+    pub(super) fn call(&mut self, function: &Symbol, arguments: &[Value], place: Place) -> Outcome {
+        let name = function.folded();
+        self.charge(lists::cost(name, arguments), place)?;
+        let built_in = arithmetic::call(name, arguments)
+            .or_else(|| lists::call(name, arguments))
+            .or_else(|| strings::call(name, arguments))
+            .or_else(|| time_functions::call(name, arguments, self.surroundings))
+            .or_else(|| history_queries::call(name, arguments, self.surroundings));
+        if let Some(result) = built_in {
+            return result.map_err(|message| error(place, format!("({function} ..): {message}")));
+        }
+        if let Some(result) = higher_order::call(self, name, arguments, place) {
+            return result;
+        }
+        if let Some(result) = effects::call(self, name, arguments, place) {
+            return result;
+        }
+        let surroundings = self.surroundings;
+        if let Some(defined) = surroundings.library().functions.get(function) {
+            return self.apply(function.folded(), &defined.parameters, &defined.body, &[], arguments, place);
+        }
+        if surroundings.library().host_functions.get(function).is_some_and(|declared| declared.command) {
+            let form = Value::list(std::iter::once(Value::Symbol(function.clone())).chain(arguments.iter().cloned()));
+            return effects::act(self, name, Action::Command { form, timeout: None }, place);
+        }
+        match surroundings.host().get(function) {
+            Some(host) => host(arguments).map_err(|message| error(place, format!("({function} ..): {message}"))),
+            None => Err(error(place, not_callable(function, arguments))),
+        }
+    }
+
+    /// Calls a function value: a closure or a function's name.
+    pub(super) fn call_value(&mut self, function: &Value, arguments: &[Value], place: Place) -> Outcome {
+        match function {
+            Value::Closure(closure) => {
+                self.apply("lambda", &closure.parameters, &closure.body, &closure.captured, arguments, place)
+            }
+            Value::Symbol(name) => {
+                self.charge(1, place)?;
+                // A call through a name nests as deep as a call that is written.
+                if self.depth >= EVALUATION_DEPTH_MAX {
+                    return Err(error(
+                        place,
+                        format!("calls are nested deeper than EVALUATION_DEPTH_MAX = {EVALUATION_DEPTH_MAX}"),
+                    ));
+                }
+                self.depth += 1;
+                let result = self.call(name, arguments, place);
+                self.depth -= 1;
+                result
+            }
+            other => Err(error(place, format!("expected a function such as #'+ or (lambda (x) ..), found {other}"))),
+        }
+    }
+
+    fn apply(
+        &mut self,
+        name: &str,
+        parameters: &[Symbol],
+        body: &[Expr],
+        captured: &[(Symbol, Value)],
+        arguments: &[Value],
+        place: Place,
+    ) -> Outcome {
+        let mut variables = captured.to_vec();
+        let split = parameters.iter().position(|parameter| parameter.is("&rest"));
+        let fixed = split.unwrap_or(parameters.len());
+        let fits = if split.is_some() { arguments.len() >= fixed } else { arguments.len() == fixed };
+        if !fits {
+            return Err(error(place, format!("{name} takes {fixed} arguments, {} are given", arguments.len())));
+        }
+        variables.extend(parameters.iter().take(fixed).cloned().zip(arguments.iter().cloned()));
+        if split.is_some()
+            && let Some(rest) = parameters.get(fixed + 1)
+        {
+            variables.push((rest.clone(), Value::list(arguments.iter().skip(fixed).cloned())));
+        }
+        self.charge(variables.len() as u64, place)?;
+        self.in_frame(variables, |evaluator| evaluator.body(body))
+    }
+}
+
+fn not_callable(function: &Symbol, arguments: &[Value]) -> String {
+    match built_in(function.folded()) {
+        Some(known) => {
+            format!(
+                "{function} does not take these arguments: {}; it takes {}",
+                super::printed(arguments),
+                known.summary
+            )
+        }
+        None => format!("there is no function {function}; (defun {function} ..) defines one"),
+    }
+}

@@ -1,0 +1,135 @@
+//! Queries of histories: the value at, before and over spans of time.
+//!
+//! A question about a time whose samples are no longer kept is an error, never a wrong answer.
+
+use super::Surroundings;
+use super::arithmetic::{add, compare, described, instant};
+use apex_model::event::StateVariable;
+use apex_model::history::{History, Sample};
+use apex_model::limits::LIST_ITEMS_MAX;
+use apex_model::quantity::Quantity;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use std::cmp::Ordering;
+
+type Outcome = Result<Value, String>;
+
+/// Calls the history query `name`; none when there is no such function.
+pub(super) fn call(name: &str, arguments: &[Value], surroundings: &dyn Surroundings) -> Option<Outcome> {
+    let known = matches!(
+        name,
+        "current-value"
+            | "value-at"
+            | "value-before"
+            | "most-recent-svvalue"
+            | "mean-over"
+            | "min-over"
+            | "max-over"
+            | "samples-over"
+    );
+    let [attribute, object, rest @ ..] = arguments else { return None };
+    known.then(|| query(name, attribute, object, rest, surroundings))
+}
+
+/// The functions of this file whose first argument is an attribute, for deriving how long histories must be.
+pub(crate) const QUERIES: &[&str] =
+    &["value-at", "value-before", "most-recent-svvalue", "mean-over", "min-over", "max-over", "samples-over"];
+
+fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surroundings: &dyn Surroundings) -> Outcome {
+    let Value::Symbol(attribute) = attribute else {
+        return Err(format!("{name} needs the attribute as a symbol ('altitude), found {attribute}"));
+    };
+    let variable = StateVariable::new(attribute.clone(), object.clone());
+    let Some(history) = surroundings.histories().get(&variable) else {
+        return Ok(Value::nil());
+    };
+    match (name, rest) {
+        ("current-value", []) | ("most-recent-svvalue", []) => Ok(value_of(history.newest())),
+        ("value-at", [at]) => {
+            let at = instant(at)?;
+            found(history.at(at), history, &variable, at)
+        }
+        ("value-before", [at]) => {
+            let at = instant(at)?;
+            found(history.before(at), history, &variable, at)
+        }
+        ("most-recent-svvalue", [Value::Symbol(keyword), at]) if keyword.is(":prior-to") => {
+            let at = instant(at)?;
+            found(history.before(at), history, &variable, at)
+        }
+        ("mean-over" | "min-over" | "max-over" | "samples-over", window @ ([_] | [_, _])) => {
+            let (start, end) = span(window, surroundings.now())?;
+            if !history.covers(start) && history.samples().next().is_none_or(|oldest| oldest.at > start) {
+                return Err(no_longer_kept(&variable, start));
+            }
+            aggregate(name, history.between(start, end))
+        }
+        _ => Err(format!("{name} does not take these arguments: {}", super::printed(rest))),
+    }
+}
+
+fn value_of(sample: Option<&Sample>) -> Value {
+    sample.map_or_else(Value::nil, |sample| sample.value.clone())
+}
+
+fn found(sample: Option<&Sample>, history: &History, variable: &StateVariable, at: Time) -> Outcome {
+    let certain = sample.map_or(history.forgotten_until.is_none(), |sample| history.covers(sample.at));
+    if certain { Ok(value_of(sample)) } else { Err(no_longer_kept(variable, at)) }
+}
+
+fn no_longer_kept(variable: &StateVariable, at: Time) -> String {
+    format!("samples of {variable} around {at} are no longer kept; a (log {variable} ..) clause keeps them longer")
+}
+
+fn span(window: &[Value], now: Time) -> Result<(Time, Time), String> {
+    match window {
+        [Value::Duration(duration)] => Ok((now - *duration, now)),
+        [Value::Interval(start, end)] => Ok((*start, *end)),
+        [start] => Ok((instant(start)?, now)),
+        [start, end] => Ok((instant(start)?, instant(end)?)),
+        _ => Err("a window is a duration, an interval, or a start and an end".into()),
+    }
+}
+
+fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Outcome {
+    match name {
+        "samples-over" => Ok(Value::list(
+            samples.take(LIST_ITEMS_MAX).map(|sample| Value::list([Value::Time(sample.at), sample.value.clone()])),
+        )),
+        "mean-over" => mean(samples),
+        _ => {
+            let wanted = if name == "min-over" { Ordering::Less } else { Ordering::Greater };
+            let mut best: Option<&Value> = None;
+            for Sample { value, .. } in samples {
+                if best.map_or(Ok(true), |best| compare(value, best).map(|order| order == Some(wanted)))? {
+                    best = Some(value);
+                }
+            }
+            Ok(best.cloned().unwrap_or_else(Value::nil))
+        }
+    }
+}
+
+/// Mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
+fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> Outcome {
+    let mut anchor: Option<(f64, &Value)> = None;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for Sample { value, .. } in samples {
+        let (number, dimension) = value.as_number().ok_or_else(|| format!("mean-over found {}", described(value)))?;
+        if number.is_infinite() {
+            continue;
+        }
+        let (origin, first) = *anchor.get_or_insert((number, value));
+        if first.as_number().is_some_and(|(_, expected)| expected != dimension) {
+            return Err(format!("mean-over found {} and {}", described(first), described(value)));
+        }
+        sum += number - origin;
+        count += 1.0;
+    }
+    let Some((origin, first)) = anchor else { return Ok(Value::nil()) };
+    Ok(match first {
+        Value::Quantity(quantity) => Value::Quantity(Quantity { si: origin + sum / count, ..*quantity }),
+        Value::Duration(_) => add(first, &Value::measured(sum / count, apex_model::quantity::Dimension::TIME))?,
+        _ => Value::Real(origin + sum / count),
+    })
+}

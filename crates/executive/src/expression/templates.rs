@@ -1,0 +1,87 @@
+//! Templates: data with holes.
+
+use super::Surroundings;
+use super::evaluator::{Evaluator, Outcome, error};
+use super::lists::{bounded, items};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::source::Place;
+use apex_model::value::Value;
+
+/// Nesting of templates, which is bounded by the reader already.
+const DEPTH_MAX: usize = apex_model::limits::READ_DEPTH_MAX;
+
+impl Evaluator<'_> {
+    /// The datum that `template` stands for; `place` is used for messages about splices.
+    pub(super) fn template(&mut self, template: &Template, place: Place) -> Outcome {
+        self.filled(template, place, DEPTH_MAX)
+    }
+
+    fn filled(&mut self, template: &Template, place: Place, depth: usize) -> Outcome {
+        let Some(depth) = depth.checked_sub(1) else {
+            return Err(error(place, "the form is nested too deep"));
+        };
+        match template {
+            Template::Constant(value) => Ok(value.clone()),
+            Template::Hole(expr) | Template::Splice(expr) => self.value(expr),
+            Template::List(parts) => {
+                let mut values = Vec::with_capacity(parts.len());
+                for part in parts {
+                    match part {
+                        Template::Splice(expr) => {
+                            let value = self.value(expr)?;
+                            let list = items(&value).map_err(|message| error(expr.place, format!(",@: {message}")))?;
+                            values.extend(list.iter().cloned());
+                        }
+                        other => values.push(self.filled(other, place, depth)?),
+                    }
+                    self.charge(1, place)?;
+                }
+                bounded(values).map_err(|message| error(place, message))
+            }
+        }
+    }
+}
+
+/// The first hole's place: where messages about the whole template point.
+pub(super) fn place_of(template: &Template) -> Place {
+    match template {
+        Template::Constant(_) => Place::default(),
+        Template::Hole(expr) | Template::Splice(expr) => expr.place,
+        Template::List(parts) => {
+            parts.iter().map(place_of).find(|place| *place != Place::default()).unwrap_or_default()
+        }
+    }
+}
+
+/// `template` with holes that have no value yet shown as they are written.
+pub(super) fn partially(template: &Template, surroundings: &dyn Surroundings) -> Value {
+    partially_within(template, surroundings, DEPTH_MAX)
+}
+
+fn partially_within(template: &Template, surroundings: &dyn Surroundings, depth: usize) -> Value {
+    let Some(depth) = depth.checked_sub(1) else { return Value::symbol("..") };
+    match template {
+        Template::Constant(value) => value.clone(),
+        Template::Hole(expr) | Template::Splice(expr) => {
+            Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
+        }
+        Template::List(parts) => Value::list(parts.iter().flat_map(|part| match part {
+            Template::Splice(expr) => match Evaluator::new(surroundings, None).value(expr) {
+                Ok(Value::List(items)) => items.to_vec(),
+                _ => vec![written(expr)],
+            },
+            other => vec![partially_within(other, surroundings, depth)],
+        })),
+    }
+}
+
+/// A hole without a value as a symbol.
+fn written(expr: &Expr) -> Value {
+    match &expr.kind {
+        ExprKind::Variable { name, .. } => Value::symbol(&format!("?{name}")),
+        ExprKind::Indexical(name) => Value::symbol(&format!("+{name}+")),
+        ExprKind::Local(name) => Value::Symbol(name.clone()),
+        ExprKind::Call { function, .. } => Value::symbol(&format!(",({function} ..)")),
+        _ => Value::symbol(",(..)"),
+    }
+}
