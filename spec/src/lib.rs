@@ -1,1 +1,10 @@
-//! apex-spec
+//! Specification pages: Markdown that tells what the language means, and runs.
+//!
+//! A page is read into blocks ([`page`]), each `trace` block is one run of the program before it ([`scenario`]), told in a
+//! few words a line ([`projection`]) and compared with what the page says ([`diff`]). See `README.md` for the blocks.
+
+pub mod diff;
+pub mod page;
+pub mod projection;
+pub mod scenario;
+pub mod verdict;

@@ -1,0 +1,79 @@
+//! A page as text and fenced blocks, which can be rewritten without touching anything else.
+
+/// A fenced block of a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// The first word after the opening fence: `pdl`, `inputs`, `options`, `trace`, `check`; may be empty.
+    pub kind: String,
+    /// Line of the opening fence, from 1.
+    pub line: usize,
+    /// The lines between the fences, each with its line end.
+    pub body: String,
+}
+
+/// Reads all blocks of a page in order. A block that is never closed reaches to the end.
+pub fn blocks(text: &str) -> Vec<Block> {
+    let mut found: Vec<Block> = Vec::new();
+    let mut open = false;
+    for (index, line) in text.lines().enumerate() {
+        match (line.strip_prefix("```"), open) {
+            (Some(info), false) => {
+                let kind = info.split_whitespace().next().unwrap_or_default().to_string();
+                found.push(Block { kind, line: index + 1, body: String::new() });
+                open = true;
+            }
+            (Some(_), true) => open = false,
+            (None, true) => {
+                if let Some(block) = found.last_mut() {
+                    block.body.push_str(line);
+                    block.body.push('\n');
+                }
+            }
+            (None, false) => {}
+        }
+    }
+    found
+}
+
+/// The page with other bodies in the blocks that open at the given lines.
+pub fn rewrite(text: &str, bodies: &[(usize, String)]) -> String {
+    let mut page = String::new();
+    let mut skipping = false;
+    for (index, line) in text.lines().enumerate() {
+        if skipping && line.starts_with("```") {
+            skipping = false;
+        }
+        if skipping {
+            continue;
+        }
+        page.push_str(line);
+        page.push('\n');
+        if let Some((_, body)) = bodies.iter().find(|(opening, _)| *opening == index + 1) {
+            page.push_str(body);
+            skipping = true;
+        }
+    }
+    page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = "# A\n\nprose\n\n```pdl\n(a)\n(b)\n```\n\n```trace\n0s end\n```\nmore\n";
+
+    #[test]
+    fn blocks_know_kind_line_and_body() {
+        let found = blocks(PAGE);
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[0], Block { kind: "pdl".into(), line: 5, body: "(a)\n(b)\n".into() });
+        assert_eq!((found[1].kind.as_str(), found[1].line), ("trace", 10));
+    }
+
+    #[test]
+    fn rewriting_changes_one_block_only() {
+        let page = rewrite(PAGE, &[(10, "1s end\n2s end\n".into())]);
+        assert_eq!(page, PAGE.replace("0s end", "1s end\n2s end"));
+        assert_eq!(rewrite(PAGE, &[]), PAGE);
+    }
+}

@@ -1,0 +1,125 @@
+//! One program with its inputs, checked and run without a vehicle.
+
+use crate::projection::Teller;
+use apex_executive::load;
+use apex_model::library::{AgentDeclaration, Library};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
+use apex_runtime::input_lines::read_inputs;
+use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd};
+use apex_runtime::program;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The name of a page's program in messages.
+pub const PROGRAM_NAME: &str = "page.pdl";
+/// Where a run ends when its page does not say.
+const UNTIL_DEFAULT: Time = Time(3600 * apex_model::time::NANOSECONDS_PER_SECOND);
+
+/// What a page has said so far.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Scenario {
+    /// The program.
+    pub pdl: String,
+    /// Inputs as JSON lines.
+    pub inputs: String,
+    /// `until 20s`, `show print ongoing`.
+    pub options: String,
+}
+
+/// The trace of the scenario, or the reason why it cannot run.
+///
+/// # Errors
+/// The checker's messages, a bad input line, a bad option, or a run that broke.
+pub fn run(scenario: &Scenario) -> Result<String, String> {
+    let (until, kinds) = read_options(&scenario.options)?;
+    let checked = check(&scenario.pdl);
+    if checked.has_errors() {
+        return Err(format!("the program has errors:\n{}", messages(&checked)));
+    }
+    let inputs = read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
+        .map_err(|error| error.to_string())?;
+    let declaration = agent_of(&checked.library);
+    let mut agent = load(Arc::new(checked.library), &declaration, apex_geo::functions::host_functions())?;
+    let mut teller = Teller::new(&kinds)?;
+    let options = FlyOptions { until, inputs, ..FlyOptions::default() };
+    match program::run(&mut agent, &mut [&mut teller], options) {
+        Ok(end) => teller.tell(last_line(&end)),
+        Err(error) => teller.tell(format!("error: {error}")),
+    }
+    Ok(teller.text())
+}
+
+/// Checks a page's program; shipped libraries are found.
+pub fn check(pdl: &str) -> Checked {
+    let host: Vec<HostSignature> = apex_geo::functions::host_signatures()
+        .into_iter()
+        .map(|(name, parameters_min, parameters_max)| HostSignature {
+            name: name.to_string(),
+            parameters_min,
+            parameters_max,
+            pure: true,
+        })
+        .collect();
+    let source = SourceText { name: PROGRAM_NAME.to_string(), text: pdl.to_string() };
+    apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &host, resolve: &mut resolve })
+}
+
+/// The checker's messages as its reader sees them.
+pub fn messages(checked: &Checked) -> String {
+    let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
+    rendered.lines().map(|line| format!("{}\n", line.trim_end())).collect()
+}
+
+fn resolve(requirement: Requirement) -> Result<SourceText, String> {
+    match requirement {
+        Requirement::Library(name) => {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../library").join(format!("{name}.pdl"));
+            let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            Ok(SourceText { name: format!("library/{name}.pdl"), text })
+        }
+        Requirement::File { name, .. } => Err(format!("a page has no file `{name}`")),
+    }
+}
+
+fn agent_of(library: &Library) -> AgentDeclaration {
+    library.agents.first().cloned().unwrap_or_else(|| AgentDeclaration {
+        name: Symbol::new("agent"),
+        initial_task: Value::list([Value::symbol("do-domain")]),
+        bundles: Vec::new(),
+        routers: Vec::new(),
+        place: Place::default(),
+    })
+}
+
+fn read_options(options: &str) -> Result<(Time, Vec<String>), String> {
+    let (mut until, mut kinds) = (UNTIL_DEFAULT, Vec::new());
+    for line in options.lines().filter(|line| !line.trim().is_empty()) {
+        match line.split_whitespace().collect::<Vec<_>>().as_slice() {
+            ["until", time] => until = read_time(time)?,
+            ["show", some @ ..] => kinds.extend(some.iter().map(ToString::to_string)),
+            _ => return Err(format!("option `{line}` is not known; there are `until TIME` and `show KIND..`")),
+        }
+    }
+    Ok((until, kinds))
+}
+
+fn read_time(text: &str) -> Result<Time, String> {
+    match apex_pdl::read_value(text) {
+        Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
+        _ => Err(format!("`until {text}`: expected a duration such as 20s")),
+    }
+}
+
+fn last_line(end: &RunEnd) -> String {
+    let word = match end.reason {
+        EndReason::Application(_) => "end",
+        EndReason::Until => "until",
+        EndReason::Quiescent => "quiet",
+        EndReason::Stopped => "stopped",
+    };
+    format!("{} {word}", end.at)
+}

@@ -1,0 +1,94 @@
+//! A whole page: every `trace` and `check` block against what really happens.
+
+use crate::diff;
+use crate::page::{self, Block};
+use crate::scenario::{self, Scenario};
+
+/// What came of a page.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Everything is as the page says.
+    Holds,
+    /// Differences, readable.
+    Differs(String),
+}
+
+/// Checks the page `text`.
+pub fn judge(text: &str) -> Verdict {
+    let mut differences = String::new();
+    let mut compared = 0;
+    for (block, actual) in results(text) {
+        compared += 1;
+        match actual {
+            Ok(actual) => {
+                if let Some(difference) = diff::lines(&block.body, &actual) {
+                    differences.push_str(&format!("  line {}, {}:\n{difference}", block.line, block.kind));
+                }
+            }
+            Err(reason) => differences.push_str(&format!("  line {}, {}: {reason}\n", block.line, block.kind)),
+        }
+    }
+    if compared == 0 {
+        differences.push_str("  the page compares nothing: it needs a `trace` or `check` block\n");
+    }
+    if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
+}
+
+/// The page with everything it compares rewritten to what really happens.
+///
+/// # Errors
+/// The reason why a block cannot be run.
+pub fn updated(text: &str) -> Result<String, String> {
+    let mut bodies = Vec::new();
+    for (block, actual) in results(text) {
+        bodies.push((block.line, actual.map_err(|reason| format!("  line {}: {reason}\n", block.line))?));
+    }
+    Ok(page::rewrite(text, &bodies))
+}
+
+/// Each compared block with what really happens. `pdl`, `inputs` and `options` hold until the next of their kind; a new
+/// program starts without inputs and options.
+fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
+    let mut scenario = Scenario::default();
+    let mut results = Vec::new();
+    for block in page::blocks(text) {
+        match block.kind.as_str() {
+            "pdl" => scenario = Scenario { pdl: block.body, ..Scenario::default() },
+            "inputs" => scenario.inputs = block.body,
+            "options" => scenario.options = block.body,
+            "trace" => {
+                let actual = scenario::run(&scenario);
+                results.push((block, actual));
+            }
+            "check" => {
+                let actual = scenario::messages(&scenario::check(&scenario.pdl));
+                results.push((block, Ok(actual)));
+            }
+            "" => {}
+            other => {
+                let reason = format!("a page has no blocks of kind `{other}`");
+                results.push((block, Err(reason)));
+            }
+        }
+    }
+    results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_that_compares_nothing_does_not_hold() {
+        assert_ne!(judge("# Title\n\nprose\n"), Verdict::Holds);
+    }
+
+    #[test]
+    fn a_wrong_trace_does_not_hold_and_update_mends_it() {
+        let page = "```pdl\n(procedure (do-domain) (step a (print \"x\")))\n```\n\n```trace\n7s print y\n```\n";
+        assert_ne!(judge(page), Verdict::Holds);
+        let mended = updated(page).expect("the program runs");
+        assert!(mended.contains("print x"), "{mended}");
+        assert_eq!(judge(&mended), Verdict::Holds);
+    }
+}
