@@ -16,6 +16,7 @@ pub mod ports;
 pub mod program;
 pub mod record;
 pub mod replay;
+pub mod trace;
 
 pub use error::{RecordError, RunError};
 pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, fly};

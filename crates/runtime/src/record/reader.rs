@@ -262,7 +262,7 @@ impl RecordReader {
         read_error(&self.path, what, error)
     }
 
-    pub(super) fn garbled(&self, what: String) -> RecordError {
+    pub(crate) fn garbled(&self, what: String) -> RecordError {
         RecordError::Damaged { path: self.path.clone(), what }
     }
 }

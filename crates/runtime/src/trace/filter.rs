@@ -1,0 +1,104 @@
+//! Which lines of a trace are wanted.
+
+use super::line::Line;
+use apex_model::time::Time;
+use std::collections::BTreeSet;
+
+/// The kinds of trace lines.
+pub const KINDS: &[&str] = &[
+    "created",
+    "transition",
+    "satisfied",
+    "bound",
+    "selected",
+    "refused",
+    "plan",
+    "trouble",
+    "command",
+    "withdraw",
+    "acknowledged",
+    "solve",
+    "cancel-solve",
+    "solver",
+    "event",
+    "measurement",
+    "wake",
+    "print",
+    "ask",
+    "answer",
+    "note",
+    "end",
+];
+
+/// Wanted lines; the default wants everything but wakes, which say nothing that their consequences do not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TraceFilter {
+    /// Only these kinds, out of [`KINDS`]; empty is all but `wake`.
+    pub kinds: BTreeSet<String>,
+    /// Only what concerns this task (`T12`), or has this text in its goal, form or state variable, in any case.
+    pub object: Option<String>,
+    /// Not before this instant.
+    pub from: Option<Time>,
+    /// Not after this instant.
+    pub to: Option<Time>,
+    /// Only what stems from this place: `file.pdl`, `file.pdl:14`; folders before the name may be left out.
+    pub place: Option<String>,
+}
+
+impl TraceFilter {
+    /// Checks the names of kinds.
+    ///
+    /// # Errors
+    /// A sentence that names the unknown kind and all known ones.
+    pub fn check(&self) -> Result<(), String> {
+        match self.kinds.iter().find(|kind| !KINDS.contains(&kind.as_str())) {
+            None => Ok(()),
+            Some(unknown) => {
+                Err(format!("There are no trace lines of type `{unknown}`; known are {}.", KINDS.join(", ")))
+            }
+        }
+    }
+
+    /// Is this line wanted, as far as kind, time and object go?
+    pub(super) fn admits(&self, line: &Line) -> bool {
+        let kind = if self.kinds.is_empty() { line.kind != "wake" } else { self.kinds.contains(line.kind) };
+        let time = self.from.is_none_or(|from| line.at >= from) && self.to.is_none_or(|to| line.at <= to);
+        kind && time && self.object.as_deref().is_none_or(|object| concerns(line, object))
+    }
+}
+
+fn concerns(line: &Line, object: &str) -> bool {
+    let object = object.to_lowercase();
+    let number = object.strip_prefix('t').and_then(|digits| digits.parse::<u64>().ok());
+    match number {
+        Some(number) => line.task.is_some_and(|task| task.0 == number),
+        None => line.goal.to_lowercase().contains(&object) || line.subject.to_lowercase().contains(&object),
+    }
+}
+
+/// Is `found` (`missions/a/file.pdl:14:3`) within `wanted` (`file.pdl:14`)?
+pub(super) fn is_place_within(found: &str, wanted: &str) -> bool {
+    let tails = std::iter::once(found).chain(found.match_indices('/').filter_map(|(index, _)| found.get(index + 1..)));
+    let within = |tail: &str| tail.strip_prefix(wanted).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'));
+    tails.into_iter().any(within)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_match_whole_parts_only() {
+        assert!(is_place_within("missions/a/file.pdl:14:3", "file.pdl:14"));
+        assert!(is_place_within("file.pdl:14:3", "file.pdl"));
+        assert!(!is_place_within("file.pdl:14:3", "file.pdl:1"));
+        assert!(!is_place_within("profile.pdl:14:3", "file.pdl"));
+    }
+
+    #[test]
+    fn an_unknown_kind_is_answered_with_the_known_ones() {
+        let filter = TraceFilter { kinds: BTreeSet::from(["transitions".to_owned()]), ..TraceFilter::default() };
+        let message = filter.check().unwrap_err();
+        assert!(message.contains("`transitions`") && message.contains("transition,"), "{message}");
+    }
+}

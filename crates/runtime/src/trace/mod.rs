@@ -1,0 +1,158 @@
+//! The trace: every input, decision and output as one line, as JSON for programs or as text for people.
+//!
+//! Live it is an observer of a run; afterwards [`trace_record`] makes the same lines from a flight record.
+
+mod filter;
+mod line;
+
+pub use filter::{KINDS, TraceFilter};
+pub use line::seconds_text;
+
+use crate::error::RecordError;
+use crate::narrator::Narrator;
+use crate::ports::Observer;
+use crate::record::RecordReader;
+use apex_model::effect::{DecisionKind, Effect, Method};
+use apex_model::event::Batch;
+use apex_model::library::Library;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use line::Line;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+/// How lines look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TraceFormat {
+    /// One JSON object a line; keys in a fixed order.
+    JsonLines,
+    /// One aligned sentence a line.
+    Text,
+}
+
+/// Writes the trace of a run to `out`.
+pub struct Tracer<W: Write> {
+    out: W,
+    format: TraceFormat,
+    filter: TraceFilter,
+    narrator: Narrator,
+    tasks: BTreeMap<TaskId, Ancestry>,
+}
+
+/// What the filter by procedure needs to know of a task.
+#[derive(Default)]
+struct Ancestry {
+    parent: Option<TaskId>,
+    method: Option<String>,
+}
+
+impl<W: Write> Tracer<W> {
+    /// A tracer for a run of `library`, from the run's first step on.
+    pub fn new(out: W, format: TraceFormat, filter: TraceFilter, library: &Library) -> Tracer<W> {
+        Tracer { out, format, filter, narrator: Narrator::new(library), tasks: BTreeMap::new() }
+    }
+
+    /// Writes what is left and gives the output back.
+    ///
+    /// # Errors
+    /// The output's own.
+    pub fn into_inner(mut self) -> io::Result<W> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn trace(&mut self, batch: &Batch, effects: &[Effect]) -> io::Result<()> {
+        self.narrator.hear(batch);
+        for event in &batch.events {
+            self.write(&Line::of_event(event))?;
+        }
+        for effect in effects {
+            self.remember(effect);
+            let told = self.narrator.tell(effect);
+            let line = Line::of_effect(batch.now, effect, &told, &self.narrator);
+            self.write(&line)?;
+        }
+        Ok(())
+    }
+
+    fn remember(&mut self, effect: &Effect) {
+        let Effect::Decided(decision) = effect else { return };
+        let Some(task) = decision.task else { return };
+        match &decision.kind {
+            DecisionKind::Created { parent, .. } => {
+                self.tasks.insert(task, Ancestry { parent: *parent, method: None });
+            }
+            DecisionKind::Selected { method: Method::Procedure(place) | Method::Primitive(place), .. } => {
+                self.tasks.entry(task).or_default().method = Some(self.narrator.place(*place));
+            }
+            _ => {}
+        }
+    }
+
+    fn write(&mut self, line: &Line) -> io::Result<()> {
+        if !self.filter.admits(line) || !self.is_of_procedure(line) {
+            return Ok(());
+        }
+        let text = match self.format {
+            TraceFormat::JsonLines => line.json(),
+            TraceFormat::Text => line.text(),
+        };
+        writeln!(self.out, "{text}")
+    }
+
+    /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
+    fn is_of_procedure(&self, line: &Line) -> bool {
+        let Some(place) = &self.filter.place else { return true };
+        let own = line.task.and_then(|task| self.tasks.get(&task));
+        let parent = own.and_then(|own| own.parent).and_then(|parent| self.tasks.get(&parent));
+        let methods = [own, parent].into_iter().flatten().filter_map(|ancestry| ancestry.method.as_deref());
+        methods.chain(line.place.as_deref()).any(|found| filter::is_place_within(found, place))
+    }
+}
+
+impl<W: Write> Observer for Tracer<W> {
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        self.trace(batch, effects).map_err(|error| unwritable(&error))
+    }
+
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        self.write(&Line::of_note(at, text)).map_err(|error| unwritable(&error))
+    }
+
+    fn flush(&mut self) -> Result<(), String> {
+        self.out.flush().map_err(|error| unwritable(&error))
+    }
+}
+
+fn unwritable(error: &io::Error) -> String {
+    format!("The trace cannot be written: {error}. Check where it goes, and the space there.")
+}
+
+/// Writes the trace of a recorded flight to `out`.
+///
+/// # Errors
+/// [`RecordError`] when the record cannot be read or the trace not written.
+pub fn trace_record<W: Write>(
+    reader: &RecordReader,
+    out: W,
+    format: TraceFormat,
+    filter: TraceFilter,
+) -> Result<W, RecordError> {
+    let library = Library { sources: reader.pdl_sources()?, ..Library::default() };
+    let to = filter.to.unwrap_or(Time::END);
+    let mut tracer = Tracer::new(out, format, filter, &library);
+    let failed = |error: io::Error| RecordError::Question(unwritable(&error));
+    let mut notes = reader.notes()?.into_iter().peekable();
+    for step in reader.steps_between(Time::BEGINNING, to)? {
+        let step = step?;
+        while let Some((at, text)) = notes.next_if(|(at, _)| *at < step.batch.now) {
+            tracer.write(&Line::of_note(at, &text)).map_err(failed)?;
+        }
+        let effects = step.decoded_effects().map_err(|what| reader.garbled(what))?;
+        tracer.trace(&step.batch, &effects).map_err(failed)?;
+    }
+    for (at, text) in notes {
+        tracer.write(&Line::of_note(at, &text)).map_err(failed)?;
+    }
+    tracer.into_inner().map_err(failed)
+}
