@@ -1,1 +1,137 @@
-//! apex-benches
+//! Programs and agents that the measurements share.
+#![allow(clippy::panic, reason = "a measurement that cannot be set up must stop at once")]
+
+use apex_executive::{Agent, load, step};
+use apex_model::effect::{CommandId, Effect};
+use apex_model::event::{Batch, Event, EventKind, StateVariable};
+use apex_model::host::HostFunctions;
+use apex_model::library::{AgentDeclaration, Library};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_pdl::{CheckOptions, Checked, SourceText};
+use std::sync::Arc;
+
+/// Each of many tasks waits for a variable of its own, commands, and waits again.
+pub const WATCHERS: &str = "
+(procedure (index (do-domain))
+  (step all (watch ?n) (forall ?n in (range COUNT))))
+(procedure (index (watch ?n))
+  (step act (act on ?n) (waitfor (level <?n> > 10)) (repeating)))
+(primitive (index (act on ?n)) (on-start (command (act ?n))))
+";
+
+/// Many tasks that live and end at one instant.
+pub const SHORT_LIVES: &str = "
+(procedure (index (do-domain))
+  (step all (live ?n) (forall ?n in (range COUNT))))
+(primitive (index (live ?n)))
+";
+
+/// A patrol that is interrupted by every fire, for ten thousand seconds.
+pub const PATROL: &str = "
+(procedure (index (do-domain))
+  (step patrol (patrol) (repeating))
+  (step fire (look at ?where) (waitfor (fire ?where)) (responding) (priority 5))
+  (step over (terminate) (waitfor (landed))))
+(primitive (index (patrol)) (profile flight-path) (duration 60s))
+(primitive (index (look at ?where)) (profile flight-path) (duration 5s))
+";
+
+/// Checks a program that requires nothing.
+pub fn check(text: &str) -> Checked {
+    let source = SourceText { name: "bench.pdl".into(), text: text.into() };
+    let mut resolve = |_| Err("a measured program requires nothing".to_string());
+    apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve })
+}
+
+/// The library of a program without mistakes.
+pub fn library(text: &str) -> Arc<Library> {
+    let checked = check(text);
+    if checked.has_errors() {
+        panic!("{}", apex_pdl::render(&checked.diagnostics, &checked.library.sources, false));
+    }
+    Arc::new(checked.library)
+}
+
+/// An agent with the default initial task.
+pub fn agent(library: &Arc<Library>) -> Agent {
+    load(Arc::clone(library), &declaration(), HostFunctions::default()).unwrap_or_else(|message| panic!("{message}"))
+}
+
+/// The default agent.
+pub fn declaration() -> AgentDeclaration {
+    AgentDeclaration {
+        name: Symbol::new("agent"),
+        initial_task: Value::list([Value::symbol("do-domain")]),
+        bundles: Vec::new(),
+        routers: Vec::new(),
+        place: Place::default(),
+    }
+}
+
+/// An agent with the clock and the counter of its inputs.
+#[derive(Debug)]
+pub struct Driven {
+    agent: Agent,
+    now: Time,
+    sequence: u64,
+}
+
+impl Driven {
+    /// Steps a new agent at mission time 0.
+    pub fn new(library: &Arc<Library>) -> Driven {
+        let mut driven = Driven { agent: agent(library), now: Time::ZERO, sequence: 0 };
+        step(&mut driven.agent, &Batch { now: Time::ZERO, events: Vec::new() });
+        driven
+    }
+
+    /// The batch that brings `kind` a millisecond later.
+    pub fn batch(&mut self, kind: EventKind) -> Batch {
+        self.now = Time(self.now.0 + 1_000_000);
+        self.sequence += 1;
+        Batch { now: self.now, events: vec![Event { sequence: self.sequence, at: self.now, kind }] }
+    }
+
+    /// Steps the agent.
+    pub fn step(&mut self, batch: &Batch) -> Vec<Effect> {
+        step(&mut self.agent, batch)
+    }
+}
+
+/// A sample of `(level number)`.
+pub fn level(number: i64, value: i64) -> EventKind {
+    EventKind::Measurement(StateVariable::new(Symbol::new("level"), Value::Integer(number)), Value::Integer(value))
+}
+
+/// The command among the effects.
+pub fn command_in(effects: &[Effect]) -> Option<CommandId> {
+    effects.iter().find_map(|effect| match effect {
+        Effect::Command { command, .. } => Some(*command),
+        _ => None,
+    })
+}
+
+/// A PDL text of about `lines` lines, with everything that the checker has to look at.
+pub fn long_program(lines: usize) -> String {
+    let mut text = String::from("(procedure (index (do-domain))\n  (step s (job 0 alpha)))\n");
+    for number in 0..lines / 10 {
+        text.push_str(&format!(
+            "(procedure (index (job {number} ?target))
+  (profile camera-{number})
+  (step go (move to ?target for {number} => ?where))
+  (step aim (aim camera-{number} at ?target 5deg)
+    (waitfor (:and (ready camera-{number}) (location +self+ = ?where))))
+  (step shoot (shoot {number})
+    (waitfor (end ?aim)) (priority (+ 1 {number})))
+  (step stop (terminate >> ?where)
+    (waitfor (end ?shoot))))\n"
+        ));
+    }
+    text.push_str("(primitive (index (move to ?target for ?n)) (duration 5s) (return ?target))\n");
+    text.push_str(
+        "(primitive (index (aim ?camera at ?target ?angle)) (duration 1s))\n(primitive (index (shoot ?n)))\n",
+    );
+    text
+}
