@@ -16,6 +16,8 @@ pub mod ports;
 pub mod program;
 pub mod record;
 pub mod replay;
+#[cfg(test)]
+mod samples;
 pub mod trace;
 
 pub use error::{RecordError, RunError};

@@ -262,3 +262,44 @@ impl Input<'_> {
         Ok(value)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn batches_come_back_byte_for_byte_and_are_small() {
+        let mut variables = Variables::default();
+        let mut bytes = Vec::new();
+        for (batch, _) in samples::steps() {
+            encode(&batch, &mut variables, &mut bytes).unwrap();
+            let back = decode(batch.now, &bytes, &variables).unwrap();
+            assert_eq!(postcard::to_stdvec(&back).unwrap(), postcard::to_stdvec(&batch).unwrap());
+        }
+        let packet = samples::batch(5.0, 100, vec![samples::sample("roll-angle", samples::quantity(1.0, "deg")); 35]);
+        encode(&packet, &mut variables, &mut bytes).unwrap();
+        assert!(bytes.len() <= 2 + 35 * 10, "{} bytes", bytes.len());
+    }
+
+    #[test]
+    fn random_bytes_are_refused_without_panic() {
+        let mut variables = Variables::default();
+        let mut bytes = Vec::new();
+        for (batch, _) in samples::steps() {
+            encode(&batch, &mut variables, &mut bytes).unwrap();
+        }
+        let mut state = 1_u64;
+        for _ in 0..20_000 {
+            let noise: Vec<u8> = (0..40)
+                .map(|_| {
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    (state >> 56) as u8 & if state & (1 << 40) == 0 { 0x07 } else { 0xff }
+                })
+                .collect();
+            let _ = decode(Time::ZERO, &noise, &variables);
+        }
+        assert_eq!(decode(Time::ZERO, &[], &variables), Err("it is cut off".to_owned()));
+        assert!(decode(Time::ZERO, &[0xff; 12], &variables).is_err());
+    }
+}

@@ -7,6 +7,8 @@ mod rows;
 mod schema;
 mod steps;
 mod store;
+#[cfg(test)]
+mod tests;
 mod track;
 mod writer;
 
