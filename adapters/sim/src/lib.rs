@@ -1,1 +1,29 @@
-//! apex-sim
+//! The simulated world and vehicle behind [`apex_runtime::ports::Vehicle`].
+//!
+//! A point-mass fixed wing and helicopter in wind and turbulence, with a line scanner, cameras and radios. Deterministic:
+//! the same configuration and the same commands at the same times give the same inputs. The README lists commands,
+//! events and state variables.
+
+mod arguments;
+mod atmosphere;
+mod camera;
+mod commands;
+pub mod config;
+mod fixed_wing;
+mod flight;
+pub mod model;
+mod motion;
+mod names;
+mod packet;
+mod path;
+mod radio;
+mod random;
+mod rotorcraft;
+mod turbulence;
+mod world;
+
+pub use commands::command_names;
+pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, RadioShadow, ScheduledEvent, Start, WorldConfig};
+pub use model::{Airframe, CameraModel, FuelModel, MODEL_NAMES, ReportIntervals, ScannerModel, VehicleModel};
+pub use packet::{Pace, VARIABLES, Variable};
+pub use world::SimulatedWorld;

@@ -1,0 +1,198 @@
+//! Reading the arguments of commands: numbers with their dimensions, locations, keywords. Every error is a sentence.
+
+use crate::config::NamedPlace;
+use crate::names::unknown_name;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// A location as a command gave it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Spot {
+    pub(crate) position: Position,
+    /// Altitude to fly at, if the location has one.
+    pub(crate) altitude_m: Option<f64>,
+    /// Altitude of the thing itself, for cameras; none is the ground.
+    pub(crate) thing_altitude_m: Option<f64>,
+    /// As written, for the answer.
+    pub(crate) given: Value,
+}
+
+/// Arguments of one command: positional first, then `:keyword value` pairs.
+pub(crate) struct Arguments<'a> {
+    command: &'a str,
+    usage: &'a str,
+    positional: Vec<&'a Value>,
+    keywords: Vec<(String, &'a Value)>,
+    places: &'a [NamedPlace],
+}
+
+impl<'a> Arguments<'a> {
+    /// Splits `items` into positional arguments (between `least` and `most`) and the allowed keywords.
+    pub(crate) fn split(
+        command: &'a str,
+        usage: &'a str,
+        items: &'a [Value],
+        (least, most): (usize, usize),
+        allowed: &[&str],
+        places: &'a [NamedPlace],
+    ) -> Result<Arguments<'a>, String> {
+        let mut found = Arguments { command, usage, positional: Vec::new(), keywords: Vec::new(), places };
+        let mut rest = items.iter();
+        while let Some(item) = rest.next() {
+            let keyword = item.as_symbol().and_then(|symbol| symbol.folded().strip_prefix(':'));
+            let Some(keyword) = keyword else {
+                found.positional.push(item);
+                continue;
+            };
+            if !allowed.contains(&keyword) {
+                return Err(found.wrong(&unknown_name("keyword", keyword, allowed.iter().copied())));
+            }
+            let Some(value) = rest.next() else { return Err(found.wrong(&format!("`:{keyword}` has no value"))) };
+            // An optional value that PDL did not bind arrives as nil.
+            if value.is_true() {
+                found.keywords.push((keyword.to_owned(), value));
+            }
+        }
+        let count = found.positional.len();
+        if count < least || count > most {
+            return Err(found.wrong(&format!("it was given {count} arguments")));
+        }
+        Ok(found)
+    }
+
+    /// A refusal: the command, what is wrong, how it is used.
+    pub(crate) fn wrong(&self, what: &str) -> String {
+        format!("{}: {what}; use {}", self.command, self.usage)
+    }
+
+    /// Positional argument `index`, if given and not nil.
+    pub(crate) fn at(&self, index: usize) -> Option<&'a Value> {
+        self.positional.get(index).copied().filter(|value| value.is_true())
+    }
+
+    fn need(&self, index: usize, what: &str) -> Result<&'a Value, String> {
+        self.at(index).ok_or_else(|| self.wrong(&format!("the {what} is missing")))
+    }
+
+    fn keyword(&self, name: &str) -> Option<&'a Value> {
+        self.keywords.iter().find(|(key, _)| key == name).map(|(_, value)| *value)
+    }
+
+    fn number(&self, value: &Value, what: &str, dimension: Dimension, example: &str) -> Result<f64, String> {
+        let wrong = |reason: &str| self.wrong(&format!("the {what} {value} {reason}; give for example {example}"));
+        let Some((si, found)) = value.as_number() else { return Err(wrong("is not a number")) };
+        if found != dimension && found != Dimension::NONE {
+            return Err(wrong(&format!("is {found} and should be {dimension}")));
+        }
+        if !si.is_finite() {
+            return Err(wrong("is not finite"));
+        }
+        Ok(si)
+    }
+
+    /// Required positional altitude, m.
+    pub(crate) fn altitude(&self, index: usize) -> Result<f64, String> {
+        self.number(self.need(index, "altitude")?, "altitude", Dimension::LENGTH, "2100m or FL230")
+    }
+
+    /// Required positional speed, m/s.
+    pub(crate) fn speed(&self, index: usize) -> Result<f64, String> {
+        self.number(self.need(index, "speed")?, "speed", Dimension::SPEED, "180kt")
+    }
+
+    /// Required positional heading in radians; a bare number is degrees.
+    pub(crate) fn heading(&self, index: usize) -> Result<f64, String> {
+        let value = self.need(index, "heading")?;
+        let number = self.number(value, "heading", Dimension::ANGLE, "270deg")?;
+        let bare = value.as_number().is_some_and(|(_, dimension)| dimension == Dimension::NONE);
+        Ok(if bare { number * apex_geo::geodesy::RAD_PER_DEG } else { number })
+    }
+
+    /// Required positional duration.
+    pub(crate) fn duration(&self, index: usize) -> Result<Duration, String> {
+        self.read_duration(self.need(index, "duration")?)
+    }
+
+    /// `:duration`, if given.
+    pub(crate) fn duration_keyword(&self) -> Result<Option<Duration>, String> {
+        self.keyword("duration").map(|value| self.read_duration(value)).transpose()
+    }
+
+    fn read_duration(&self, value: &Value) -> Result<Duration, String> {
+        let seconds = self.number(value, "duration", Dimension::TIME, "90s")?;
+        if seconds < 0.0 {
+            return Err(self.wrong(&format!("the duration {value} is negative")));
+        }
+        Ok(Duration::from_seconds(seconds))
+    }
+
+    /// `:altitude`, m, if given.
+    pub(crate) fn altitude_keyword(&self) -> Result<Option<f64>, String> {
+        let read = |value| self.number(value, "altitude", Dimension::LENGTH, "2100m or FL230");
+        self.keyword("altitude").map(read).transpose()
+    }
+
+    /// `:speed`, m/s, if given.
+    pub(crate) fn speed_keyword(&self) -> Result<Option<f64>, String> {
+        self.keyword("speed").map(|value| self.number(value, "speed", Dimension::SPEED, "180kt")).transpose()
+    }
+
+    /// `:radius`, m, if given.
+    pub(crate) fn radius_keyword(&self) -> Result<Option<f64>, String> {
+        self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()
+    }
+
+    /// Required positional location.
+    pub(crate) fn spot(&self, index: usize, what: &str) -> Result<Spot, String> {
+        self.read_spot(self.need(index, what)?, what)
+    }
+
+    /// Positional location, if given.
+    pub(crate) fn optional_spot(&self, index: usize, what: &str) -> Result<Option<Spot>, String> {
+        self.at(index).map(|value| self.read_spot(value, what)).transpose()
+    }
+
+    fn read_spot(&self, value: &Value, what: &str) -> Result<Spot, String> {
+        let name = match value {
+            Value::Symbol(symbol) => Some(symbol.folded().to_owned()),
+            Value::Text(text) => Some(text.to_lowercase()),
+            _ => None,
+        };
+        if let Some(name) = name {
+            let known = || self.places.iter().map(|place| place.name.as_str());
+            let place = self.places.iter().find(|place| place.name.to_lowercase() == name);
+            let place = place.ok_or_else(|| self.wrong(&unknown_name("place", &name, known())))?;
+            return Ok(Spot {
+                position: place.position,
+                altitude_m: None,
+                thing_altitude_m: place.altitude_m,
+                given: value.clone(),
+            });
+        }
+        let wrong = || {
+            self.wrong(&format!(
+                "the {what} {value} is no location; give (latitude longitude [altitude]) in degrees and metres, or a place's name"
+            ))
+        };
+        let (latitude, longitude, altitude) = match value.as_list() {
+            Some([latitude, longitude]) => (latitude, longitude, None),
+            Some([latitude, longitude, altitude]) => (latitude, longitude, Some(altitude)),
+            _ => return Err(wrong()),
+        };
+        let angle = |value: &Value| match value.as_number() {
+            Some((degrees, Dimension::NONE)) => Ok(degrees),
+            Some((radians, Dimension::ANGLE)) => Ok(radians / apex_geo::geodesy::RAD_PER_DEG),
+            _ => Err(wrong()),
+        };
+        let position = Position::new(angle(latitude)?, angle(longitude)?);
+        let inside = position.latitude_deg.abs() <= 89.5 && position.longitude_deg.abs() <= 360.0;
+        if !inside {
+            return Err(self.wrong(&format!("the {what} {value} is not on Earth")));
+        }
+        let height = |value| self.number(value, "altitude", Dimension::LENGTH, "2100m or FL230");
+        let altitude_m = altitude.map(height).transpose()?;
+        Ok(Spot { position, altitude_m, thing_altitude_m: altitude_m, given: value.clone() })
+    }
+}

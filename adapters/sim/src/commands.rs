@@ -1,0 +1,440 @@
+//! Commands: from form to order, with every refusal a sentence; supersession and withdrawal.
+
+use crate::arguments::{Arguments, Spot};
+use crate::camera::{Aim, CameraState};
+use crate::fixed_wing::true_airspeed_min;
+use crate::flight::{Flight, Order, approach_height_m};
+use crate::model::Airframe;
+use crate::names::unknown_name;
+use crate::world::{Setpoint, SimulatedWorld};
+use apex_model::effect::CommandId;
+use apex_model::quantity::Dimension;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+
+/// A command: name, usage, fewest and most positional arguments, keywords.
+struct Command {
+    name: &'static str,
+    usage: &'static str,
+    arguments: (usize, usize),
+    keywords: &'static [&'static str],
+}
+
+const fn command(
+    name: &'static str,
+    usage: &'static str,
+    arguments: (usize, usize),
+    keywords: &'static [&'static str],
+) -> Command {
+    Command { name, usage, arguments, keywords }
+}
+
+/// Every command with its usage.
+const COMMANDS: &[Command] = &[
+    command("take-off", "(take-off ALTITUDE)", (1, 1), &[]),
+    command("fly-to", "(fly-to LOCATION [:speed S] [:altitude A])", (1, 1), &["speed", "altitude"]),
+    command("fly-line", "(fly-line FROM TO [:speed S] [:altitude A])", (2, 2), &["speed", "altitude"]),
+    command(
+        "loiter",
+        "(loiter LOCATION [:radius R] [:duration D] [:altitude A] [:speed S])",
+        (1, 1),
+        &["radius", "duration", "altitude", "speed"],
+    ),
+    command("hover", "(hover [LOCATION] [:duration D] [:altitude A])", (0, 1), &["duration", "altitude"]),
+    command("land", "(land LOCATION)", (1, 1), &[]),
+    command("set-altitude", "(set-altitude ALTITUDE)", (1, 1), &[]),
+    command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
+    command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
+    command("scanner", "(scanner on) or (scanner off)", (1, 1), &[]),
+    command("camera", "(camera NAME power-up) or (camera NAME power-off)", (2, 2), &[]),
+    command("point-camera", "(point-camera NAME LOCATION)", (2, 2), &[]),
+    command("take-picture", "(take-picture NAME)", (1, 1), &[]),
+    command("wait", "(wait DURATION)", (1, 1), &[]),
+];
+
+/// Names of all commands, for documentation and checks.
+pub fn command_names() -> impl Iterator<Item = &'static str> {
+    COMMANDS.iter().map(|command| command.name)
+}
+
+/// Lowest flight over ground: fixed wing, rotorcraft.
+const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
+
+impl SimulatedWorld {
+    /// Carries out a command, or refuses it.
+    pub(crate) fn obey(&mut self, id: CommandId, form: &Value, inputs: &mut Vec<Input>) {
+        if let Err(reason) = self.try_obey(id, form, inputs) {
+            self.answer(id, Err(reason), inputs);
+        }
+    }
+
+    fn try_obey(&mut self, id: CommandId, form: &Value, inputs: &mut Vec<Input>) -> Result<(), String> {
+        let known = || COMMANDS.iter().map(|command| command.name);
+        let (name, items) = match form.as_list() {
+            Some([Value::Symbol(name), items @ ..]) => (name.folded().to_owned(), items),
+            _ => return Err(format!("{form} is no command; a command is a list like (fly-to (34.7 -119.8 7010))")),
+        };
+        let command = COMMANDS.iter().find(|command| command.name == name);
+        let command = command.ok_or_else(|| unknown_name("command", &name, known()))?;
+        if self.is_crashed() {
+            return Err(format!("{name}: {} has crashed and carries out no commands", self.vehicle));
+        }
+        let places = self.places.clone();
+        let arguments =
+            Arguments::split(command.name, command.usage, items, command.arguments, command.keywords, &places)?;
+        match command.name {
+            "take-off" | "fly-to" | "fly-line" | "loiter" | "hover" | "land" => {
+                self.fly_order(id, form, command.name, &arguments, inputs)
+            }
+            "set-altitude" => {
+                let altitude_m = arguments.altitude(0)?;
+                self.check_altitude(&arguments, altitude_m)?;
+                let answer = Value::measured(altitude_m, Dimension::LENGTH);
+                self.claim_altitude(altitude_m, Some(Setpoint { command: id, text: form.to_string(), answer }), inputs);
+                Ok(())
+            }
+            "set-speed" => {
+                let speed = arguments.speed(0)?;
+                self.check_speed(&arguments, speed)?;
+                let answer = Value::measured(speed, Dimension::SPEED);
+                self.claim_speed(speed, Some(Setpoint { command: id, text: form.to_string(), answer }), inputs);
+                Ok(())
+            }
+            "set-heading" => self.turn_in_place(id, form, &arguments, inputs),
+            "scanner" => self.switch_scanner(id, &arguments, inputs),
+            "wait" => {
+                let duration = arguments.duration(0)?;
+                self.waits.push((self.now + duration, id, Value::Duration(duration)));
+                Ok(())
+            }
+            _ => self.use_camera(id, command.name, &arguments, inputs),
+        }
+    }
+
+    fn fly_order(
+        &mut self,
+        id: CommandId,
+        form: &Value,
+        name: &str,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        let grounded = self.state.on_ground;
+        if grounded && name != "take-off" {
+            return Err(arguments.wrong(&format!("{} is on the ground: take off first", self.vehicle)));
+        }
+        let altitude_keyword = arguments.altitude_keyword()?;
+        let speed = arguments.speed_keyword()?;
+        let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
+        let altitude_m = altitude_keyword.or(spot_altitude_m);
+        if let Some(altitude_m) = altitude_m {
+            self.check_altitude(arguments, altitude_m)?;
+        }
+        if let Some(speed) = speed {
+            self.check_speed(arguments, speed)?;
+        }
+        if let Some(altitude_m) = altitude_m {
+            self.claim_altitude(altitude_m, None, inputs);
+        }
+        if let Some(speed) = speed {
+            self.claim_speed(speed, None, inputs);
+        }
+        if let Some(old) = self.flight.command.take() {
+            self.answer(old, Err(format!("superseded by {form}")), inputs);
+        }
+        self.flight = Flight::begin(Some(id), order, &self.situation());
+        Ok(())
+    }
+
+    /// The order and the altitude that it brings with it.
+    fn read_order(&self, name: &str, arguments: &Arguments, at_altitude: bool) -> Result<(Order, Option<f64>), String> {
+        let refuse = |what: String| Err(arguments.wrong(&what));
+        Ok(match name {
+            "take-off" => {
+                let altitude_m = arguments.altitude(0)?;
+                if !self.state.on_ground {
+                    return refuse(format!("{} is already in the air", self.vehicle));
+                }
+                if !self.state.engine_running {
+                    return refuse("there is no fuel".to_owned());
+                }
+                (Order::TakeOff { altitude_m }, Some(altitude_m))
+            }
+            "fly-to" => {
+                let to = arguments.spot(0, "location")?;
+                let altitude_m = to.altitude_m;
+                (Order::FlyTo { at_altitude: at_altitude || altitude_m.is_some(), to }, altitude_m)
+            }
+            "fly-line" => {
+                let (from, to) = (arguments.spot(0, "beginning")?, arguments.spot(1, "end")?);
+                let length_m = crate::path::bearing(from.position, to.position).1;
+                if length_m < 1.0 {
+                    return refuse("the line has no length".to_owned());
+                }
+                let altitude_m = from.altitude_m.or(to.altitude_m);
+                (Order::FlyLine { from, to }, altitude_m)
+            }
+            "loiter" => {
+                let around = arguments.spot(0, "location")?;
+                let altitude_m = around.altitude_m;
+                (self.loiter_order(around, arguments)?, altitude_m)
+            }
+            "hover" => {
+                if self.model.airframe == Airframe::FixedWing {
+                    return refuse(format!("{} is a fixed wing and cannot hover: use loiter", self.vehicle));
+                }
+                let at = arguments.optional_spot(0, "location")?;
+                let altitude_m = at.as_ref().and_then(|at| at.altitude_m);
+                (Order::Hover { at, duration: arguments.duration_keyword()? }, altitude_m)
+            }
+            _ => {
+                let at = arguments.spot(0, "location")?;
+                let field_m = self.ground.elevation_m_at(at.position);
+                let fixed = self.model.airframe == Airframe::FixedWing;
+                (Order::Land { at }, fixed.then_some(field_m + approach_height_m()))
+            }
+        })
+    }
+
+    fn loiter_order(&self, around: Spot, arguments: &Arguments) -> Result<Order, String> {
+        let duration = arguments.duration_keyword()?;
+        let here = self.situation();
+        let tightest_m = here.turn_radius_m();
+        let radius_m = arguments.radius_keyword()?.unwrap_or_else(|| here.loiter_radius_m());
+        let fixed = self.model.airframe == Airframe::FixedWing;
+        if radius_m <= 0.0 || (fixed && radius_m < tightest_m) {
+            let (name, speed) = (&self.vehicle, self.true_airspeed);
+            return Err(arguments.wrong(&format!(
+                "a radius of {radius_m:.0} m is too tight: {name} turns within {tightest_m:.0} m at {speed:.0} m/s in this wind"
+            )));
+        }
+        Ok(Order::Loiter { around, radius_m, duration })
+    }
+
+    fn check_altitude(&self, arguments: &Arguments, altitude_m: f64) -> Result<(), String> {
+        let fixed = self.model.airframe == Airframe::FixedWing;
+        let height_m = if fixed { HEIGHT_M_MIN.0 } else { HEIGHT_M_MIN.1 };
+        let lowest_m = self.ground.elevation_m_at(self.state.position) + height_m;
+        let ceiling_m = self.model.ceiling_m;
+        if altitude_m > ceiling_m {
+            return Err(arguments.wrong(&format!("{altitude_m:.0} m is above the ceiling of {ceiling_m:.0} m")));
+        }
+        if altitude_m < lowest_m {
+            return Err(arguments.wrong(&format!(
+                "{altitude_m:.0} m is below {lowest_m:.0} m, the lowest safe altitude over the ground here (altitudes are above sea level)"
+            )));
+        }
+        Ok(())
+    }
+
+    fn check_speed(&self, arguments: &Arguments, speed: f64) -> Result<(), String> {
+        let (slowest, fastest) =
+            (true_airspeed_min(&self.model, self.state.altitude_m), self.model.true_airspeed_m_s_max);
+        let too_slow = speed < slowest || speed <= 0.0;
+        if too_slow || speed > fastest {
+            return Err(arguments.wrong(&format!(
+                "{speed:.1} m/s true airspeed is outside of {slowest:.1} to {fastest:.1} m/s, which {} can fly here",
+                self.vehicle
+            )));
+        }
+        Ok(())
+    }
+
+    /// Sets the altitude; whoever had set it before is superseded.
+    fn claim_altitude(&mut self, altitude_m: f64, by: Option<Setpoint>, inputs: &mut Vec<Input>) {
+        self.altitude_m = altitude_m;
+        if let Some(old) = std::mem::replace(&mut self.altitude_command, by) {
+            self.answer(old.command, Err(format!("{} was superseded by another altitude", old.text)), inputs);
+        }
+    }
+
+    fn claim_speed(&mut self, speed: f64, by: Option<Setpoint>, inputs: &mut Vec<Input>) {
+        self.true_airspeed = speed;
+        if let Some(old) = std::mem::replace(&mut self.speed_command, by) {
+            self.answer(old.command, Err(format!("{} was superseded by another speed", old.text)), inputs);
+        }
+    }
+
+    fn turn_in_place(
+        &mut self,
+        id: CommandId,
+        form: &Value,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        let heading_rad = crate::motion::wrap_tau(arguments.heading(0)?);
+        if self.model.airframe == Airframe::FixedWing {
+            return Err(arguments.wrong(&format!("{} is a fixed wing and turns by flying: use fly-to", self.vehicle)));
+        }
+        self.nose_rad = Some(heading_rad);
+        let answer = Value::measured(heading_rad, Dimension::ANGLE);
+        let setpoint = Setpoint { command: id, text: form.to_string(), answer };
+        if let Some(old) = self.heading_command.replace(setpoint) {
+            self.answer(old.command, Err(format!("{} was superseded by {form}", old.text)), inputs);
+        }
+        Ok(())
+    }
+
+    fn switch_scanner(&mut self, id: CommandId, arguments: &Arguments, inputs: &mut Vec<Input>) -> Result<(), String> {
+        if self.model.scanner.is_none() {
+            return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
+        }
+        let wanted = arguments.at(0).and_then(Value::as_symbol);
+        self.scanner_on = match wanted.map(|symbol| symbol.folded()) {
+            Some("on") => true,
+            Some("off") => false,
+            _ => return Err(arguments.wrong("it is switched on or off")),
+        };
+        self.answer(id, Ok(Value::symbol(if self.scanner_on { "on" } else { "off" })), inputs);
+        Ok(())
+    }
+
+    fn use_camera(
+        &mut self,
+        id: CommandId,
+        command: &str,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        let name =
+            arguments.at(0).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned()).unwrap_or_default();
+        let known: Vec<String> = self.cameras.iter().map(|camera| camera.model.name.clone()).collect();
+        let index = self.cameras.iter().position(|camera| camera.model.name.to_lowercase() == name);
+        let camera = index.and_then(|index| self.cameras.get(index)).cloned();
+        let (Some(index), Some(mut camera)) = (index, camera) else {
+            return Err(arguments.wrong(&unknown_name("camera", &name, known.iter().map(String::as_str))));
+        };
+        let old = camera.command.take();
+        let mut answer = None;
+        let ready = camera.is_ready();
+        let switch = arguments.at(1).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned());
+        match (command, switch.as_deref()) {
+            ("camera", Some("power-up")) if ready => answer = Some(Value::symbol(&camera.model.name)),
+            ("camera", Some("power-up")) => {
+                let waiting = camera.timer.filter(|_| camera.state == CameraState::PoweringUp);
+                camera.state = CameraState::PoweringUp;
+                let fresh = self.now + Duration::from_seconds(camera.model.power_up_s);
+                camera.timer = Some(waiting.unwrap_or(fresh));
+                camera.command = Some(id);
+            }
+            ("camera", Some("power-off")) => {
+                (camera.state, camera.timer, camera.aim) = (CameraState::Off, None, None);
+                answer = Some(Value::symbol(&camera.model.name));
+            }
+            ("camera", _) => return Err(arguments.wrong("a camera is told power-up or power-off")),
+            (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
+            ("point-camera", _) => {
+                let spot = arguments.spot(1, "target")?;
+                let ground_m = self.ground.elevation_m_at(spot.position);
+                let aim = Aim { altitude_m: spot.thing_altitude_m.unwrap_or(ground_m), spot };
+                if let Some(reason) = camera.refusal(&aim, &self.state) {
+                    return Err(arguments.wrong(&reason));
+                }
+                (camera.state, camera.timer, camera.aim) = (CameraState::Slewing, None, Some(aim));
+                camera.command = Some(id);
+            }
+            _ if camera.state == CameraState::Slewing || camera.aim.is_none() => {
+                return Err(arguments.wrong(&format!("{name} does not point at anything yet: use point-camera first")));
+            }
+            _ => {
+                camera.state = CameraState::Exposing;
+                camera.timer = Some(self.now + Duration::from_seconds(camera.model.picture_s));
+                camera.command = Some(id);
+            }
+        }
+        if let Some(slot) = self.cameras.get_mut(index) {
+            *slot = camera;
+        }
+        if let Some(old) = old {
+            self.answer(old, Err(format!("superseded by another command to {name}")), inputs);
+        }
+        if let Some(answer) = answer {
+            self.answer(id, Ok(answer), inputs);
+        }
+        Ok(())
+    }
+
+    /// The flight order is done: answers it, and circles, hovers or parks until the next.
+    pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
+        if let Some(command) = self.flight.command.take() {
+            self.answer(command, Ok(value), inputs);
+        }
+        self.idle();
+    }
+
+    fn idle(&mut self) {
+        let order = if self.state.on_ground { Order::Parked } else { Order::Hold };
+        self.flight = Flight::begin(None, order, &self.situation());
+        self.changed = true;
+    }
+
+    /// Answers the setpoint commands whose value is reached.
+    pub(crate) fn meet_setpoints(&mut self, inputs: &mut Vec<Input>) {
+        let altitude = (self.altitude_m - self.state.altitude_m).abs() <= 10.0;
+        let speed = (self.true_airspeed - self.state.true_airspeed).abs() <= 1.0;
+        let hovering = self.model.airframe == Airframe::Rotorcraft && self.state.ground_speed() < 0.5;
+        let error_rad = self.nose_rad.map_or(0.0, |nose| crate::motion::wrap_pi(nose - self.state.heading_rad));
+        let heading = error_rad.abs() < 0.0175;
+        let met = [
+            if altitude { self.altitude_command.take() } else { None },
+            // A hovering aircraft has its speed when it next moves.
+            if speed || hovering { self.speed_command.take() } else { None },
+            if heading { self.heading_command.take() } else { None },
+        ];
+        for setpoint in met.into_iter().flatten() {
+            self.answer(setpoint.command, Ok(setpoint.answer), inputs);
+            self.changed = true;
+        }
+    }
+
+    /// Stops carrying out a command; nobody waits for its answer any more.
+    pub(crate) fn give_up(&mut self, command: CommandId) {
+        let is = |setpoint: &mut Setpoint| setpoint.command == command;
+        if self.flight.command == Some(command) {
+            self.flight.command = None;
+            if !self.is_crashed() {
+                self.idle();
+            }
+        }
+        if self.altitude_command.take_if(is).is_some() {
+            self.altitude_m = self.state.altitude_m;
+        }
+        if self.speed_command.take_if(is).is_some() && self.state.true_airspeed > 0.0 {
+            self.true_airspeed = self.state.true_airspeed;
+        }
+        if self.heading_command.take_if(is).is_some() {
+            self.nose_rad = Some(self.state.heading_rad);
+        }
+        self.waits.retain(|(_, waiting, _)| *waiting != command);
+        for camera in self.cameras.iter_mut().filter(|camera| camera.command == Some(command)) {
+            (camera.command, camera.timer) = (None, None);
+            let powering = camera.state == CameraState::PoweringUp;
+            let exposing = camera.state == CameraState::Exposing;
+            (camera.state, camera.aim) = match (powering, exposing) {
+                (true, _) => (CameraState::Off, None),
+                (_, true) => (CameraState::Pointing, camera.aim.take()),
+                _ => (CameraState::Ready, None),
+            };
+        }
+    }
+
+    /// After a crash no command can be finished.
+    pub(crate) fn fail_everything(&mut self, inputs: &mut Vec<Input>) {
+        let vehicle = self.vehicle.clone();
+        let reason = || Err(format!("{vehicle} has crashed"));
+        let setpoints = [self.altitude_command.take(), self.speed_command.take(), self.heading_command.take()];
+        let mut open: Vec<CommandId> = setpoints.into_iter().flatten().map(|setpoint| setpoint.command).collect();
+        open.extend(self.flight.command.take());
+        open.extend(self.cameras.iter_mut().filter_map(|camera| camera.command.take()));
+        open.extend(self.waits.drain(..).map(|(_, command, _)| command));
+        open.sort_unstable();
+        for command in open {
+            inputs.push(Input {
+                at: self.now,
+                kind: apex_model::event::EventKind::CommandAcknowledged(command, reason()),
+            });
+        }
+        self.flight = Flight::begin(None, Order::Parked, &self.situation());
+    }
+}

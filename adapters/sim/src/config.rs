@@ -1,0 +1,263 @@
+//! What a simulated world is made of: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
+
+use crate::model::VehicleModel;
+use apex_geo::geodesy;
+use apex_model::event::StateVariable;
+use apex_model::problem::{Position, WindField};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Everything that [`crate::SimulatedWorld::new`] needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorldConfig {
+    /// The vehicle's name: the object of its state variables, for example `aircraft-1`.
+    pub vehicle: String,
+    /// What it is.
+    pub model: VehicleModel,
+    /// Where and how it begins, at mission time zero.
+    pub start: Start,
+    /// Seeds turbulence and radio fading.
+    pub seed: u64,
+    /// The wind that truly blows.
+    pub wind: WindField,
+    /// How high the ground is.
+    pub ground: Ground,
+    /// Radios.
+    pub modems: Vec<Modem>,
+    /// Targets, airfields and other places that commands may name.
+    pub places: Vec<NamedPlace>,
+    /// What the world does by itself: fires that appear, grow or are sighted.
+    pub events: Vec<ScheduledEvent>,
+}
+
+impl WorldConfig {
+    /// A vehicle in still air over ground at the start's elevation (or sea level for a start in the air), without radios.
+    pub fn new(vehicle: &str, model: VehicleModel, start: Start) -> WorldConfig {
+        let elevation_m = if start.airborne { 0.0 } else { start.altitude_m };
+        WorldConfig {
+            vehicle: vehicle.to_owned(),
+            model,
+            start,
+            seed: 0,
+            wind: WindField::default(),
+            ground: Ground { elevation_m, patches: Vec::new() },
+            modems: Vec::new(),
+            places: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+
+    /// Checks everything that a person may have written.
+    ///
+    /// # Errors
+    /// A sentence that names what is wrong.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        self.model.check()?;
+        if self.vehicle.trim().is_empty() {
+            return Err("the vehicle needs a name".to_owned());
+        }
+        let start = &self.start;
+        check_position("the vehicle's start", start.position)?;
+        check_finite("the start's altitude_m", start.altitude_m)?;
+        check_finite("the start's heading_deg", start.heading_deg)?;
+        if start.airborne && start.altitude_m > self.model.ceiling_m {
+            let (altitude, ceiling, name) = (start.altitude_m, self.model.ceiling_m, &self.model.name);
+            return Err(format!("the start at {altitude} m is above the {ceiling} m that {name} can hold"));
+        }
+        if let Some(share) = start.fuel_share
+            && !(0.0..=1.0).contains(&share)
+        {
+            return Err(format!("the start's fuel_share is {share}; it must be between 0 and 1"));
+        }
+        check_finite("the ground's elevation_m", self.ground.elevation_m)?;
+        for patch in &self.ground.patches {
+            check_position("a patch of ground", patch.position)?;
+            check_finite("a ground patch's elevation_m", patch.elevation_m)?;
+            check_finite("a ground patch's radius_m", patch.radius_m)?;
+        }
+        for place in &self.places {
+            check_position(&format!("place `{}`", place.name), place.position)?;
+        }
+        self.modems.iter().try_for_each(Modem::check)
+    }
+}
+
+fn check_position(what: &str, position: Position) -> Result<(), String> {
+    let Position { latitude_deg, longitude_deg } = position;
+    if latitude_deg.is_nan() || latitude_deg.abs() > 89.9 {
+        return Err(format!("{what} has latitude {latitude_deg}; it must be between -89.9 and 89.9 degrees"));
+    }
+    if longitude_deg.is_nan() || longitude_deg.abs() > 360.0 {
+        return Err(format!("{what} has longitude {longitude_deg}; it must be between -180 and 180 degrees"));
+    }
+    Ok(())
+}
+
+fn check_finite(what: &str, number: f64) -> Result<(), String> {
+    if number.is_finite() { Ok(()) } else { Err(format!("{what} is {number}; it must be a finite number")) }
+}
+
+/// Where and how the vehicle begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Start {
+    /// Where.
+    pub position: Position,
+    /// Altitude above mean sea level; for a start on the ground the field's elevation.
+    pub altitude_m: f64,
+    /// Where the nose points, clockwise from true north.
+    pub heading_deg: f64,
+    /// True: in flight at cruise speed; false: parked.
+    pub airborne: bool,
+    /// Share of the fuel capacity on board; none is full.
+    pub fuel_share: Option<f64>,
+}
+
+impl Start {
+    /// Parked on a field at `elevation_m`, nose towards `heading_deg` (the direction of the take-off).
+    pub fn on_ground(latitude_deg: f64, longitude_deg: f64, elevation_m: f64, heading_deg: f64) -> Start {
+        let position = Position::new(latitude_deg, longitude_deg);
+        Start { position, altitude_m: elevation_m, heading_deg, airborne: false, fuel_share: None }
+    }
+
+    /// In flight.
+    pub fn in_flight(latitude_deg: f64, longitude_deg: f64, altitude_m: f64, heading_deg: f64) -> Start {
+        let position = Position::new(latitude_deg, longitude_deg);
+        Start { position, altitude_m, heading_deg, airborne: true, fuel_share: None }
+    }
+}
+
+/// The ground: one elevation, with round patches of others. Later patches win.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ground {
+    /// Elevation where no patch lies.
+    pub elevation_m: f64,
+    /// Patches, for example one for each target.
+    pub patches: Vec<GroundPatch>,
+}
+
+/// A round patch of ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GroundPatch {
+    /// Its middle.
+    pub position: Position,
+    /// Its radius.
+    pub radius_m: f64,
+    /// Its elevation above mean sea level.
+    pub elevation_m: f64,
+}
+
+impl Ground {
+    /// Elevation at `position`. O(patches); far patches are dismissed by latitude alone.
+    pub fn elevation_m_at(&self, position: Position) -> f64 {
+        // No degree of latitude is shorter than this.
+        const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
+        let inside = |patch: &&GroundPatch| {
+            let north_m = (patch.position.latitude_deg - position.latitude_deg).abs() * METRES_PER_DEGREE_MIN;
+            north_m <= patch.radius_m && geodesy::distance_m(patch.position, position) <= patch.radius_m
+        };
+        self.patches.iter().rev().find(inside).map_or(self.elevation_m, |patch| patch.elevation_m)
+    }
+}
+
+/// A radio link. Level in decibels over noise falls with the logarithm of distance; 0..100 percent is published.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Modem {
+    /// Its name: the object of `signal-level`, for example `900MHzModem`.
+    pub name: String,
+    /// Where the ground station is; none for a satellite link, whose level does not fall with distance.
+    pub station: Option<Position>,
+    /// Distance at which the level is still 100 percent in free air.
+    pub full_level_m: f64,
+    /// Path-loss exponent: 2 free space, 3 and more near the ground.
+    pub path_loss_exponent: f64,
+    /// Decibels from 100 percent down to 0.
+    pub range_db: f64,
+    /// Deviation of the fading.
+    pub fading_db: f64,
+    /// Hills and buildings in the way.
+    pub shadows: Vec<RadioShadow>,
+    /// Spans `(from_s, until_s)` without any signal.
+    pub dropouts_s: Vec<(f64, f64)>,
+}
+
+/// A round place where ground weakens a radio link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RadioShadow {
+    /// Its middle.
+    pub position: Position,
+    /// Its radius.
+    pub radius_m: f64,
+    /// Above this altitude the station is in sight again.
+    pub altitude_m_max: f64,
+    /// Loss inside.
+    pub loss_db: f64,
+}
+
+impl Modem {
+    /// A ground radio with three dB of fading that is full within `full_level_m` and gone 40 dB below.
+    pub fn at_station(name: &str, station: Position, full_level_m: f64) -> Modem {
+        Modem {
+            name: name.to_owned(),
+            station: Some(station),
+            full_level_m,
+            path_loss_exponent: 2.4,
+            range_db: 40.0,
+            fading_db: 3.0,
+            shadows: Vec::new(),
+            dropouts_s: Vec::new(),
+        }
+    }
+
+    /// A satellite link.
+    pub fn satellite(name: &str) -> Modem {
+        Modem { station: None, fading_db: 1.0, ..Modem::at_station(name, Position::default(), 1.0) }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let name = &self.name;
+        if let Some(station) = self.station {
+            check_position(&format!("the station of modem `{name}`"), station)?;
+        }
+        let positive = [
+            ("full_level_m", self.full_level_m),
+            ("path_loss_exponent", self.path_loss_exponent),
+            ("range_db", self.range_db),
+        ];
+        for (field, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(format!("modem `{name}`: {field} is {value}; it must be a number greater than zero"));
+            }
+        }
+        check_finite(&format!("modem `{name}`: fading_db"), self.fading_db)
+    }
+}
+
+/// A place that commands may call by name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NamedPlace {
+    /// Its name, in any case.
+    pub name: String,
+    /// Where.
+    pub position: Position,
+    /// Altitude of the thing itself (to point a camera at); none is the ground.
+    pub altitude_m: Option<f64>,
+}
+
+/// Something that happens by itself at its time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScheduledEvent {
+    /// When.
+    pub at: Time,
+    /// What is then published.
+    pub what: Happening,
+}
+
+/// What a [`ScheduledEvent`] publishes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Happening {
+    /// A message, for example `(fire-sighted site-4)`.
+    Occurrence(Value),
+    /// A sample, for example of `(likelihood site-4)`.
+    Measurement(StateVariable, Value),
+}

@@ -1,0 +1,498 @@
+//! A flight command from its first moment to its answer: stages, what each demands, and what ends it.
+
+use crate::arguments::Spot;
+use crate::fixed_wing::{self, true_airspeed_min};
+use crate::model::{Airframe, VehicleModel};
+use crate::motion::{State, moved, wrap_pi};
+use crate::path::{Circle, Join, Line, Path, bearing, join};
+use crate::rotorcraft;
+use apex_geo::geodesy::{self, RAD_PER_DEG};
+use apex_geo::wind::Wind;
+use apex_model::effect::CommandId;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use libm::{atan2, cos};
+use std::f64::consts::PI;
+
+/// What was commanded, or what the vehicle does by itself.
+#[derive(Clone, Debug)]
+pub(crate) enum Order {
+    TakeOff {
+        altitude_m: f64,
+    },
+    FlyTo {
+        to: Spot,
+        at_altitude: bool,
+    },
+    FlyLine {
+        from: Spot,
+        to: Spot,
+    },
+    Loiter {
+        around: Spot,
+        radius_m: f64,
+        duration: Option<Duration>,
+    },
+    Hover {
+        at: Option<Spot>,
+        duration: Option<Duration>,
+    },
+    Land {
+        at: Spot,
+    },
+    /// Nothing is commanded: circle or hover here.
+    Hold,
+    /// On the ground.
+    Parked,
+}
+
+/// How far the order has come.
+#[derive(Clone, Debug)]
+enum Stage {
+    Parked,
+    Run,
+    ClimbOut,
+    Climb(Circle),
+    Rise(Position),
+    Direct(Position),
+    Tangent(Join),
+    Turn(Join),
+    LeadIn,
+    OnLine,
+    Circle(Circle),
+    Hover(Position),
+    Descend(Position),
+    RollOut,
+}
+
+/// What a flight needs to know of the world.
+pub(crate) struct Situation<'a> {
+    pub(crate) model: &'a VehicleModel,
+    pub(crate) state: &'a State,
+    pub(crate) wind: Wind,
+    pub(crate) ground_m: f64,
+    pub(crate) now: Time,
+    pub(crate) altitude_m: f64,
+    pub(crate) true_airspeed: f64,
+}
+
+/// The order that is being flown.
+#[derive(Clone, Debug)]
+pub(crate) struct Flight {
+    pub(crate) command: Option<CommandId>,
+    order: Order,
+    stage: Stage,
+    line: Option<Line>,
+    /// End of the time on station.
+    until: Option<Time>,
+    /// Distance to what ends the present stage.
+    pub(crate) stage_m: f64,
+    /// Distance to the order's goal.
+    pub(crate) to_go_m: f64,
+    joins: u32,
+    line_s: f64,
+    level_s: f64,
+}
+
+/// What became of the flight in one step.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Progress {
+    Going,
+    StageChanged,
+    Done(Value),
+}
+
+/// Lines begin this many seconds after the turn onto them, so that the wings are level.
+const LEAD_IN_S: f64 = 14.0;
+/// How exactly a line must be joined; otherwise it is joined again, so many times at most.
+const JOIN_ACROSS_M: f64 = 120.0;
+const JOIN_COURSE_RAD: f64 = 0.06;
+const JOINS_MAX: u32 = 3;
+/// Length and height of a fixed wing's final approach.
+const FINAL_M: f64 = 8_000.0;
+const FINAL_HEIGHT_M: f64 = 450.0;
+/// A take-off climbs straight ahead this high before it turns.
+const STRAIGHT_CLIMB_M: f64 = 300.0;
+/// Loitering circles are this much wider than the tightest turn.
+const LOITER_WIDTH: f64 = 1.3;
+/// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
+const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
+
+impl Situation<'_> {
+    fn fixed(&self) -> bool {
+        self.model.airframe == Airframe::FixedWing
+    }
+
+    fn at_altitude(&self) -> bool {
+        let within = if self.fixed() { ALTITUDE_M.0 } else { ALTITUDE_M.1 };
+        (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running
+    }
+
+    /// The tightest circle it can fly here.
+    pub(crate) fn turn_radius_m(&self) -> f64 {
+        let speed = self.true_airspeed.max(self.state.true_airspeed);
+        match self.model.airframe {
+            Airframe::FixedWing => fixed_wing::turn_radius_m(self.model, speed, self.wind),
+            Airframe::Rotorcraft => rotorcraft::turn_radius_m(self.model, self.true_airspeed.min(6.0)),
+        }
+    }
+
+    /// The circle it flies when it was told none.
+    pub(crate) fn loiter_radius_m(&self) -> f64 {
+        LOITER_WIDTH * self.turn_radius_m()
+    }
+
+    /// A circle round `centre`, the way round that needs the smaller turn.
+    fn circle(&self, centre: Position, radius_m: f64) -> Circle {
+        let aside = wrap_pi(bearing(self.state.position, centre).0 - self.state.track_rad());
+        Circle { centre, radius_m, clockwise: aside >= 0.0 }
+    }
+
+    /// Where a rotorcraft can stop.
+    fn stopping_place(&self) -> Position {
+        let speed = self.state.ground_speed();
+        let seconds = 0.5 * speed / (0.6 * self.model.acceleration_m_s2_max);
+        moved(self.state.position, self.state.north * seconds, self.state.east * seconds)
+    }
+}
+
+impl Flight {
+    /// Begins `order`.
+    pub(crate) fn begin(command: Option<CommandId>, order: Order, here: &Situation) -> Flight {
+        let mut flight = Flight {
+            command,
+            order: order.clone(),
+            stage: Stage::Parked,
+            line: None,
+            until: None,
+            stage_m: f64::INFINITY,
+            to_go_m: 0.0,
+            joins: 0,
+            line_s: 0.0,
+            level_s: 0.0,
+        };
+        flight.stage = match order {
+            Order::TakeOff { .. } if here.fixed() => Stage::Run,
+            Order::TakeOff { .. } => Stage::Rise(here.state.position),
+            Order::FlyTo { to, .. } => Stage::Direct(to.position),
+            Order::FlyLine { from, to } => {
+                let line = Line::new(from.position, to.position);
+                flight.line = Some(line);
+                if here.fixed() { flight.join_stage(&line, here) } else { Stage::Direct(from.position) }
+            }
+            Order::Loiter { around, radius_m, .. } => Stage::Circle(here.circle(around.position, radius_m)),
+            Order::Hover { at, .. } => Stage::Hover(at.map_or_else(|| here.stopping_place(), |at| at.position)),
+            Order::Land { at } if here.fixed() => {
+                let line = final_approach(&at, here);
+                flight.line = Some(line);
+                flight.join_stage(&line, here)
+            }
+            Order::Land { at } => Stage::Direct(at.position),
+            Order::Hold if here.fixed() => Stage::Circle(here.circle(here.state.position, here.loiter_radius_m())),
+            Order::Hold => Stage::Hover(here.stopping_place()),
+            Order::Parked => Stage::Parked,
+        };
+        flight.measure(here);
+        flight
+    }
+
+    fn join_stage(&mut self, line: &Line, here: &Situation) -> Stage {
+        self.joins += 1;
+        let lead_m = LEAD_IN_S * (here.true_airspeed.max(here.state.true_airspeed) + 10.0);
+        Stage::Tangent(join(line, -lead_m, 1.1 * here.turn_radius_m(), here.state))
+    }
+
+    /// What to follow now.
+    pub(crate) fn path(&self) -> Path {
+        match &self.stage {
+            Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::RollOut => Path::Straight,
+            Stage::Climb(circle) | Stage::Circle(circle) => Path::Circle(*circle),
+            Stage::Rise(point) | Stage::Hover(point) | Stage::Descend(point) => Path::Hover(*point),
+            Stage::Direct(point) => Path::Point(*point),
+            Stage::Tangent(join) => Path::Point(join.tangent),
+            Stage::Turn(join) => Path::Circle(join.turn),
+            Stage::LeadIn | Stage::OnLine => self.line.map_or(Path::Straight, Path::Line),
+        }
+    }
+
+    /// Altitude and speed that the stage itself demands, over the commanded ones.
+    pub(crate) fn profile(&self, here: &Situation) -> (f64, f64) {
+        let slow = |share: f64| share * true_airspeed_min(here.model, here.state.altitude_m);
+        let landing = matches!(self.order, Order::Land { .. });
+        match &self.stage {
+            Stage::ClimbOut => (here.altitude_m, slow(1.4)),
+            Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
+            Stage::LeadIn | Stage::OnLine if landing => {
+                let slope = FINAL_HEIGHT_M / FINAL_M;
+                (here.ground_m + slope * self.to_go_m.max(0.0) - 2.0, slow(1.3))
+            }
+            Stage::Turn(_) if landing => (here.altitude_m, slow(1.3)),
+            _ => (here.altitude_m, here.true_airspeed),
+        }
+    }
+
+    /// Is it rolling on the ground, and towards which speed?
+    pub(crate) fn ground_roll(&self) -> Option<f64> {
+        match self.stage {
+            Stage::Run => Some(f64::INFINITY),
+            Stage::RollOut | Stage::Parked => Some(0.0),
+            _ => None,
+        }
+    }
+
+    /// May it touch the ground now?
+    pub(crate) fn is_touching_down(&self) -> bool {
+        let landing = matches!(self.order, Order::Land { .. });
+        landing && matches!(self.stage, Stage::OnLine | Stage::Descend(_) | Stage::RollOut)
+    }
+
+    /// Is it on a line whose quality counts?
+    pub(crate) fn is_on_line(&self) -> bool {
+        matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. }))
+    }
+
+    /// When the time on station ends.
+    pub(crate) fn deadline(&self) -> Option<Time> {
+        self.until
+    }
+
+    /// The word for `flight-phase`.
+    pub(crate) fn phase(&self) -> Phase {
+        let landing = matches!(self.order, Order::Land { .. });
+        match &self.stage {
+            Stage::Parked => Phase::Parked,
+            Stage::Run => Phase::TakingOff,
+            Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => Phase::Climbing,
+            Stage::Direct(_) | Stage::Tangent(_) | Stage::Turn(_) if landing => Phase::Approaching,
+            Stage::Direct(_) => Phase::EnRoute,
+            Stage::LeadIn | Stage::OnLine if landing => Phase::Landing,
+            Stage::Tangent(_) | Stage::Turn(_) | Stage::LeadIn => Phase::Joining,
+            Stage::OnLine => Phase::Line,
+            Stage::Circle(_) => Phase::Loitering,
+            Stage::Hover(_) => Phase::Hovering,
+            Stage::Descend(_) | Stage::RollOut => Phase::Landing,
+        }
+    }
+
+    /// Looks where the vehicle is after a step of `dt` seconds and goes on to the next stage where it is time.
+    pub(crate) fn progress(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
+        self.measure(here);
+        let next = match self.stage.clone() {
+            Stage::Parked => None,
+            Stage::Run => {
+                let fast = here.state.true_airspeed >= 1.15 * true_airspeed_min(here.model, here.state.altitude_m);
+                fast.then_some(Stage::ClimbOut)
+            }
+            Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => return self.climb(here),
+            Stage::Direct(point) => return self.direct(point, here),
+            Stage::Tangent(join) => {
+                let (_, distance_m) = bearing(here.state.position, join.tangent);
+                self.passed(join.tangent, distance_m, here).then_some(Stage::Turn(join))
+            }
+            Stage::Turn(join) => self.turned(&join, here),
+            Stage::LeadIn => self.led_in(here),
+            Stage::OnLine => return self.on_line(here, roll_rad_max, dt),
+            Stage::Circle(_) | Stage::Hover(_) => return self.on_station(here),
+            Stage::Descend(_) => return if here.state.on_ground { self.done() } else { Progress::Going },
+            Stage::RollOut => return if here.state.true_airspeed < 0.3 { self.done() } else { Progress::Going },
+        };
+        self.change(next, here)
+    }
+
+    fn change(&mut self, next: Option<Stage>, here: &Situation) -> Progress {
+        let Some(stage) = next else { return Progress::Going };
+        self.stage = stage;
+        self.measure(here);
+        Progress::StageChanged
+    }
+
+    /// The order's answer.
+    fn done(&self) -> Progress {
+        Progress::Done(match &self.order {
+            Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
+            Order::FlyTo { to, .. } => to.given.clone(),
+            Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
+            Order::Loiter { around, .. } => around.given.clone(),
+            Order::Hover { at, .. } => at.as_ref().map_or_else(Value::nil, |at| at.given.clone()),
+            Order::Land { at } => at.given.clone(),
+            Order::Hold | Order::Parked => Value::nil(),
+        })
+    }
+
+    fn climb(&mut self, here: &Situation) -> Progress {
+        if (here.altitude_m - here.state.altitude_m).abs() <= 10.0_f64.min(0.2 * here.altitude_m.abs().max(5.0)) {
+            return self.done();
+        }
+        let high = here.state.altitude_m >= here.ground_m + STRAIGHT_CLIMB_M;
+        let turning = matches!(self.stage, Stage::ClimbOut) && high;
+        let circle = || Stage::Climb(here.circle(here.state.position, here.loiter_radius_m()));
+        self.change(turning.then(circle), here)
+    }
+
+    fn direct(&mut self, point: Position, here: &Situation) -> Progress {
+        let (_, distance_m) = bearing(here.state.position, point);
+        let arrived = if here.fixed() {
+            self.passed(point, distance_m, here)
+        } else {
+            distance_m < 1.5 && here.state.ground_speed() < 0.6
+        };
+        if !arrived {
+            return Progress::Going;
+        }
+        let next = match &self.order {
+            Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(),
+            Order::FlyTo { .. } if here.fixed() => Stage::Circle(here.circle(point, here.loiter_radius_m())),
+            Order::FlyLine { .. } if here.at_altitude() => Stage::OnLine,
+            Order::Land { .. } => Stage::Descend(point),
+            _ => Stage::Hover(point),
+        };
+        self.change(Some(next), here)
+    }
+
+    /// Is a fixed wing over a point, or abeam after a near miss?
+    fn passed(&self, point: Position, distance_m: f64, here: &Situation) -> bool {
+        let near_m = (0.6 * here.state.ground_speed()).max(40.0);
+        let (azimuth_rad, _) = bearing(here.state.position, point);
+        let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
+        distance_m < near_m || (behind && distance_m < 0.4 * here.turn_radius_m())
+    }
+
+    fn turned(&mut self, join: &Join, here: &Situation) -> Option<Stage> {
+        let line = self.line?;
+        let (along_m, _, course_rad) = line.locate(here.state.position);
+        let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
+        let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
+        if left_rad.abs() > 0.12 || !here.at_altitude() {
+            return None;
+        }
+        // Already past the beginning: come round again, as long as that helps.
+        if along_m > 0.0 && self.joins < JOINS_MAX {
+            return Some(self.join_stage(&line, here));
+        }
+        Some(Stage::LeadIn)
+    }
+
+    fn led_in(&mut self, here: &Situation) -> Option<Stage> {
+        let line = self.line?;
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        if along_m < 0.0 {
+            return None;
+        }
+        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
+        let good = across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
+        if good || self.joins >= JOINS_MAX || !here.state.engine_running {
+            return Some(Stage::OnLine);
+        }
+        Some(self.join_stage(&line, here))
+    }
+
+    fn on_line(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
+        self.line_s += dt;
+        if here.state.roll_rad.abs() <= roll_rad_max {
+            self.level_s += dt;
+        }
+        if matches!(self.order, Order::Land { .. }) {
+            return self.change(here.state.on_ground.then_some(Stage::RollOut), here);
+        }
+        if self.stage_m <= 0.0 { self.done() } else { Progress::Going }
+    }
+
+    fn on_station(&mut self, here: &Situation) -> Progress {
+        let (there, duration) = match (&self.stage, &self.order) {
+            (Stage::Circle(circle), Order::Loiter { duration, .. }) => {
+                let error_m = bearing(here.state.position, circle.centre).1 - circle.radius_m;
+                (error_m.abs() < 0.15 * circle.radius_m + 5.0, *duration)
+            }
+            (Stage::Hover(_), Order::Hover { duration, .. }) => {
+                (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
+            }
+            (_, Order::FlyTo { .. }) => return if here.at_altitude() { self.done() } else { Progress::Going },
+            (_, Order::FlyLine { .. }) => return self.change(here.at_altitude().then_some(Stage::OnLine), here),
+            _ => return Progress::Going,
+        };
+        match (self.until, duration) {
+            (Some(until), _) if here.now >= until => self.done(),
+            (None, Some(Duration::ZERO)) if there => self.done(),
+            (None, Some(duration)) if there => {
+                self.until = Some(here.now + duration);
+                Progress::StageChanged
+            }
+            _ => Progress::Going,
+        }
+    }
+
+    /// Distances to the end of the stage and to the goal.
+    fn measure(&mut self, here: &Situation) {
+        let to = |point: Position| bearing(here.state.position, point).1;
+        let along = || self.line.map(|line| (line.locate(here.state.position).0, line.length_m, line.from));
+        (self.stage_m, self.to_go_m) = match &self.stage {
+            Stage::Direct(point) => (to(*point), to(*point)),
+            Stage::Hover(point) => (f64::INFINITY, to(*point)),
+            Stage::Tangent(join) => (to(join.tangent), along().map_or(0.0, |(_, _, from)| to(from))),
+            Stage::Turn(_) => (f64::INFINITY, along().map_or(0.0, |(_, _, from)| to(from))),
+            Stage::LeadIn => along().map_or((0.0, 0.0), |(along_m, length_m, _)| (-along_m, length_m - along_m)),
+            Stage::OnLine => {
+                along().map_or((0.0, 0.0), |(along_m, length_m, _)| (length_m - along_m, length_m - along_m))
+            }
+            Stage::Circle(circle) => (f64::INFINITY, (to(circle.centre) - circle.radius_m).max(0.0)),
+            Stage::Descend(_) => (f64::INFINITY, here.state.altitude_m - here.ground_m),
+            Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) | Stage::RollOut => {
+                (f64::INFINITY, 0.0)
+            }
+        };
+    }
+}
+
+/// The last eight kilometres to a field, into the wind; without wind from where the vehicle comes.
+fn final_approach(at: &Spot, here: &Situation) -> Line {
+    let wind = here.wind;
+    let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;
+    let course_rad =
+        if calm { bearing(here.state.position, at.position).0 } else { atan2(-wind.east_mps, -wind.north_mps) };
+    let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, FINAL_M);
+    Line::new(threshold, at.position)
+}
+
+/// Height above the field at which a fixed wing begins its final approach.
+pub(crate) fn approach_height_m() -> f64 {
+    FINAL_HEIGHT_M
+}
+
+/// What `flight-phase` may say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Parked,
+    TakingOff,
+    Climbing,
+    EnRoute,
+    Joining,
+    Line,
+    Loitering,
+    Hovering,
+    Approaching,
+    Landing,
+    Gliding,
+    Crashed,
+}
+
+impl Phase {
+    /// The published word.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Phase::Parked => "parked",
+            Phase::TakingOff => "taking-off",
+            Phase::Climbing => "climbing",
+            Phase::EnRoute => "en-route",
+            Phase::Joining => "joining",
+            Phase::Line => "line",
+            Phase::Loitering => "loitering",
+            Phase::Hovering => "hovering",
+            Phase::Approaching => "approaching",
+            Phase::Landing => "landing",
+            Phase::Gliding => "gliding",
+            Phase::Crashed => "crashed",
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The vehicle's state, its demands, and what fixed wings and rotorcraft share: climb, moving over the ellipsoid.
+
+use crate::model::VehicleModel;
+use crate::path::Path;
+use apex_geo::geodesy::RAD_PER_DEG;
+use apex_model::problem::Position;
+use libm::{atan2, cos, exp, fmod, sin, sqrt};
+use std::f64::consts::{PI, TAU};
+
+/// Where the vehicle is and how it moves. Angles in radians, clockwise from north; speeds in m/s.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) position: Position,
+    pub(crate) altitude_m: f64,
+    pub(crate) heading_rad: f64,
+    pub(crate) true_airspeed: f64,
+    /// Bank of the turn itself; turbulence is added in `roll_rad`.
+    pub(crate) bank_rad: f64,
+    pub(crate) roll_rad: f64,
+    pub(crate) pitch_rad: f64,
+    pub(crate) roll_rate_rad_s: f64,
+    pub(crate) yaw_rate_rad_s: f64,
+    pub(crate) vertical_speed: f64,
+    /// Velocity over ground.
+    pub(crate) north: f64,
+    pub(crate) east: f64,
+    pub(crate) fuel_kg: f64,
+    pub(crate) fuel_flow_kg_s: f64,
+    pub(crate) engine_running: bool,
+    pub(crate) on_ground: bool,
+    pub(crate) flight_time_s: f64,
+    pub(crate) distance_flown_m: f64,
+}
+
+impl State {
+    /// Speed over ground.
+    pub(crate) fn ground_speed(&self) -> f64 {
+        sqrt(self.north * self.north + self.east * self.east)
+    }
+
+    /// Direction of the velocity over ground; the heading where there is none.
+    pub(crate) fn track_rad(&self) -> f64 {
+        if self.ground_speed() < 0.2 { self.heading_rad } else { wrap_tau(atan2(self.east, self.north)) }
+    }
+}
+
+/// What the vehicle should do now.
+#[derive(Clone, Debug)]
+pub(crate) struct Demand {
+    pub(crate) path: Path,
+    pub(crate) altitude_m: f64,
+    pub(crate) true_airspeed: f64,
+    /// Where a rotorcraft should point its nose; none: along its track.
+    pub(crate) nose_rad: Option<f64>,
+}
+
+/// `angle` in 0..2pi.
+pub(crate) fn wrap_tau(angle: f64) -> f64 {
+    let wrapped = fmod(angle, TAU);
+    if wrapped < 0.0 { wrapped + TAU } else { wrapped }
+}
+
+/// `angle` in -pi..pi.
+pub(crate) fn wrap_pi(angle: f64) -> f64 {
+    wrap_tau(angle + PI) - PI
+}
+
+/// The share of a first-order lag's way that is gone after `elapsed_s`: exact for any step.
+pub(crate) fn lag(elapsed_s: f64, time_constant_s: f64) -> f64 {
+    1.0 - exp(-elapsed_s / time_constant_s)
+}
+
+/// Moves `position` by metres north and east with the ellipsoid's radii of curvature at the middle of the move.
+/// For moves of a kilometre the error is below a millimetre.
+pub(crate) fn moved(position: Position, north_m: f64, east_m: f64) -> Position {
+    const SEMI_MAJOR_M: f64 = 6_378_137.0;
+    const ECCENTRICITY_SQUARED: f64 = 0.006_694_379_990_141_316;
+    let radii = |latitude_deg: f64| {
+        let sine = sin(latitude_deg * RAD_PER_DEG);
+        let factor = 1.0 - ECCENTRICITY_SQUARED * sine * sine;
+        let across = SEMI_MAJOR_M / sqrt(factor);
+        (across * (1.0 - ECCENTRICITY_SQUARED) / factor, across)
+    };
+    let (meridian, _) = radii(position.latitude_deg);
+    let middle_deg = position.latitude_deg + 0.5 * north_m / meridian / RAD_PER_DEG;
+    let (meridian, across) = radii(middle_deg);
+    let latitude_deg = (position.latitude_deg + north_m / meridian / RAD_PER_DEG).clamp(-89.9, 89.9);
+    let parallel_m = across * cos(middle_deg * RAD_PER_DEG);
+    let longitude_deg = apex_geo::geodesy::wrap_180(position.longitude_deg + east_m / parallel_m / RAD_PER_DEG);
+    Position { latitude_deg, longitude_deg }
+}
+
+/// Fastest climb at `altitude_m`.
+pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
+    let share = (altitude_m / model.ceiling_m).clamp(0.0, 1.0);
+    model.climb_rate_m_s_max * (1.0 - 0.9 * share)
+}
+
+/// Time constants of altitude capture and of climb.
+const ALTITUDE_CAPTURE_S: f64 = 6.0;
+const CLIMB_LAG_S: f64 = 2.0;
+
+/// Climbs or descends for `dt` towards `altitude_m`, or sinks without engine. True when the climb is steady: on the
+/// altitude, or so far from it that a long step cannot pass it.
+pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt: f64) -> bool {
+    let error_m = altitude_m - state.altitude_m;
+    let up = climb_rate_max(model, state.altitude_m);
+    let mut wanted = (error_m / ALTITUDE_CAPTURE_S.max(dt)).clamp(-model.descent_rate_m_s_max, up);
+    if !state.engine_running {
+        wanted = -(state.true_airspeed.max(6.0) / model.glide_ratio);
+    }
+    let before = state.vertical_speed;
+    state.vertical_speed += (wanted - before) * lag(dt, CLIMB_LAG_S);
+    state.altitude_m += 0.5 * (before + state.vertical_speed) * dt;
+    let on_it = error_m.abs() < 0.5 && state.vertical_speed.abs() < 0.1;
+    if on_it {
+        state.altitude_m = altitude_m;
+        state.vertical_speed = 0.0;
+    }
+    on_it || (error_m.abs() > 30.0 * state.vertical_speed.abs() + 60.0 && (wanted - state.vertical_speed).abs() < 0.2)
+}
+
+/// Fuel flow now, kg/s.
+pub(crate) fn fuel_flow_kg_s(state: &State, model: &VehicleModel) -> f64 {
+    if !state.engine_running {
+        return 0.0;
+    }
+    let fuel = &model.fuel;
+    let reference = fuel.flow_kg_h_reference / 3600.0;
+    if state.on_ground && state.true_airspeed < 1.0 {
+        return 0.2 * reference;
+    }
+    let x = state.true_airspeed / fuel.speed_m_s_reference;
+    let [constant, linear, cubic] = fuel.share;
+    let height = (1.0 - state.altitude_m / fuel.altitude_m_reference).max(-0.5);
+    let climb = if state.vertical_speed >= 0.0 {
+        1.0 + fuel.climb_penalty * state.vertical_speed / model.climb_rate_m_s_max
+    } else {
+        1.0 + fuel.descent_saving * state.vertical_speed / model.descent_rate_m_s_max
+    };
+    let flow = reference * (constant + linear * x + cubic * x * x * x) * (1.0 + fuel.low_altitude_penalty * height);
+    (flow * climb).max(0.1 * reference)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_geo::geodesy;
+
+    #[test]
+    fn a_short_move_is_the_geodesic() {
+        let from = Position::new(44.0, -119.0);
+        for azimuth_deg in [0.0, 37.0, 90.0, 200.0] {
+            let there = geodesy::destination(from, azimuth_deg, 950.0);
+            let azimuth_rad = azimuth_deg * RAD_PER_DEG;
+            let mine = moved(from, 950.0 * cos(azimuth_rad), 950.0 * sin(azimuth_rad));
+            assert!(geodesy::distance_m(there, mine) < 0.1, "{azimuth_deg}");
+        }
+    }
+
+    #[test]
+    fn a_lag_does_not_depend_on_the_step() {
+        let mut value = 0.0;
+        for _ in 0..10 {
+            value += (1.0 - value) * lag(0.1, 2.0);
+        }
+        assert!((value - lag(1.0, 2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn angles_wrap() {
+        assert!((wrap_pi(3.0 * PI / 2.0) + PI / 2.0).abs() < 1e-12);
+        assert!((wrap_tau(-0.5) - (TAU - 0.5)).abs() < 1e-12);
+    }
+}

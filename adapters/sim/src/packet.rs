@@ -1,0 +1,288 @@
+//! The state packet: which variables the vehicle publishes, in which unit, how often, and how a packet is built.
+
+use crate::atmosphere::{Air, GRAVITY};
+use crate::camera::Camera;
+use crate::flight::Phase;
+use crate::motion::State;
+use crate::radio::Radio;
+use apex_geo::geodesy::{self, RAD_PER_DEG, wrap_180};
+use apex_geo::wind::Wind;
+use apex_model::event::{EventKind, StateVariable};
+use apex_model::quantity::{Dimension, Quantity, UNITS};
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+use libm::{atan2, cos, sqrt};
+use std::collections::BTreeMap;
+
+/// How often a variable is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// In every packet.
+    Fast,
+    /// In full packets: at least every ten seconds.
+    Slow,
+    /// When it changes, and in full packets.
+    Discrete,
+}
+
+/// A state variable that the vehicle publishes.
+#[derive(Clone, Copy, Debug)]
+pub struct Variable {
+    /// The attribute; the object is the vehicle's name.
+    pub name: &'static str,
+    /// The unit its values print in; none for words, lists, durations and plain numbers.
+    pub unit: Option<&'static str>,
+    /// How often.
+    pub pace: Pace,
+    read: Read,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Read {
+    Number(fn(&Snapshot) -> f64),
+    Other(fn(&Snapshot) -> Value),
+    Word(fn(&Snapshot) -> &'static str),
+}
+
+/// Everything that a packet is read from.
+pub(crate) struct Snapshot<'a> {
+    pub(crate) state: &'a State,
+    pub(crate) wind: Wind,
+    pub(crate) air: Air,
+    pub(crate) ground_m: f64,
+    pub(crate) phase: Phase,
+    pub(crate) distance_to_go_m: f64,
+    pub(crate) altitude_m_commanded: f64,
+    pub(crate) true_airspeed_commanded: f64,
+    pub(crate) ground_distance_m: f64,
+    /// None: no scanner on board.
+    pub(crate) scanner_on: Option<bool>,
+    pub(crate) scan_valid: bool,
+    pub(crate) footprint_m: f64,
+    /// Upward acceleration that the air adds, m/s2.
+    pub(crate) bump: f64,
+}
+
+const fn number(name: &'static str, unit: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> Variable {
+    Variable { name, unit: Some(unit), pace, read: Read::Number(read) }
+}
+
+const fn plain(name: &'static str, pace: Pace, read: fn(&Snapshot) -> f64) -> Variable {
+    Variable { name, unit: None, pace, read: Read::Number(read) }
+}
+
+const fn other(name: &'static str, pace: Pace, read: fn(&Snapshot) -> Value) -> Variable {
+    Variable { name, unit: None, pace, read: Read::Other(read) }
+}
+
+const fn word(name: &'static str, read: fn(&Snapshot) -> &'static str) -> Variable {
+    Variable { name, unit: None, pace: Pace::Discrete, read: Read::Word(read) }
+}
+
+fn truth_word(truth: bool) -> &'static str {
+    if truth { "t" } else { "nil" }
+}
+
+use Pace::{Fast, Slow};
+
+/// Every variable of the vehicle, in the order of the packet. Cameras and modems add their own:
+/// `(camera-state C)` `(camera-tilt C)` `(camera-pan C)` `(signal-level M)`.
+pub const VARIABLES: &[Variable] = &[
+    number("latitude", "deg", Fast, |s| s.state.position.latitude_deg * RAD_PER_DEG),
+    number("longitude", "deg", Fast, |s| s.state.position.longitude_deg * RAD_PER_DEG),
+    number("altitude", "m", Fast, |s| s.state.altitude_m),
+    number("height-above-ground", "m", Fast, |s| s.state.altitude_m - s.ground_m),
+    other("location", Fast, location),
+    number("ground-speed", "m/s", Fast, |s| s.state.ground_speed()),
+    number("true-airspeed", "m/s", Fast, |s| s.state.true_airspeed),
+    number("vertical-speed", "m/s", Fast, |s| s.state.vertical_speed),
+    number("heading", "deg", Fast, |s| s.state.heading_rad),
+    number("track", "deg", Fast, |s| s.state.track_rad()),
+    number("roll-angle", "deg", Fast, |s| s.state.roll_rad),
+    number("pitch-angle", "deg", Fast, |s| s.state.pitch_rad),
+    number("roll-rate", "deg/s", Fast, |s| s.state.roll_rate_rad_s),
+    number("yaw-rate", "deg/s", Fast, |s| s.state.yaw_rate_rad_s),
+    number("acceleration-normal", "m/s2", Fast, |s| GRAVITY / cos(s.state.roll_rad) + s.bump),
+    number("distance-to-go", "m", Fast, |s| s.distance_to_go_m),
+    number("footprint-width", "m", Fast, |s| s.footprint_m),
+    word("scan-valid", |s| truth_word(s.scan_valid)),
+    number("indicated-airspeed", "m/s", Slow, |s| s.state.true_airspeed / s.air.true_per_indicated()),
+    number("wind-speed", "m/s", Slow, |s| {
+        sqrt(s.wind.east_mps * s.wind.east_mps + s.wind.north_mps * s.wind.north_mps)
+    }),
+    number("wind-direction", "deg", Slow, wind_from_rad),
+    plain("turbulence", Slow, |s| s.wind.turbulence),
+    number("fuel", "kg", Slow, |s| s.state.fuel_kg),
+    number("fuel-flow", "kg/h", Slow, |s| s.state.fuel_flow_kg_s),
+    other("endurance-remaining", Slow, endurance),
+    number("commanded-altitude", "m", Slow, |s| s.altitude_m_commanded),
+    number("commanded-speed", "m/s", Slow, |s| s.true_airspeed_commanded),
+    number("ground-distance", "m", Slow, |s| s.ground_distance_m),
+    number("distance-flown", "m", Slow, |s| s.state.distance_flown_m),
+    other("flight-time", Slow, |s| Value::Duration(Duration::from_seconds(s.state.flight_time_s))),
+    number("outside-temperature", "K", Slow, |s| s.air.temperature_k),
+    number("air-pressure", "hPa", Slow, |s| s.air.pressure_pa),
+    plain("mach-number", Slow, |s| s.state.true_airspeed / s.air.sound_m_s()),
+    word("flight-phase", |s| s.phase.word()),
+    word("engine-state", |s| if s.state.engine_running { "running" } else { "stopped" }),
+    word("on-ground", |s| truth_word(s.state.on_ground)),
+    word("scanner-state", |s| match s.scanner_on {
+        Some(true) => "on",
+        Some(false) => "off",
+        None => "none",
+    }),
+];
+
+/// Longest time without a full packet.
+const FULL_S: f64 = 10.0;
+
+fn location(snapshot: &Snapshot) -> Value {
+    let position = snapshot.state.position;
+    Value::List(
+        [position.latitude_deg, wrap_180(position.longitude_deg), snapshot.state.altitude_m].map(Value::Real).into(),
+    )
+}
+
+fn endurance(snapshot: &Snapshot) -> Value {
+    let flow = snapshot.state.fuel_flow_kg_s;
+    let seconds = if flow > 0.0 { snapshot.state.fuel_kg / flow } else { 0.0 };
+    Value::Duration(Duration::from_seconds(seconds))
+}
+
+fn wind_from_rad(snapshot: &Snapshot) -> f64 {
+    let Wind { east_mps, north_mps, .. } = snapshot.wind;
+    if east_mps == 0.0 && north_mps == 0.0 {
+        return 0.0;
+    }
+    geodesy::wrap_360(atan2(-east_mps, -north_mps) / RAD_PER_DEG) * RAD_PER_DEG
+}
+
+/// Turns snapshots into inputs. Names and words are made once, so that a packet costs little.
+#[derive(Clone, Debug)]
+pub(crate) struct Reporter {
+    variables: Vec<(StateVariable, Quantity)>,
+    words: BTreeMap<&'static str, Value>,
+    /// The last word reported of each discrete variable.
+    last_words: Vec<&'static str>,
+    cameras: Vec<[StateVariable; 3]>,
+    last_cameras: Vec<&'static str>,
+    radios: Vec<StateVariable>,
+    last_full: Option<Time>,
+}
+
+impl Reporter {
+    pub(crate) fn new(vehicle: &str, cameras: &[Camera], radios: &[Radio]) -> Reporter {
+        let object = Value::symbol(vehicle);
+        let named = |variable: &Variable| {
+            let state_variable = StateVariable::new(Symbol::new(variable.name), object.clone());
+            (state_variable, template(variable.unit))
+        };
+        let of_camera = |camera: &Camera| {
+            ["camera-state", "camera-tilt", "camera-pan"]
+                .map(|name| StateVariable::new(Symbol::new(name), Value::symbol(&camera.model.name)))
+        };
+        let of_radio =
+            |radio: &Radio| StateVariable::new(Symbol::new("signal-level"), Value::symbol(&radio.modem.name));
+        Reporter {
+            variables: VARIABLES.iter().map(named).collect(),
+            words: BTreeMap::new(),
+            last_words: vec![""; VARIABLES.len()],
+            cameras: cameras.iter().map(of_camera).collect(),
+            last_cameras: vec![""; cameras.len()],
+            radios: radios.iter().map(of_radio).collect(),
+            last_full: None,
+        }
+    }
+
+    /// A packet at `at`: a full one when `full` or when the last is ten seconds old.
+    pub(crate) fn packet(
+        &mut self,
+        at: Time,
+        full: bool,
+        snapshot: &Snapshot,
+        cameras: &[Camera],
+        radios: &[Radio],
+        inputs: &mut Vec<Input>,
+    ) {
+        let full = full || self.last_full.is_none_or(|last| (at - last).seconds() >= FULL_S);
+        if full {
+            self.last_full = Some(at);
+            self.last_words.fill("");
+            self.last_cameras.fill("");
+        }
+        for (variable, (name, quantity)) in VARIABLES.iter().zip(&self.variables) {
+            if variable.pace != Pace::Fast && !(full && variable.pace == Pace::Slow) {
+                continue;
+            }
+            let value = match variable.read {
+                Read::Number(read) if variable.unit.is_some() => {
+                    Value::Quantity(Quantity { si: read(snapshot), ..*quantity })
+                }
+                Read::Number(read) => Value::Real(read(snapshot)),
+                Read::Other(read) => read(snapshot),
+                Read::Word(_) => continue,
+            };
+            inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+        }
+        self.changes(at, snapshot, cameras, inputs);
+        let angle = template(Some("deg"));
+        for (camera, [_, tilt, pan]) in
+            cameras.iter().zip(&self.cameras).filter(|(camera, _)| full || camera.aim.is_some())
+        {
+            for (name, si) in [(tilt, camera.tilt_rad), (pan, camera.pan_rad)] {
+                let value = Value::Quantity(Quantity { si, ..angle });
+                inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+            }
+        }
+        for (radio, name) in radios.iter().zip(&self.radios) {
+            inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(radio.level)) });
+        }
+    }
+
+    /// Only the words that changed since they were last reported.
+    pub(crate) fn changes(&mut self, at: Time, snapshot: &Snapshot, cameras: &[Camera], inputs: &mut Vec<Input>) {
+        let words = &mut self.words;
+        let mut publish = |name: &StateVariable, word: &'static str, last: &mut &'static str| {
+            if word != *last {
+                *last = word;
+                let made = || if word == "nil" { Value::nil() } else { Value::symbol(word) };
+                let value = words.entry(word).or_insert_with(made).clone();
+                inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+            }
+        };
+        for ((variable, (name, _)), last) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_words) {
+            if let Read::Word(read) = variable.read {
+                publish(name, read(snapshot), last);
+            }
+        }
+        for ((camera, [name, ..]), last) in cameras.iter().zip(&self.cameras).zip(&mut self.last_cameras) {
+            publish(name, camera.state.word(), last);
+        }
+    }
+}
+
+/// A zero of `unit`, to be filled with numbers of SI units.
+fn template(unit: Option<&str>) -> Quantity {
+    let found = UNITS.iter().enumerate().find(|(_, known)| Some(known.name) == unit);
+    match found {
+        Some((index, known)) => Quantity { si: 0.0, dimension: known.dimension, unit: u8::try_from(index).ok() },
+        None => Quantity { si: 0.0, dimension: Dimension::NONE, unit: None },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_asks_for_more_than_thirty_variables_and_each_unit_exists() {
+        assert!(VARIABLES.len() > 30);
+        for variable in VARIABLES {
+            if let Some(unit) = variable.unit {
+                assert!(UNITS.iter().any(|known| known.name == unit), "{unit}");
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Radio links: signal level by distance, shadow, fading and drop-outs.
+
+use crate::config::Modem;
+use crate::random::{Random, Wander};
+use apex_geo::geodesy;
+use apex_model::problem::Position;
+use libm::log10;
+
+/// A link counts as lost below the first level for the span, as regained above the second for as long.
+const LOST_PERCENT: f64 = 5.0;
+const REGAINED_PERCENT: f64 = 15.0;
+const SETTLED_S: f64 = 5.0;
+/// Fading forgets itself after about this.
+const FADING_S: f64 = 4.0;
+
+/// One radio link at work.
+#[derive(Clone, Debug)]
+pub(crate) struct Radio {
+    pub(crate) modem: Modem,
+    fading: Wander,
+    /// Percent, 0..100.
+    pub(crate) level: f64,
+    lost: bool,
+    /// How long the level has said the opposite of `lost`.
+    contrary_s: f64,
+}
+
+/// What changed about a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LinkChange {
+    Lost,
+    Regained,
+}
+
+impl Radio {
+    pub(crate) fn new(modem: Modem, seed: u64, index: u64) -> Radio {
+        let fading = Wander::new(Random::new(seed, 100 + index), FADING_S);
+        Radio { modem, fading, level: 100.0, lost: false, contrary_s: 0.0 }
+    }
+
+    /// Listens at a place and time, `elapsed_s` after the last time.
+    pub(crate) fn listen(&mut self, here: Position, altitude_m: f64, now_s: f64, elapsed_s: f64) -> Option<LinkChange> {
+        let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);
+        let silent = self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
+        let loss_db = self.loss_db(here, altitude_m) + fading_db;
+        self.level = if silent { 0.0 } else { (100.0 * (1.0 - loss_db / self.modem.range_db)).clamp(0.0, 100.0) };
+        let contrary = if self.lost { self.level > REGAINED_PERCENT } else { self.level < LOST_PERCENT };
+        if !contrary {
+            self.contrary_s = 0.0;
+            return None;
+        }
+        self.contrary_s += elapsed_s;
+        if self.contrary_s < SETTLED_S {
+            return None;
+        }
+        self.contrary_s = 0.0;
+        self.lost = !self.lost;
+        Some(if self.lost { LinkChange::Lost } else { LinkChange::Regained })
+    }
+
+    fn loss_db(&self, here: Position, altitude_m: f64) -> f64 {
+        let in_shadow = |shadow: &&crate::config::RadioShadow| {
+            altitude_m < shadow.altitude_m_max && geodesy::distance_m(shadow.position, here) < shadow.radius_m
+        };
+        let shadows_db: f64 = self.modem.shadows.iter().filter(in_shadow).map(|shadow| shadow.loss_db).sum();
+        let Some(station) = self.modem.station else { return shadows_db };
+        let ratio = (geodesy::distance_m(station, here) / self.modem.full_level_m).max(1.0);
+        10.0 * self.modem.path_loss_exponent * log10(ratio) + shadows_db
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_level_falls_with_distance_and_the_link_is_lost_and_regained() {
+        let station = Position::new(36.0, -121.0);
+        let mut modem = Modem::at_station("900MHzModem", station, 500.0);
+        modem.fading_db = 0.0;
+        let mut radio = Radio::new(modem, 1, 0);
+        let near = geodesy::destination(station, 90.0, 1_000.0);
+        let far = geodesy::destination(station, 90.0, 40_000.0);
+        assert_eq!(radio.listen(near, 100.0, 0.0, 1.0), None);
+        let near_level = radio.level;
+        assert!((70.0..95.0).contains(&near_level), "{near_level}");
+        let changes: Vec<_> = (0..10).filter_map(|second| radio.listen(far, 100.0, f64::from(second), 1.0)).collect();
+        assert_eq!((changes, radio.level), (vec![LinkChange::Lost], 0.0));
+        let changes: Vec<_> = (0..10).filter_map(|second| radio.listen(near, 100.0, f64::from(second), 1.0)).collect();
+        assert_eq!(changes, vec![LinkChange::Regained]);
+    }
+
+    #[test]
+    fn a_drop_out_silences_a_satellite_link() {
+        let mut modem = Modem::satellite("ku-band");
+        modem.dropouts_s = vec![(10.0, 20.0)];
+        let mut radio = Radio::new(modem, 1, 0);
+        radio.listen(Position::new(0.0, 0.0), 0.0, 15.0, 1.0);
+        assert_eq!(radio.level, 0.0);
+        radio.listen(Position::new(0.0, 0.0), 0.0, 20.0, 1.0);
+        assert!(radio.level > 90.0);
+    }
+}

@@ -1,0 +1,528 @@
+//! The simulated world: time, the vehicle in it, and what it says.
+//!
+//! Time moves in steps of its own choice, cut only at the instants of commands and scheduled events. So the same commands
+//! at the same times give the same inputs, however often `advance` is called in between.
+
+use crate::atmosphere::Air;
+use crate::camera::{Camera, CameraState, Pointing};
+use crate::config::{Ground, Happening, NamedPlace, ScheduledEvent, WorldConfig};
+use crate::fixed_wing;
+use crate::flight::{Flight, Order, Phase, Progress, Situation};
+use crate::model::{Airframe, VehicleModel};
+use crate::motion::{Demand, State, fuel_flow_kg_s};
+use crate::packet::{Reporter, Snapshot};
+use crate::radio::{LinkChange, Radio};
+use crate::rotorcraft;
+use crate::turbulence::Turbulence;
+use apex_geo::geodesy::{self, RAD_PER_DEG};
+use apex_geo::wind::{self, Wind};
+use apex_model::effect::CommandId;
+use apex_model::event::EventKind;
+use apex_model::problem::{Position, WindField};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_runtime::ports::{Input, Vehicle};
+use libm::{cos, sin, tan};
+use std::collections::VecDeque;
+
+/// Step while something changes, and the longest step otherwise.
+const STEP_S: f64 = 0.5;
+/// Wings count as level within this where no scanner says otherwise.
+const LEVEL_RAD: f64 = 3.0 * RAD_PER_DEG;
+
+/// Something that the executive sent, waiting for its time.
+#[derive(Clone, Debug)]
+pub(crate) enum Received {
+    Command(CommandId, Value),
+    Withdrawal(CommandId),
+}
+
+/// A command with a setpoint: altitude, speed or heading.
+#[derive(Clone, Debug)]
+pub(crate) struct Setpoint {
+    pub(crate) command: CommandId,
+    pub(crate) text: String,
+    pub(crate) answer: Value,
+}
+
+/// The simulated world with its one vehicle. See the crate's README for commands and variables.
+#[derive(Clone, Debug)]
+pub struct SimulatedWorld {
+    pub(crate) vehicle: String,
+    pub(crate) model: VehicleModel,
+    wind_field: WindField,
+    pub(crate) ground: Ground,
+    pub(crate) places: Vec<NamedPlace>,
+    pub(crate) now: Time,
+    planned_stop: Time,
+    pub(crate) state: State,
+    pub(crate) wind: Wind,
+    ground_m: f64,
+    pub(crate) flight: Flight,
+    pub(crate) altitude_m: f64,
+    pub(crate) true_airspeed: f64,
+    pub(crate) nose_rad: Option<f64>,
+    pub(crate) altitude_command: Option<Setpoint>,
+    pub(crate) speed_command: Option<Setpoint>,
+    pub(crate) heading_command: Option<Setpoint>,
+    pub(crate) waits: Vec<(Time, CommandId, Value)>,
+    pending: VecDeque<(Time, Received)>,
+    scheduled: VecDeque<ScheduledEvent>,
+    pub(crate) scanner_on: bool,
+    pub(crate) cameras: Vec<Camera>,
+    radios: Vec<Radio>,
+    heard_at: Time,
+    turbulence: Turbulence,
+    /// Taken out only while it writes, because it reads the rest of the world.
+    reporter: Option<Reporter>,
+    /// Nothing changes: the next step may be long.
+    settled: bool,
+    /// Something happened in flight that is worth a packet at once.
+    pub(crate) changed: bool,
+    crashed: bool,
+    home: Position,
+}
+
+impl SimulatedWorld {
+    /// Sets up the world of `config` at mission time zero.
+    ///
+    /// # Errors
+    /// A sentence that says what about the configuration is impossible.
+    pub fn new(config: WorldConfig) -> Result<SimulatedWorld, String> {
+        config.check()?;
+        let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events } = config;
+        events.sort_by_key(|event| event.at);
+        let cameras: Vec<Camera> = model.cameras.iter().cloned().map(Camera::new).collect();
+        let numbered = modems.into_iter().zip(0u64..);
+        let radios: Vec<Radio> = numbered.map(|(modem, index)| Radio::new(modem, seed, index)).collect();
+        let home = radios.iter().find_map(|radio| radio.modem.station).unwrap_or(start.position);
+        let wind_now = wind::at(&wind, start.position, start.altitude_m, 0.0);
+        let state = initial_state(&start, &model, wind_now);
+        let ground_m = ground.elevation_m_at(start.position);
+        let (altitude_m, true_airspeed) = (start.altitude_m, model.true_airspeed_m_s_cruise);
+        let here = Situation {
+            model: &model,
+            state: &state,
+            wind: wind_now,
+            ground_m,
+            now: Time::ZERO,
+            altitude_m,
+            true_airspeed,
+        };
+        let order = if start.airborne { Order::Hold } else { Order::Parked };
+        let flight = Flight::begin(None, order, &here);
+        let reporter = Reporter::new(&vehicle, &cameras, &radios);
+        Ok(SimulatedWorld {
+            vehicle,
+            model,
+            wind_field: wind,
+            ground,
+            places,
+            now: Time::ZERO,
+            planned_stop: Time::ZERO,
+            state,
+            wind: wind_now,
+            ground_m,
+            flight,
+            altitude_m,
+            true_airspeed,
+            nose_rad: None,
+            altitude_command: None,
+            speed_command: None,
+            heading_command: None,
+            waits: Vec::new(),
+            pending: VecDeque::new(),
+            scheduled: events.into(),
+            scanner_on: false,
+            cameras,
+            radios,
+            heard_at: Time::ZERO,
+            turbulence: Turbulence::new(seed),
+            reporter: Some(reporter),
+            settled: false,
+            changed: true,
+            crashed: false,
+            home,
+        })
+    }
+
+    /// The vehicle's name.
+    pub fn vehicle(&self) -> &str {
+        &self.vehicle
+    }
+
+    /// Where the vehicle truly is.
+    pub fn position(&self) -> Position {
+        self.state.position
+    }
+
+    /// Its true altitude above mean sea level.
+    pub fn altitude_m(&self) -> f64 {
+        self.state.altitude_m
+    }
+
+    /// Fuel on board.
+    pub fn fuel_kg(&self) -> f64 {
+        self.state.fuel_kg
+    }
+
+    /// What a flight order needs to know.
+    pub(crate) fn situation(&self) -> Situation<'_> {
+        Situation {
+            model: &self.model,
+            state: &self.state,
+            wind: self.wind,
+            ground_m: self.ground_m,
+            now: self.now,
+            altitude_m: self.altitude_m,
+            true_airspeed: self.true_airspeed,
+        }
+    }
+
+    /// Is it wrecked?
+    pub(crate) fn is_crashed(&self) -> bool {
+        self.crashed
+    }
+
+    /// When something is due by the clock, not by flying.
+    fn next_due(&self) -> Option<Time> {
+        let pending = self.pending.front().map(|(at, _)| *at);
+        let scheduled = self.scheduled.front().map(|event| event.at);
+        let waits = self.waits.iter().map(|(at, ..)| *at);
+        let cameras = self.cameras.iter().filter_map(|camera| camera.timer);
+        let deadline = self.flight.deadline();
+        pending.into_iter().chain(scheduled).chain(waits).chain(cameras).chain(deadline).min()
+    }
+
+    fn next_stop(&self) -> Time {
+        let due = self.next_due().unwrap_or(Time::END);
+        due.min(self.planned_stop).max(self.now)
+    }
+
+    /// Flies until `stop`, or until something happens on the way.
+    fn fly_until(&mut self, stop: Time, inputs: &mut Vec<Input>) {
+        while self.now < stop && !self.changed {
+            let left = stop - self.now;
+            let step = Duration::from_seconds(self.step_s());
+            let dt = if step < left { step } else { left };
+            self.now = self.now + dt;
+            self.fly(dt.seconds(), inputs);
+        }
+    }
+
+    /// A long step only where nothing changes, and never past the end of the flight's stage.
+    fn step_s(&self) -> f64 {
+        if !self.settled {
+            return STEP_S;
+        }
+        let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
+        left_s.clamp(STEP_S, self.model.report.cruise_s)
+    }
+
+    /// One step of `dt` seconds, ending now.
+    fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
+        let position = self.state.position;
+        self.wind = wind::at(&self.wind_field, position, self.state.altitude_m, self.now.seconds());
+        self.ground_m = self.ground.elevation_m_at(position);
+        let ground_roll = self.flight.ground_roll().filter(|_| self.state.on_ground);
+        if let Some(speed) = ground_roll {
+            let speed = if speed.is_finite() { speed } else { self.model.true_airspeed_m_s_max };
+            fixed_wing::roll(&mut self.state, &self.model, speed, dt);
+            (self.state.roll_rad, self.state.roll_rate_rad_s) = (0.0, 0.0);
+            self.settled = speed == 0.0 && self.state.true_airspeed == 0.0;
+        } else if !self.crashed {
+            self.fly_in_air(dt, inputs);
+        }
+        self.burn(dt, inputs);
+        self.meet_ground(inputs);
+        self.move_cameras(dt, inputs);
+        let limit = self.model.scanner.as_ref().map_or(LEVEL_RAD, |scanner| scanner.roll_deg_max * RAD_PER_DEG);
+        let mut flight = self.flight.clone();
+        let progress = flight.progress(&self.situation(), limit, dt);
+        self.flight = flight;
+        match progress {
+            Progress::Going => {}
+            Progress::StageChanged => self.changed = true,
+            Progress::Done(value) => self.flight_done(value, inputs),
+        }
+        self.meet_setpoints(inputs);
+    }
+
+    fn fly_in_air(&mut self, dt: f64, inputs: &mut Vec<Input>) {
+        if self.state.on_ground {
+            self.state.on_ground = false;
+            self.happen("airborne", inputs);
+        }
+        let (altitude_m, true_airspeed) = self.flight.profile(&self.situation());
+        let looking = self.cameras.iter().find_map(|camera| camera.nose_rad(&self.state));
+        let nose_rad = looking.or(self.nose_rad);
+        let demand = Demand { path: self.flight.path(), altitude_m, true_airspeed, nose_rad };
+        let bank = self.state.bank_rad;
+        self.settled = match self.model.airframe {
+            Airframe::FixedWing => fixed_wing::fly(&mut self.state, &demand, &self.model, self.wind, dt),
+            Airframe::Rotorcraft => rotorcraft::fly(&mut self.state, &demand, &self.model, self.wind, dt),
+        };
+        let (roll_rad, roll_rate) = self.turbulence.after(self.wind.turbulence, dt);
+        self.state.roll_rad = self.state.bank_rad + roll_rad;
+        self.state.roll_rate_rad_s = (self.state.bank_rad - bank) / dt + roll_rate;
+        self.state.flight_time_s += dt;
+    }
+
+    fn burn(&mut self, dt: f64, inputs: &mut Vec<Input>) {
+        self.state.fuel_flow_kg_s = fuel_flow_kg_s(&self.state, &self.model);
+        self.state.fuel_kg = (self.state.fuel_kg - self.state.fuel_flow_kg_s * dt).max(0.0);
+        if self.state.fuel_kg == 0.0 && self.state.engine_running {
+            self.state.engine_running = false;
+            self.happen("fuel-exhausted", inputs);
+        }
+    }
+
+    /// Sends the event `(NAME VEHICLE)`.
+    pub(crate) fn happen(&mut self, name: &str, inputs: &mut Vec<Input>) {
+        let form = Value::list([Value::symbol(name), Value::symbol(&self.vehicle)]);
+        inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+        self.changed = true;
+    }
+
+    fn meet_ground(&mut self, inputs: &mut Vec<Input>) {
+        if self.state.on_ground || self.state.altitude_m > self.ground_m {
+            return;
+        }
+        // A climb from the field passes the field's own level; only a descent ends on it.
+        if self.state.vertical_speed >= 0.0 && self.flight.phase() == Phase::Climbing {
+            return;
+        }
+        self.state.altitude_m = self.ground_m;
+        self.state.on_ground = true;
+        (self.state.vertical_speed, self.state.bank_rad, self.state.roll_rad) = (0.0, 0.0, 0.0);
+        if self.model.airframe == Airframe::Rotorcraft {
+            (self.state.north, self.state.east, self.state.true_airspeed) = (0.0, 0.0, 0.0);
+        }
+        if self.flight.is_touching_down() {
+            return self.happen("landed", inputs);
+        }
+        self.crashed = true;
+        self.state.engine_running = false;
+        (self.state.north, self.state.east, self.state.true_airspeed) = (0.0, 0.0, 0.0);
+        self.settled = true;
+        self.scanner_on = false;
+        self.happen("crashed", inputs);
+        self.fail_everything(inputs);
+    }
+
+    fn move_cameras(&mut self, dt: f64, inputs: &mut Vec<Input>) {
+        let mut cameras = std::mem::take(&mut self.cameras);
+        for camera in &mut cameras {
+            match camera.follow(&self.state, dt) {
+                Pointing::Same => {}
+                Pointing::Aligned => {
+                    self.changed = true;
+                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+                    if let Some(command) = camera.command.take() {
+                        self.answer(command, Ok(target), inputs);
+                    }
+                }
+                Pointing::OutOfView => {
+                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+                    let name = Value::symbol(&camera.model.name);
+                    let form = Value::list([Value::symbol("out-of-view"), name, target]);
+                    inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+                    self.changed = true;
+                }
+            }
+        }
+        self.cameras = cameras;
+        let slewing = self.cameras.iter().any(|camera| camera.aim.is_some());
+        self.settled = self.settled && !slewing;
+    }
+
+    /// What is due now by the clock: commands, scheduled events, timers. Then the packet.
+    fn attend(&mut self, inputs: &mut Vec<Input>) {
+        let report = self.changed || self.now >= self.planned_stop;
+        let full = self.changed;
+        while let Some(event) = self.scheduled.pop_front_if(|event| event.at <= self.now) {
+            let kind = match event.what {
+                Happening::Occurrence(form) => EventKind::Occurrence(form),
+                Happening::Measurement(variable, value) => EventKind::Measurement(variable, value),
+            };
+            inputs.push(Input { at: event.at, kind });
+        }
+        self.ring_timers(inputs);
+        if report {
+            self.report(full, inputs);
+        }
+        self.changed = false;
+        while let Some((_, received)) = self.pending.pop_front_if(|(at, _)| *at <= self.now) {
+            self.settled = false;
+            match received {
+                Received::Command(command, form) => self.obey(command, &form, inputs),
+                Received::Withdrawal(command) => self.give_up(command),
+            }
+        }
+        if let Some(mut reporter) = self.reporter.take() {
+            reporter.changes(self.now, &self.snapshot(), &self.cameras, inputs);
+            self.reporter = Some(reporter);
+        }
+        self.changed = false;
+        self.plan(report);
+    }
+
+    fn ring_timers(&mut self, inputs: &mut Vec<Input>) {
+        let (due, left): (Vec<_>, Vec<_>) = self.waits.drain(..).partition(|(at, ..)| *at <= self.now);
+        self.waits = left;
+        for (_, command, answer) in due {
+            self.answer(command, Ok(answer), inputs);
+        }
+        let mut cameras = std::mem::take(&mut self.cameras);
+        for camera in cameras.iter_mut().filter(|camera| camera.timer.is_some_and(|at| at <= self.now)) {
+            camera.timer = None;
+            let name = Value::symbol(&camera.model.name);
+            let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+            let powered = camera.state == CameraState::PoweringUp;
+            let (event, object, answer) =
+                if powered { ("ready", name.clone(), name) } else { ("image-in-memory", target.clone(), target) };
+            camera.state = if powered { CameraState::Ready } else { CameraState::Pointing };
+            inputs
+                .push(Input { at: self.now, kind: EventKind::Occurrence(Value::list([Value::symbol(event), object])) });
+            if let Some(command) = camera.command.take() {
+                self.answer(command, Ok(answer), inputs);
+            }
+        }
+        self.cameras = cameras;
+    }
+
+    /// A packet, after listening to the radios.
+    fn report(&mut self, full: bool, inputs: &mut Vec<Input>) {
+        let elapsed_s = (self.now - self.heard_at).seconds();
+        self.heard_at = self.now;
+        let (here, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
+        for radio in &mut self.radios {
+            if let Some(change) = radio.listen(here, altitude_m, now_s, elapsed_s) {
+                let name = if change == LinkChange::Lost { "link-lost" } else { "link-regained" };
+                let form = Value::list([Value::symbol(name), Value::symbol(&radio.modem.name)]);
+                inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+            }
+        }
+        if let Some(mut reporter) = self.reporter.take() {
+            reporter.packet(self.now, full, &self.snapshot(), &self.cameras, &self.radios, inputs);
+            self.reporter = Some(reporter);
+        }
+    }
+
+    fn snapshot(&self) -> Snapshot<'_> {
+        let height_m = (self.state.altitude_m - self.ground_m).max(0.0);
+        let scanner = self.model.scanner.as_ref();
+        let (footprint_m, roll_deg_max) = scanner.map_or((0.0, 0.0), |scanner| {
+            (
+                footprint_m(height_m, self.state.roll_rad, 0.5 * scanner.field_of_view_deg * RAD_PER_DEG),
+                scanner.roll_deg_max,
+            )
+        });
+        let level = self.state.roll_rad.abs() <= roll_deg_max * RAD_PER_DEG;
+        let gliding = !self.state.engine_running && !self.state.on_ground;
+        let phase = if self.crashed {
+            Phase::Crashed
+        } else if gliding {
+            Phase::Gliding
+        } else {
+            self.flight.phase()
+        };
+        Snapshot {
+            state: &self.state,
+            wind: self.wind,
+            air: Air::at(self.state.altitude_m),
+            ground_m: self.ground_m,
+            phase,
+            distance_to_go_m: self.flight.to_go_m,
+            altitude_m_commanded: self.altitude_m,
+            true_airspeed_commanded: self.true_airspeed,
+            ground_distance_m: geodesy::distance_m(self.home, self.state.position),
+            scanner_on: scanner.map(|_| self.scanner_on),
+            scan_valid: self.scanner_on && level && !self.state.on_ground,
+            footprint_m,
+            bump: 2.0 * self.wind.turbulence * self.turbulence.bump,
+        }
+    }
+
+    /// Decides when to report next: densely on lines and while scanning, sparsely in cruise, and when a stage ends.
+    fn plan(&mut self, reported: bool) {
+        let report = &self.model.report;
+        let scanning = self.scanner_on || self.flight.is_on_line();
+        let usual = if self.settled { report.cruise_s } else { report.manoeuvring_s };
+        let mut interval_s = if scanning { report.scanning_s } else { usual };
+        let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
+        if left_s < interval_s {
+            interval_s = left_s.max(STEP_S);
+        }
+        let next = self.now + Duration::from_seconds(interval_s);
+        self.planned_stop = if reported { next } else { self.planned_stop.min(next) };
+    }
+
+    /// Queues something received, not earlier than now and after everything received before.
+    fn receive(&mut self, at: Time, received: Received) {
+        let last = self.pending.back().map_or(self.now, |(at, _)| *at);
+        self.pending.push_back((at.max(last).max(self.now), received));
+    }
+
+    /// Acknowledges a command.
+    pub(crate) fn answer(&self, command: CommandId, result: Result<Value, String>, inputs: &mut Vec<Input>) {
+        inputs.push(Input { at: self.now, kind: EventKind::CommandAcknowledged(command, result) });
+    }
+}
+
+/// Width on the ground of a scanner that looks `half_view_rad` to both sides from `height_m`, rolled by `roll_rad`.
+fn footprint_m(height_m: f64, roll_rad: f64, half_view_rad: f64) -> f64 {
+    // Beyond 80 degrees from straight down a line is horizon, not ground.
+    let edge = |angle: f64| tan(angle.clamp(-1.396, 1.396));
+    height_m * (edge(half_view_rad + roll_rad) + edge(half_view_rad - roll_rad))
+}
+
+fn initial_state(start: &crate::config::Start, model: &VehicleModel, wind: Wind) -> State {
+    let heading_rad = geodesy::wrap_360(start.heading_deg) * RAD_PER_DEG;
+    let flying = start.airborne && model.airframe == Airframe::FixedWing;
+    let true_airspeed = if flying { model.true_airspeed_m_s_cruise } else { 0.0 };
+    let blown = |speed: f64, wind_mps: f64| if flying { speed + wind_mps } else { 0.0 };
+    State {
+        position: start.position,
+        altitude_m: start.altitude_m,
+        heading_rad,
+        true_airspeed,
+        bank_rad: 0.0,
+        roll_rad: 0.0,
+        pitch_rad: 0.0,
+        roll_rate_rad_s: 0.0,
+        yaw_rate_rad_s: 0.0,
+        vertical_speed: 0.0,
+        north: blown(true_airspeed * cos(heading_rad), wind.north_mps),
+        east: blown(true_airspeed * sin(heading_rad), wind.east_mps),
+        fuel_kg: start.fuel_share.unwrap_or(1.0) * model.fuel.capacity_kg,
+        fuel_flow_kg_s: 0.0,
+        engine_running: start.fuel_share != Some(0.0),
+        on_ground: !start.airborne,
+        flight_time_s: 0.0,
+        distance_flown_m: 0.0,
+    }
+}
+
+impl Vehicle for SimulatedWorld {
+    fn next_report(&self) -> Option<Time> {
+        Some(self.next_stop())
+    }
+
+    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
+        while self.next_stop() <= to {
+            let stop = self.next_stop();
+            self.fly_until(stop, inputs);
+            self.attend(inputs);
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, command: CommandId, form: &Value, at: Time) {
+        self.receive(at, Received::Command(command, form.clone()));
+    }
+
+    fn withdraw(&mut self, command: CommandId, at: Time) {
+        self.receive(at, Received::Withdrawal(command));
+    }
+}

@@ -1,0 +1,178 @@
+//! The fixed wing: leg times in wind, turns, lines, fuel, take-off and landing, turbulence.
+
+mod common;
+
+use apex_geo::{geodesy, wind as wind_query};
+use apex_model::problem::Position;
+use apex_model::quantity::{Quantity, unit_named};
+use apex_model::value::Value;
+use apex_sim::Start;
+use common::{Run, form, location, predator, wind, word};
+
+const RAD_PER_DEG: f64 = geodesy::RAD_PER_DEG;
+
+fn cruising(wind_field: apex_model::problem::WindField) -> Run {
+    let mut config = predator(Start::in_flight(40.0, -120.0, 7_010.0, 45.0));
+    config.wind = wind_field;
+    Run::new(config)
+}
+
+#[test]
+fn a_long_leg_takes_the_time_that_geometry_and_wind_say() {
+    let (from, to) = (Position::new(40.0, -120.0), Position::new(43.0, -114.5));
+    for field in [wind(0.0, 0.0, 0.0), wind(30.0, 0.0, 0.0), wind(-20.0, -15.0, 0.0)] {
+        let mut run = cruising(field.clone());
+        run.carry_out(form("fly-to", [location(43.0, -114.5)]), 20_000.0).unwrap();
+        let expected = wind_query::leg_time_s(from, to, 7_010.0, 95.2, &field, 0.0).unwrap();
+        let flown = run.now.seconds();
+        assert!((flown - expected).abs() < 0.003 * expected + 5.0, "{flown} against {expected}");
+        assert!(geodesy::distance_m(run.world.position(), to) < 150.0);
+    }
+}
+
+#[test]
+fn a_turn_has_the_radius_that_bank_and_speed_give() {
+    let mut run = cruising(wind(0.0, 0.0, 0.0));
+    let radius = Value::Quantity(Quantity::of(4.0, unit_named("km").unwrap()));
+    run.send(form("loiter", [location(40.05, -120.0), word(":radius"), radius]));
+    run.wait_s(900.0);
+    let centre = Position::new(40.05, -120.0);
+    let settled: Vec<Value> =
+        run.values("location").into_iter().filter(|(at, _)| *at > 500.0).map(|(_, v)| v).collect();
+    assert!(settled.len() > 50);
+    for place in settled {
+        let items: Vec<f64> = place.as_list().unwrap().iter().map(|item| item.as_number().unwrap().0).collect();
+        let distance = geodesy::distance_m(centre, Position::new(items[0], items[1]));
+        assert!((distance - 4_000.0).abs() < 60.0, "{distance}");
+    }
+    // tan(bank) = v^2 / (g r)
+    let bank = (95.2f64 * 95.2 / (9.80665 * 4_000.0)).atan();
+    assert!(
+        (run.last_number("roll-angle").abs() - bank).abs() < 0.5 * RAD_PER_DEG,
+        "{}",
+        run.last_number("roll-angle")
+    );
+}
+
+#[test]
+fn a_line_is_flown_wings_level_on_the_line() {
+    for field in [wind(0.0, 0.0, 0.0), wind(20.0, 10.0, 0.0)] {
+        let mut run = cruising(field);
+        let (a, b) = (Position::new(40.3, -119.8), Position::new(40.3, -120.2));
+        let line = form("fly-line", [location(40.3, -119.8), location(40.3, -120.2)]);
+        let share = run.carry_out(line, 6_000.0).unwrap();
+        assert!(share.equals(&Value::Real(1.0)), "share level {share}");
+        let phases = run.values("flight-phase");
+        let began = phases.iter().rev().find(|(_, phase)| phase.to_string() == "line").unwrap().0;
+        let on_line = |samples: Vec<(f64, f64)>| samples.into_iter().filter(move |(at, _)| *at >= began);
+        let worst = on_line(run.numbers("roll-angle")).map(|(_, roll)| roll.abs()).fold(0.0, f64::max);
+        assert!(worst < 3.0 * RAD_PER_DEG, "{}", worst / RAD_PER_DEG);
+        for (_, place) in run.values("location").into_iter().filter(|(at, _)| *at >= began) {
+            let items: Vec<f64> = place.as_list().unwrap().iter().map(|item| item.as_number().unwrap().0).collect();
+            let (_, across) = geodesy::along_cross_track_m(a, b, Position::new(items[0], items[1]));
+            assert!(across.abs() < 130.0, "{across} m beside the line");
+        }
+    }
+}
+
+#[test]
+fn parallel_lines_are_flown_to_and_fro() {
+    let mut run = cruising(wind(15.0, -5.0, 0.0));
+    for index in 0..5 {
+        let longitude = -120.0 + 0.05 * f64::from(index);
+        let (south, north) = (location(40.2, longitude), location(40.5, longitude));
+        let ends = if index % 2 == 0 { [south, north] } else { [north, south] };
+        let share = run.carry_out(form("fly-line", ends), 4_000.0).unwrap().as_number().unwrap().0;
+        assert!(share > 0.99, "line {index}: {share}");
+    }
+    assert!(run.now.seconds() < 6_000.0, "{}", run.now.seconds());
+}
+
+#[test]
+fn turbulence_takes_the_wings_off_level_and_the_scan_with_it() {
+    let mut run = cruising(wind(0.0, 0.0, 0.6));
+    run.carry_out(form("scanner", [word("on")]), 1.0).unwrap();
+    let share = run.carry_out(form("fly-line", [location(40.2, -120.0), location(41.2, -120.0)]), 9_000.0).unwrap();
+    let share = share.as_number().unwrap().0;
+    assert!((0.5..0.99).contains(&share), "{share}");
+    let invalid = run.values("scan-valid").iter().filter(|(_, valid)| !valid.is_true()).count();
+    assert!(invalid > 3, "{invalid}");
+    let mut longest = 0;
+    let mut length = 0;
+    for (_, roll) in run.numbers("roll-angle") {
+        length = if roll.abs() > 3.0 * RAD_PER_DEG { length + 1 } else { 0 };
+        longest = longest.max(length);
+    }
+    assert!(longest >= 5, "no violation of several seconds: {longest}");
+}
+
+#[test]
+fn endurance_is_more_than_a_day_and_an_empty_tank_ends_the_flight() {
+    let mut run = cruising(wind(0.0, 0.0, 0.0));
+    run.wait_s(3_600.0);
+    let hours = run.last_number("endurance-remaining") / 3_600.0;
+    assert!((24.0..30.0).contains(&hours), "{hours}");
+    let burnt = 1_769.0 - run.world.fuel_kg();
+    assert!((60.0..70.0).contains(&burnt), "{burnt}");
+
+    let mut config = predator(Start::in_flight(40.0, -120.0, 3_000.0, 45.0));
+    config.start.fuel_share = Some(0.01);
+    let mut run = Run::new(config);
+    let flight = run.send(form("fly-to", [location(45.0, -120.0)]));
+    run.wait_s(4_000.0);
+    let empty = run.event("(fuel-exhausted aircraft-1)").unwrap();
+    let down = run.event("(crashed aircraft-1)").unwrap();
+    assert!((down - empty - 3_000.0 * 18.0 / 95.0).abs() < 150.0, "glided {} s", down - empty);
+    assert_eq!(run.answer(flight).unwrap().1, Err("aircraft-1 has crashed".to_owned()));
+    assert!(run.carry_out(form("land", [location(40.0, -120.0)]), 1.0).unwrap_err().contains("crashed"));
+}
+
+#[test]
+fn it_takes_off_climbs_and_lands_into_the_wind() {
+    let mut config = predator(Start::on_ground(34.905, -117.884, 702.0, 225.0));
+    config.wind = wind(8.0, 0.0, 0.0);
+    let mut run = Run::new(config);
+    let early = run.carry_out(form("fly-to", [location(35.0, -118.0)]), 1.0);
+    assert!(early.unwrap_err().contains("take off first"));
+    run.carry_out(form("take-off", [Value::Real(2_000.0)]), 1_000.0).unwrap();
+    assert!(run.event("(airborne aircraft-1)").unwrap() < 60.0);
+    assert!((run.world.altitude_m() - 2_000.0).abs() < 11.0);
+    let climbing = run.carry_out(form("fly-to", [Value::list([35.4, -118.4, 7_010.0].map(Value::Real))]), 4_000.0);
+    climbing.unwrap();
+    assert!((run.world.altitude_m() - 7_010.0).abs() < 45.0);
+    run.carry_out(form("land", [location(34.905, -117.884)]), 6_000.0).unwrap();
+    assert!(run.event("(landed aircraft-1)").is_some() && run.event("(crashed aircraft-1)").is_none());
+    let heading = run.last_number("heading") / RAD_PER_DEG;
+    assert!((heading - 270.0).abs() < 5.0, "landed towards {heading}");
+    assert!(geodesy::distance_m(run.world.position(), Position::new(34.905, -117.884)) < 2_000.0);
+    assert_eq!(run.values("on-ground").last().unwrap().1, Value::symbol("t"));
+}
+
+#[test]
+fn a_command_stopped_leaves_the_aircraft_circling() {
+    let mut run = cruising(wind(0.0, 0.0, 0.0));
+    let first = run.send(form("fly-to", [location(44.0, -120.0)]));
+    run.wait_s(60.0);
+    let second = run.send(form("fly-to", [location(36.0, -120.0)]));
+    run.wait_s(60.0);
+    assert!(run.answer(first).unwrap().1.unwrap_err().starts_with("superseded by (fly-to (36.0 -120.0))"));
+    let here = run.world.position();
+    apex_runtime::ports::Vehicle::withdraw(&mut run.world, second, run.now);
+    run.wait_s(3_000.0);
+    assert!(geodesy::distance_m(here, run.world.position()) < 12_000.0);
+    assert_eq!(run.answer(second), None);
+    assert_eq!(run.values("flight-phase").last().unwrap().1.to_string(), "loitering");
+}
+
+#[test]
+fn altitude_and_speed_are_setpoints_of_their_own() {
+    let mut run = cruising(wind(0.0, 0.0, 0.0));
+    let flight = run.send(form("fly-to", [location(44.0, -120.0)]));
+    let feet = Value::Quantity(Quantity::of(180.0, unit_named("FL").unwrap()));
+    run.carry_out(form("set-altitude", [feet]), 600.0).unwrap();
+    assert!((run.world.altitude_m() - 5_486.4).abs() < 11.0);
+    let knots = Value::Quantity(Quantity::of(200.0, unit_named("kt").unwrap()));
+    run.carry_out(form("set-speed", [knots]), 60.0).unwrap();
+    assert!((run.last_number("true-airspeed") - 102.9).abs() < 1.5);
+    assert_eq!(run.answer(flight), None);
+}

@@ -1,0 +1,87 @@
+//! The helicopter: hover, turns in place, camera, radio, endurance.
+
+mod common;
+
+use apex_geo::geodesy;
+use apex_model::problem::Position;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use apex_sim::{Modem, NamedPlace, Start};
+use common::{Run, form, location, rmax, wind, word};
+
+fn hovering(wind_field: apex_model::problem::WindField) -> Run {
+    let mut config = rmax(Start::in_flight(36.5, -121.7, 60.0, 0.0));
+    config.wind = wind_field;
+    config.places.push(NamedPlace {
+        name: "Barn".to_owned(),
+        position: Position::new(36.502, -121.7),
+        altitude_m: Some(4.0),
+    });
+    Run::new(config)
+}
+
+#[test]
+fn it_flies_stops_and_hovers_for_the_time_asked() {
+    let mut run = hovering(wind(5.0, 2.0, 0.0));
+    let goal = Position::new(36.503, -121.7);
+    run.carry_out(form("fly-to", [location(36.503, -121.7)]), 200.0).unwrap();
+    let flown = run.now.seconds();
+    let distance = geodesy::distance_m(Position::new(36.5, -121.7), goal);
+    // 333 m with a tail wind of 2 m/s, plus getting going and stopping.
+    assert!((distance / 14.0..distance / 14.0 + 25.0).contains(&flown), "{flown}");
+    let begun = run.now.seconds();
+    let duration = Value::Duration(Duration::from_seconds(45.0));
+    run.carry_out(form("hover", [location(36.503, -121.7), word(":duration"), duration]), 100.0).unwrap();
+    assert!((run.now.seconds() - begun - 45.0).abs() < 3.0);
+    assert!(geodesy::distance_m(run.world.position(), goal) < 3.0);
+    assert!(run.last_number("ground-speed") < 0.6);
+}
+
+#[test]
+fn the_papers_camera_story() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    let early = run.carry_out(form("take-picture", [word("camera-1")]), 1.0);
+    assert!(early.unwrap_err().contains("not powered up"));
+    run.carry_out(form("camera", [word("camera-1"), word("power-up")]), 20.0).unwrap();
+    assert_eq!(run.event("(ready camera-1)"), Some(10.0));
+    // The target is to the north; the nose is turned away first.
+    run.carry_out(form("set-heading", [Value::Integer(150)]), 20.0).unwrap();
+    run.carry_out(form("point-camera", [word("camera-1"), word("barn")]), 30.0).unwrap();
+    let heading = geodesy::wrap_180(run.last_number("heading") / geodesy::RAD_PER_DEG);
+    assert!(heading.abs() < 25.0, "{heading}");
+    let tilt = run.last_number("camera-tilt") / geodesy::RAD_PER_DEG;
+    assert!((tilt + 14.2).abs() < 1.5, "{tilt}");
+    run.carry_out(form("take-picture", [word("camera-1")]), 5.0).unwrap();
+    assert!(run.event("(image-in-memory barn)").is_some());
+}
+
+#[test]
+fn an_hour_of_hover_is_what_the_fuel_gives() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    run.wait_s(4_000.0);
+    let empty = run.event("(fuel-exhausted rmax-1)").unwrap();
+    assert!((3_400.0..3_900.0).contains(&empty), "{empty}");
+}
+
+#[test]
+fn the_signal_fades_with_distance_and_comes_back() {
+    let mut config = rmax(Start::in_flight(36.5, -121.7, 60.0, 90.0));
+    config.modems.push(Modem::at_station("900MHzModem", Position::new(36.5, -121.7), 100.0));
+    let mut run = Run::new(config);
+    run.wait_s(20.0);
+    let near = run.last_number("signal-level");
+    run.carry_out(form("fly-to", [location(36.5, -121.66)]), 600.0).unwrap();
+    let far = run.last_number("signal-level");
+    assert!(near > 85.0 && far < near - 30.0, "{near} {far}");
+}
+
+#[test]
+fn it_lands_on_the_spot_and_takes_off_again() {
+    let mut run = hovering(wind(3.0, 0.0, 0.0));
+    run.carry_out(form("land", [location(36.5005, -121.7)]), 300.0).unwrap();
+    assert!(geodesy::distance_m(run.world.position(), Position::new(36.5005, -121.7)) < 3.0);
+    run.wait_s(30.0);
+    assert!(run.last_number("height-above-ground").abs() < 0.1);
+    run.carry_out(form("take-off", [Value::Real(30.0)]), 60.0).unwrap();
+    assert!((run.world.altitude_m() - 30.0).abs() < 7.0, "{}", run.world.altitude_m());
+}
