@@ -1,0 +1,75 @@
+//! Nearest neighbour: a cycle through every reachable target, always on to the nearest one not yet in it.
+//!
+//! The simplest planner and the yardstick of the others. Bound: O(n^2).
+
+use crate::surveillance::scenario::Scenario;
+use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{Budget, Environment, Solver};
+
+/// The planner.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NearestNeighbour;
+
+impl Solver for NearestNeighbour {
+    fn name(&self) -> &'static str {
+        "nearest-neighbour"
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::Surveillance(_))
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let Problem::Surveillance(problem) = problem else {
+            return Err("nearest-neighbour plans surveillance only.".to_string());
+        };
+        let scenario = Scenario::new(problem)?;
+        let cycle = cycle_from(&scenario, None, scenario.usable(), environment.budget);
+        let plan = Plan::Surveillance(scenario.cycle_plan(self.name(), &cycle));
+        (environment.report)(&plan);
+        Ok(plan)
+    }
+}
+
+/// All of `targets` in nearest-neighbour order, beginning with the one nearest to `from` (none: the start).
+pub fn cycle_from(
+    scenario: &Scenario<'_>,
+    from: Option<usize>,
+    targets: &[usize],
+    budget: &mut dyn Budget,
+) -> Vec<usize> {
+    let travel = &scenario.problem().travel;
+    let mut open = targets.to_vec();
+    let mut cycle = Vec::with_capacity(open.len());
+    let mut place = from;
+    while !open.is_empty() {
+        budget.charge(open.len() as u64);
+        let time_s =
+            |target: usize| place.map_or_else(|| travel.start_to(target), |place| travel.between(place, target));
+        let nearest = open.iter().enumerate().min_by(|(_, a), (_, b)| time_s(**a).total_cmp(&time_s(**b)));
+        let Some((slot, target)) = nearest.map(|(slot, target)| (slot, *target)) else { break };
+        open.remove(slot);
+        cycle.push(target);
+        place = Some(target);
+    }
+    cycle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surveillance::examples;
+    use apex_model::solver::WorkBudget;
+
+    #[test]
+    fn the_nearest_comes_next() {
+        let problem = examples::random(6, 3);
+        let scenario = Scenario::new(&problem).unwrap();
+        let cycle = cycle_from(&scenario, None, scenario.usable(), &mut WorkBudget::new(1000));
+        let mut sorted = cycle.clone();
+        sorted.sort_unstable();
+        assert_eq!(sorted, vec![0, 1, 2, 3, 4, 5]);
+        let first = problem.travel.from_start_s[cycle[0]];
+        assert!(problem.travel.from_start_s.iter().all(|time_s| *time_s >= first));
+    }
+}

@@ -1,0 +1,7 @@
+//! What all surveillance planners share: flying a word of targets, its expected cost, and the plan made of it.
+
+pub mod scenario;
+pub mod travel;
+
+#[cfg(test)]
+pub(crate) mod examples;

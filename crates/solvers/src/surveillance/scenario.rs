@@ -1,0 +1,276 @@
+//! Flying a word (a sequence of targets) or a cycle over a surveillance problem: times, expected cost, plan.
+//!
+//! Bound: O(visits) per evaluation, at most [`VISITS_MAX`]. One unit of work is one visit.
+
+use apex_metrics::eci;
+use apex_model::problem::{LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, UNREACHABLE_S};
+use apex_model::solver::Budget;
+
+/// Visits of one plan: a visit every second for a day and more.
+pub const VISITS_MAX: usize = 100_000;
+
+/// A visit by the target's index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Index of the target.
+    pub target: usize,
+    /// Arrival.
+    pub arrive_s: f64,
+    /// End of the observation.
+    pub end_s: f64,
+}
+
+/// A validated problem with what planners ask of it.
+#[derive(Debug)]
+pub struct Scenario<'a> {
+    problem: &'a SurveillanceProblem,
+    limit_s: f64,
+    usable: Vec<usize>,
+}
+
+impl<'a> Scenario<'a> {
+    /// Prepares `problem`.
+    ///
+    /// # Errors
+    /// A sentence where the problem makes no sense or no target can be observed at all.
+    pub fn new(problem: &'a SurveillanceProblem) -> Result<Scenario<'a>, String> {
+        crate::validate::surveillance(problem)?;
+        let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
+        let mut scenario = Scenario { problem, limit_s, usable: Vec::new() };
+        scenario.usable =
+            (0..problem.targets.len()).filter(|target| scenario.next_stop(None, 0.0, *target).is_some()).collect();
+        if scenario.usable.is_empty() {
+            let reasons: Vec<String> = problem
+                .targets
+                .iter()
+                .enumerate()
+                .take(3)
+                .map(|(index, target)| format!("{} {}", target.name, scenario.unusable_reason(index)))
+                .collect();
+            return Err(format!("No target can be observed: {}.", reasons.join("; ")));
+        }
+        Ok(scenario)
+    }
+
+    /// The problem.
+    pub fn problem(&self) -> &'a SurveillanceProblem {
+        self.problem
+    }
+
+    /// Indices of the targets that can be observed as the first one.
+    pub fn usable(&self) -> &[usize] {
+        &self.usable
+    }
+
+    /// Latest end of a flight: horizon or endurance.
+    pub fn limit_s(&self) -> f64 {
+        self.limit_s
+    }
+
+    /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late.
+    pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
+        let travel = &self.problem.travel;
+        let travel_s = from.map_or_else(|| travel.start_to(target), |from| travel.between(from, target));
+        let dwell_s = self.problem.targets.get(target)?.dwell_s;
+        let home_s = if self.problem.return_to_base { travel.to_base(target) } else { 0.0 };
+        let arrive_s = time_s + travel_s;
+        let end_s = arrive_s + dwell_s;
+        let in_time = travel_s < UNREACHABLE_S && home_s < UNREACHABLE_S && end_s + home_s <= self.limit_s;
+        in_time.then_some(Stop { target, arrive_s, end_s })
+    }
+
+    /// Flies `word` in order until it ends or the next visit would end too late.
+    pub fn fly(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
+        let (mut place, mut time_s) = (None, 0.0);
+        for target in word.into_iter().take(VISITS_MAX) {
+            let Some(stop) = self.next_stop(place, time_s, target) else { return };
+            (place, time_s) = (Some(target), stop.end_s);
+            each(stop);
+        }
+    }
+
+    /// Expected cost of flying `word`.
+    pub fn cost(&self, word: impl IntoIterator<Item = usize>, budget: &mut dyn Budget) -> f64 {
+        let targets = &self.problem.targets;
+        let mut last_s: Vec<f64> = targets.iter().map(|target| -target.initial_age_s).collect();
+        let (mut total, mut visits) = (0.0, 1);
+        self.fly(word, |stop| {
+            visits += 1;
+            if let (Some(target), Some(last_s)) = (targets.get(stop.target), last_s.get_mut(stop.target)) {
+                total += eci::interval_cost(target, *last_s, stop.end_s);
+                *last_s = stop.end_s;
+            }
+        });
+        budget.charge(visits);
+        let open = targets.iter().zip(&last_s);
+        total + open.map(|(target, last_s)| eci::interval_cost(target, *last_s, self.problem.horizon_s)).sum::<f64>()
+    }
+
+    /// Expected cost of flying `cycle` again and again.
+    pub fn cycle_cost(&self, cycle: &[usize], budget: &mut dyn Budget) -> f64 {
+        self.cost(cycle.iter().copied().cycle(), budget)
+    }
+
+    /// The word truly flown: `word` cut where it ends too late.
+    pub fn flown(&self, word: impl IntoIterator<Item = usize>) -> Vec<usize> {
+        let mut flown = Vec::new();
+        self.fly(word, |stop| flown.push(stop.target));
+        flown
+    }
+
+    /// The plan of flying `cycle` until the horizon.
+    pub fn cycle_plan(&self, solver: &str, cycle: &[usize]) -> SurveillancePlan {
+        let mut plan = self.plan(solver, cycle.iter().copied().cycle());
+        plan.cycle = cycle.iter().filter_map(|index| self.name(*index)).collect();
+        let lap = plan.cycle.len();
+        plan.summary = format!("{} Repeats a cycle of {lap}: {}.", plan.summary, listed(&plan.cycle));
+        plan
+    }
+
+    /// The plan of flying `word`.
+    pub fn plan(&self, solver: &str, word: impl IntoIterator<Item = usize>) -> SurveillancePlan {
+        let mut stops = Vec::new();
+        self.fly(word, |stop| stops.push(stop));
+        let visits: Vec<SurveillanceVisit> = stops
+            .iter()
+            .filter_map(|stop| {
+                Some(SurveillanceVisit { target: self.name(stop.target)?, arrive_s: stop.arrive_s, end_s: stop.end_s })
+            })
+            .collect();
+        let expected = eci::expected_cost(self.problem, &visits);
+        let idle = eci::expected_cost(self.problem, &[]).total;
+        let left_out = self.left_out(&stops, expected.total);
+        let seen = self.problem.targets.len() - left_out.len();
+        let summary = format!(
+            "{} visits to {seen} of {} targets in {:.0} s; expected cost of ignorance {:.4} ({:.4} without any visit).",
+            visits.len(),
+            self.problem.targets.len(),
+            self.problem.horizon_s,
+            expected.total,
+            idle
+        );
+        let return_s = self
+            .problem
+            .return_to_base
+            .then(|| stops.last().map_or(0.0, |stop| stop.end_s + self.problem.travel.to_base(stop.target)));
+        SurveillancePlan {
+            solver: solver.to_string(),
+            cycle: Vec::new(),
+            visits,
+            return_s,
+            expected_cost: expected.total,
+            expected_cost_bound: None,
+            left_out,
+            summary,
+        }
+    }
+
+    fn name(&self, index: usize) -> Option<String> {
+        self.problem.targets.get(index).map(|target| target.name.clone())
+    }
+
+    /// Unvisited targets, each with the reason: impossible, or what visiting it once would do to the cost.
+    fn left_out(&self, stops: &[Stop], cost: f64) -> Vec<LeftOut> {
+        let mut seen = vec![false; self.problem.targets.len()];
+        for stop in stops {
+            if let Some(flag) = seen.get_mut(stop.target) {
+                *flag = true;
+            }
+        }
+        let word: Vec<usize> = stops.iter().map(|stop| stop.target).collect();
+        let unseen = seen.iter().enumerate().filter(|(_, seen)| !**seen).map(|(index, _)| index);
+        unseen
+            .filter_map(|index| {
+                let reason = if self.usable.contains(&index) {
+                    self.unwanted_reason(&word, index, cost)
+                } else {
+                    self.unusable_reason(index)
+                };
+                Some(LeftOut { target: self.name(index)?, reason })
+            })
+            .collect()
+    }
+
+    fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
+        let mut free = apex_model::solver::WorkBudget::new(u64::MAX);
+        // A look at a hundred places in the word is enough for a reason.
+        let stride = word.len() / 100 + 1;
+        let with = (0..=word.len()).step_by(stride).map(|at| {
+            let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
+            self.cost(before.iter().copied().chain([index]).chain(after.iter().copied()), &mut free)
+        });
+        let best = with.fold(f64::INFINITY, f64::min);
+        if best > cost {
+            format!("one visit would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer")
+        } else {
+            format!(
+                "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"
+            )
+        }
+    }
+
+    fn unusable_reason(&self, index: usize) -> String {
+        let travel = &self.problem.travel;
+        let there_s = travel.start_to(index);
+        if there_s >= UNREACHABLE_S {
+            return "cannot be reached from the start".to_string();
+        }
+        let home_s = if self.problem.return_to_base { travel.to_base(index) } else { 0.0 };
+        if home_s >= UNREACHABLE_S {
+            return "leaves no way back to the base".to_string();
+        }
+        let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
+        let over_s = there_s + dwell_s + home_s - self.limit_s;
+        let what = if self.limit_s < self.problem.horizon_s { "endurance leaves" } else { "the horizon allows" };
+        format!("needs {over_s:.0} s more than {what}")
+    }
+}
+
+fn listed(names: &[String]) -> String {
+    match names.get(..12) {
+        Some(first) if names.len() > 12 => format!("{}, ..", first.join(", ")),
+        _ => names.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surveillance::examples;
+    use apex_model::solver::WorkBudget;
+
+    #[test]
+    fn the_quick_cost_is_the_metric() {
+        let problem = examples::random(5, 11);
+        let scenario = Scenario::new(&problem).unwrap();
+        let word = [0, 3, 1, 1, 4, 2, 0, 3];
+        let plan = scenario.plan("test", word);
+        let quick = scenario.cost(word, &mut WorkBudget::new(1000));
+        assert!((plan.expected_cost - quick).abs() < 1e-9 * quick);
+        assert_eq!(plan.visits.len(), 8);
+    }
+
+    #[test]
+    fn targets_out_of_reach_are_named_with_their_reason() {
+        let mut problem = examples::random(3, 1);
+        problem.travel.from_start_s[0] = UNREACHABLE_S;
+        problem.travel.from_start_s[1] = 5000.0;
+        let scenario = Scenario::new(&problem).unwrap();
+        let plan = scenario.cycle_plan("test", &[2]);
+        assert_eq!(plan.left_out[0].reason, "cannot be reached from the start");
+        assert_eq!(plan.left_out[1].reason, "needs 1410 s more than the horizon allows");
+        problem.travel.from_start_s[2] = 9000.0;
+        let message = Scenario::new(&problem).unwrap_err();
+        assert!(message.starts_with("No target can be observed: ") && message.contains("horizon"), "{message}");
+    }
+
+    #[test]
+    fn the_return_is_kept_within_endurance() {
+        let mut problem = examples::random(4, 5);
+        problem.return_to_base = true;
+        problem.endurance_s = Some(1200.0);
+        let scenario = Scenario::new(&problem).unwrap();
+        let plan = scenario.cycle_plan("test", &[0, 1, 2, 3]);
+        assert!(plan.return_s.unwrap() <= 1200.0 && plan.return_s.unwrap() > 900.0);
+    }
+}

@@ -1,0 +1,53 @@
+//! Bends the order of a cycle to the expected cost itself: where the horizon holds few laps, the shortest tour is not the
+//! cheapest. Moves one target, exchanges two, or turns a part round.
+
+use super::subset::Search;
+use apex_model::solver::Budget;
+
+/// Applies the first move that lowers the cost until none does or the budget is exhausted.
+pub(super) fn refine(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) {
+    while !budget.exhausted() && step(search, budget, report) {}
+}
+
+fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> bool {
+    let count = search.best.len();
+    for from in 0..count {
+        for to in 0..count {
+            for neighbour in neighbours(&search.best, from, to) {
+                if budget.exhausted() {
+                    return false;
+                }
+                let cost = search.scenario.cycle_cost(&neighbour, budget);
+                if cost < search.best_cost * (1.0 - 1e-12) {
+                    search.best = neighbour;
+                    search.best_cost = cost;
+                    report(&search.best);
+                    return true;
+                }
+            }
+        }
+    }
+    false
+}
+
+fn neighbours(cycle: &[usize], from: usize, to: usize) -> Vec<Vec<usize>> {
+    let mut all = Vec::new();
+    if from == to {
+        return all;
+    }
+    let mut moved = cycle.to_vec();
+    let target = moved.remove(from);
+    moved.insert(to.min(moved.len()), target);
+    all.push(moved);
+    if from < to {
+        let mut exchanged = cycle.to_vec();
+        exchanged.swap(from, to);
+        all.push(exchanged);
+        let mut turned = cycle.to_vec();
+        if let Some(part) = turned.get_mut(from..=to) {
+            part.reverse();
+        }
+        all.push(turned);
+    }
+    all
+}
