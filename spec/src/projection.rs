@@ -13,7 +13,17 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Kinds of lines that are told when a page does not say otherwise.
 const DEFAULT_KINDS: &[&str] = &[
-    "ongoing", "interrupted", "terminated", "print", "inform", "command", "withdraw", "trouble", "ask", "solve", "cancel",
+    "ongoing",
+    "interrupted",
+    "terminated",
+    "print",
+    "inform",
+    "command",
+    "withdraw",
+    "trouble",
+    "ask",
+    "solve",
+    "cancel",
 ];
 /// Kinds that a page may ask for besides.
 const FURTHER_KINDS: &[&str] =
@@ -96,7 +106,9 @@ impl Teller {
         let because = Some(&decision.because);
         let name = decision.task.map_or_else(|| "agent".to_string(), |task| self.name(task));
         match &decision.kind {
-            DecisionKind::Created { parent, tag, goal, .. } => self.created(at, decision, *parent, tag.printed(), &goal.to_string()),
+            DecisionKind::Created { parent, tag, goal, .. } => {
+                self.created(at, decision, *parent, tag.printed(), &goal.to_string())
+            }
             DecisionKind::Transition { to, outcome, .. } => self.moved(at, decision, *to, outcome.as_ref()),
             DecisionKind::Satisfied { clause, interval } => {
                 let words = format!("{name} {clause} satisfied [{}, {}]", interval.0, interval.1);
@@ -122,7 +134,9 @@ impl Teller {
                 let words = format!("{name} waits for {resource}, {} has it", self.name(*winner));
                 self.say("refused", at, &words, because);
             }
-            DecisionKind::ProcedureAdded { summary, .. } => self.say("added", at, &format!("procedure {summary}"), because),
+            DecisionKind::ProcedureAdded { summary, .. } => {
+                self.say("added", at, &format!("procedure {summary}"), because)
+            }
             DecisionKind::Trouble { message } => {
                 let words = self.with_names(&format!("{name} trouble: {message}"));
                 self.say("trouble", at, &words, None);
@@ -170,7 +184,9 @@ impl Observer for Teller {
                 Effect::Decided(decision) => self.decided(at, decision),
                 Effect::Command { form, .. } => self.say("command", at, &format!("command {form}"), None),
                 Effect::WithdrawCommand { .. } => self.say("withdraw", at, "withdraw", None),
-                Effect::Solve(request) => self.say("solve", at, &format!("solve {} by {}", request.goal, request.solver), None),
+                Effect::Solve(request) => {
+                    self.say("solve", at, &format!("solve {} by {}", request.goal, request.solver), None)
+                }
                 Effect::CancelSolve(_) => self.say("cancel", at, "cancel solve", None),
                 Effect::Inform { form, .. } => self.say("inform", at, &format!("inform {form}"), None),
                 Effect::Print { text, .. } => self.say("print", at, &format!("print {text}"), None),

@@ -40,8 +40,9 @@ pub fn run(scenario: &Scenario) -> Result<String, String> {
     if checked.has_errors() {
         return Err(format!("the program has errors:\n{}", messages(&checked)));
     }
-    let inputs = read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
-        .map_err(|error| error.to_string())?;
+    let inputs =
+        read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
+            .map_err(|error| error.to_string())?;
     let declaration = agent_of(&checked.library);
     let mut agent = load(Arc::new(checked.library), &declaration, apex_geo::functions::host_functions())?;
     let mut teller = Teller::new(&kinds)?;

@@ -15,8 +15,9 @@ fn main() -> ExitCode {
     collect(&root, &mut pages);
     pages.sort();
     let named = pages.into_iter().map(|path| (name_of(&root, &path), path));
-    let chosen: Vec<_> =
-        named.filter(|(name, _)| filters.is_empty() || filters.iter().any(|filter| name.contains(filter.as_str()))).collect();
+    let chosen: Vec<_> = named
+        .filter(|(name, _)| filters.is_empty() || filters.iter().any(|filter| name.contains(filter.as_str())))
+        .collect();
     if listing {
         chosen.iter().for_each(|(name, _)| println!("{name}: test"));
         return ExitCode::SUCCESS;
@@ -37,7 +38,10 @@ fn main() -> ExitCode {
     }
     let word = if failures.is_empty() { "ok" } else { "FAILED" };
     let passed = chosen.len() - failures.len();
-    println!("\ntest result: {word}. {passed} passed; {} failed; 0 ignored; 0 measured; 0 filtered out", failures.len());
+    println!(
+        "\ntest result: {word}. {passed} passed; {} failed; 0 ignored; 0 measured; 0 filtered out",
+        failures.len()
+    );
     if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
