@@ -1,4 +1,19 @@
-//! A page as text and fenced blocks, which can be rewritten without touching anything else.
+//! Pages on disk, and a page as text and fenced blocks, which can be rewritten without touching anything else.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// All pages below the folder of this package, in order: Markdown files in its folders (those directly in it are about
+/// the package).
+pub fn files() -> Vec<PathBuf> {
+    let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let folders = entries(Path::new(env!("CARGO_MANIFEST_DIR"))).filter(|path| path.is_dir());
+    let markdown = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "md");
+    let mut found: Vec<PathBuf> =
+        folders.flat_map(|folder| entries(&folder).collect::<Vec<_>>()).filter(markdown).collect();
+    found.sort();
+    found
+}
 
 /// A fenced block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]

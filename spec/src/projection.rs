@@ -37,6 +37,7 @@ pub struct Teller {
     taken: BTreeMap<String, u32>,
     built_in: BTreeSet<TaskId>,
     started: BTreeSet<TaskId>,
+    transitions: BTreeSet<(TaskState, TaskState)>,
     lines: Vec<String>,
 }
 
@@ -62,6 +63,11 @@ impl Teller {
     /// Everything told so far, one line each.
     pub fn text(&self) -> String {
         self.lines.iter().map(|line| format!("{line}\n")).collect()
+    }
+
+    /// Every change of state that occurred, told or not.
+    pub fn transitions(&self) -> &BTreeSet<(TaskState, TaskState)> {
+        &self.transitions
     }
 
     /// Adds a line of its own, for example about the end of the run.
@@ -109,7 +115,10 @@ impl Teller {
             DecisionKind::Created { parent, tag, goal, .. } => {
                 self.created(at, decision, *parent, tag.printed(), &goal.to_string())
             }
-            DecisionKind::Transition { to, outcome, .. } => self.moved(at, decision, *to, outcome.as_ref()),
+            DecisionKind::Transition { from, to, outcome } => {
+                self.transitions.insert((*from, *to));
+                self.moved(at, decision, *to, outcome.as_ref());
+            }
             DecisionKind::Satisfied { clause, interval } => {
                 let words = format!("{name} {clause} satisfied [{}, {}]", interval.0, interval.1);
                 self.say("satisfied", at, &words, None);

@@ -30,11 +30,11 @@ pub struct Scenario {
     pub options: String,
 }
 
-/// The trace of the scenario, or the reason why it cannot run.
+/// The run of the scenario with everything it told.
 ///
 /// # Errors
-/// The checker's messages, a bad input line, a bad option, or a run that broke.
-pub fn run(scenario: &Scenario) -> Result<String, String> {
+/// The checker's messages, a bad input line or a bad option. A run that breaks tells so in its last line.
+pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     let (until, kinds) = read_options(&scenario.options)?;
     let checked = check(&scenario.pdl);
     if checked.has_errors() {
@@ -51,7 +51,7 @@ pub fn run(scenario: &Scenario) -> Result<String, String> {
         Ok(end) => teller.tell(last_line(&end)),
         Err(error) => teller.tell(format!("error: {error}")),
     }
-    Ok(teller.text())
+    Ok(teller)
 }
 
 /// Checks a page's program; shipped libraries are found.

@@ -3,6 +3,8 @@
 use crate::diff;
 use crate::page::{self, Block};
 use crate::scenario::{self, Scenario};
+use apex_model::task::TaskState;
+use std::collections::BTreeSet;
 
 /// What came of a page.
 #[derive(Debug, PartialEq, Eq)]
@@ -46,32 +48,44 @@ pub fn updated(text: &str) -> Result<String, String> {
     Ok(page::rewrite(text, &bodies))
 }
 
-/// Each compared block with what really happens. `pdl`, `inputs` and `options` hold until the next of their kind; a new
-/// program starts without inputs and options.
+/// Every change of a task's state in the page's runs.
+pub fn transitions(text: &str) -> BTreeSet<(TaskState, TaskState)> {
+    let scenarios = scenarios(text).into_iter().filter(|(block, _)| block.kind == "trace");
+    scenarios
+        .filter_map(|(_, scenario)| scenario::run(&scenario).ok())
+        .flat_map(|told| told.transitions().clone())
+        .collect()
+}
+
+/// Each compared block with what really happens.
 fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
+    let scenarios = scenarios(text).into_iter();
+    let results = scenarios.map(|(block, scenario)| {
+        let actual = match block.kind.as_str() {
+            "trace" => scenario::run(&scenario).map(|told| told.text()),
+            "check" => Ok(scenario::messages(&scenario::check(&scenario.pdl))),
+            other => Err(format!("a page has no blocks of kind `{other}`")),
+        };
+        (block, actual)
+    });
+    results.collect()
+}
+
+/// Each block that is no part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
+/// of their kind; a new program starts without inputs and options.
+fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
     let mut scenario = Scenario::default();
-    let mut results = Vec::new();
+    let mut found = Vec::new();
     for block in page::blocks(text) {
         match block.kind.as_str() {
             "pdl" => scenario = Scenario { pdl: block.body, ..Scenario::default() },
             "inputs" => scenario.inputs = block.body,
             "options" => scenario.options = block.body,
-            "trace" => {
-                let actual = scenario::run(&scenario);
-                results.push((block, actual));
-            }
-            "check" => {
-                let actual = scenario::messages(&scenario::check(&scenario.pdl));
-                results.push((block, Ok(actual)));
-            }
             "" => {}
-            other => {
-                let reason = format!("a page has no blocks of kind `{other}`");
-                results.push((block, Err(reason)));
-            }
+            _ => found.push((block, scenario.clone())),
         }
     }
-    results
+    found
 }
 
 #[cfg(test)]

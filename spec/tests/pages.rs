@@ -1,6 +1,7 @@
 //! Runs every page below `spec/` as one test. `UPDATE=1` rewrites what pages compare; further arguments are parts of
 //! page names to run.
 
+use apex_spec::page;
 use apex_spec::verdict::{Verdict, judge, updated};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,10 +12,7 @@ fn main() -> ExitCode {
     let filters: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let listing = std::env::args().any(|argument| argument == "--list");
     let update = std::env::var("UPDATE").is_ok_and(|value| !value.is_empty() && value != "0");
-    let mut pages = Vec::new();
-    collect(&root, &mut pages);
-    pages.sort();
-    let named = pages.into_iter().map(|path| (name_of(&root, &path), path));
+    let named = page::files().into_iter().map(|path| (name_of(&root, &path), path));
     let chosen: Vec<_> = named
         .filter(|(name, _)| filters.is_empty() || filters.iter().any(|filter| name.contains(filter.as_str())))
         .collect();
@@ -54,15 +52,6 @@ fn run_page(path: &Path, update: bool) -> Result<(), String> {
     match judge(&text) {
         Verdict::Holds => Ok(()),
         Verdict::Differs(difference) => Err(difference),
-    }
-}
-
-/// Pages are all Markdown files in folders below `root`; those directly in it are about the folder.
-fn collect(root: &Path, pages: &mut Vec<PathBuf>) {
-    let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    for folder in entries(root).filter(|path| path.is_dir()) {
-        let markdown = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "md");
-        pages.extend(entries(&folder).filter(markdown));
     }
 }
 
