@@ -154,3 +154,82 @@ fn value_of(json: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
         Json::Null => Err("null is no value; write {\"pdl\": \"nil\"} for nil".into()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::time::Duration;
+
+    /// Reads symbols and flat lists of symbols: enough for forms in tests.
+    fn read(text: &str) -> Result<Value, String> {
+        match text.strip_prefix('(') {
+            None if text.is_empty() => Err("there is nothing to read".into()),
+            None => Ok(Value::symbol(text)),
+            Some(rest) => match rest.strip_suffix(')') {
+                Some(words) => Ok(Value::list(words.split_whitespace().map(Value::symbol))),
+                None => Err("`)` is missing".into()),
+            },
+        }
+    }
+
+    #[test]
+    fn every_kind_of_line_is_read_and_ordered_by_time() {
+        let text = r#"
+            # a scenario
+            {"t": 2, "measurement": "(altitude ac-1)", "value": 32000}
+            {"t": 0.3, "event": "(stop)"}
+            {"t": 2, "measurement": "(wind)", "value": [1.5, "calm", true, {"pdl": "(a b)"}]}
+            {"t": 9, "answer": 1, "value": "yes"}
+        "#;
+        let inputs = read_inputs("in.jsonl", text, &read).unwrap();
+        let said: Vec<String> = inputs.iter().map(|input| format!("{} {:?}", input.at.0, input.kind)).collect();
+        assert_eq!(
+            said,
+            [
+                "300000000 Occurrence((stop))",
+                "2000000000 Measurement((altitude ac-1), 32000)",
+                "2000000000 Measurement((wind), (1.5 \"calm\" t (a b)))",
+                "9000000000 OperatorAnswered(QuestionId(1), \"yes\")",
+            ]
+        );
+        assert_eq!(inputs[0].at - Time::ZERO, Duration(300_000_000), "0.3 s is exact");
+    }
+
+    #[test]
+    fn every_bad_line_is_named_with_its_reason() {
+        let text = r#"{"t": 1, "event": "(stop"}
+{"t": 1, "event" "(stop)"}
+{"event": "(stop)"}
+{"t": -1, "event": "(stop)"}
+{"t": "soon", "event": "(stop)"}
+{"t": 1}
+{"t": 1, "event": "(stop)", "value": 3}
+{"t": 1, "measurement": "(altitude ac-1)"}
+{"t": 1, "measurement": 7, "value": 3}
+{"t": 1, "measurement": "(altitude ac-1)", "value": null}
+{"t": 1, "answer": "one", "value": 3}
+[1]"#;
+        let faults = read_inputs("in.jsonl", text, &read).unwrap_err().0;
+        let expected = [
+            "in.jsonl:1: \"event\" cannot be read: `)` is missing",
+            "in.jsonl:2:18: this is no JSON: expected `:`",
+            "in.jsonl:3: \"t\" is missing: seconds of mission time",
+            "in.jsonl:4: \"t\" is -1; mission time begins at 0 and is given in seconds",
+            "in.jsonl:5: \"t\" is \"soon\"; expected a number of seconds",
+            "in.jsonl:6: expected exactly one of \"event\", \"measurement\" and \"answer\"",
+            "in.jsonl:7: \"value\" is not known beside \"event\"",
+            "in.jsonl:8: \"value\" is missing beside \"measurement\"",
+            "in.jsonl:9: \"measurement\" is 7; expected PDL text in a string",
+            "in.jsonl:10: null is no value; write {\"pdl\": \"nil\"} for nil",
+            "in.jsonl:11: \"answer\" is \"one\"; expected the question's number",
+            "in.jsonl:12: expected an object like {\"t\": 1.5, \"event\": \"(stop)\"}",
+        ];
+        assert_eq!(faults, expected);
+    }
+
+    #[test]
+    fn a_file_of_another_format_does_not_flood_the_screen() {
+        let faults = read_inputs("in.csv", &"1,2,3\n".repeat(1000), &read).unwrap_err().0;
+        assert_eq!(faults.len(), INPUT_MESSAGES_MAX + 1);
+    }
+}

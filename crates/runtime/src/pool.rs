@@ -173,3 +173,102 @@ impl Deliberator for Contained {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use apex_model::task::TaskId;
+    use apex_model::value::Value;
+
+    /// Answers by the goal: `plan`, `panic`, `hang`, anything else fails.
+    struct Moody;
+
+    impl Deliberator for Moody {
+        fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+            let charged = Duration::from_seconds(request.budget.map_or(0.0, Duration::seconds));
+            if request.goal.equals(&Value::symbol("panic")) {
+                panic!("ran out of ideas");
+            }
+            if request.goal.equals(&Value::symbol("hang")) {
+                thread::sleep(std::time::Duration::from_millis(400));
+            }
+            let plan = request.goal.equals(&Value::symbol("plan"));
+            SolverAnswer { result: if plan { Ok(samples::plan()) } else { Err("no idea".into()) }, charged }
+        }
+    }
+
+    fn request(number: u64, goal: &str, budget_s: f64) -> SolveRequest {
+        SolveRequest {
+            request: SolveRequestId(number),
+            task: TaskId(1),
+            goal: Value::symbol(goal),
+            solver: Symbol::new("auto"),
+            budget: Some(Duration::from_seconds(budget_s)),
+        }
+    }
+
+    fn due(pool: &mut SolverPool, seconds: f64) -> Vec<(u64, String)> {
+        let mut inputs = Vec::new();
+        pool.take_due(Time::from_seconds(seconds), &mut inputs);
+        let said = |input: Input| match input.kind {
+            EventKind::SolverReported(request, SolverReport::Plan(plan)) => (request.0, plan.summary),
+            EventKind::SolverReported(request, SolverReport::Failed(reason)) => (request.0, reason),
+            other => panic!("{other:?}"),
+        };
+        inputs.into_iter().map(said).collect()
+    }
+
+    #[test]
+    fn answers_come_at_request_plus_charge_whatever_the_order_of_requests() {
+        let mut pool = SolverPool::new();
+        pool.request(&mut Moody, &request(1, "plan", 5.0), Time::from_seconds(10.0));
+        pool.request(&mut Moody, &request(2, "nothing", 2.0), Time::from_seconds(10.0));
+        assert_eq!(pool.next_due(), Some(Time::from_seconds(12.0)));
+        assert_eq!(due(&mut pool, 11.9), []);
+        assert_eq!(due(&mut pool, 20.0), [(2, "no idea".to_owned()), (1, "3 targets, value 12".to_owned())]);
+    }
+
+    #[test]
+    fn a_panic_is_an_answer() {
+        let mut pool = SolverPool::new();
+        pool.request(&mut Moody, &request(1, "panic", 0.0), Time::ZERO);
+        pool.request(&mut Moody, &request(2, "plan", 0.0), Time::ZERO);
+        let said = due(&mut pool, 0.0);
+        assert_eq!(said[0], (1, "the solver auto broke down: ran out of ideas".to_owned()));
+        assert_eq!(said[1].1, "3 targets, value 12", "the next request is served");
+    }
+
+    #[test]
+    fn dropped_answers_are_named() {
+        let mut pool = SolverPool::new();
+        pool.request(&mut Moody, &request(1, "plan", 5.0), Time::ZERO);
+        pool.request(&mut Moody, &request(2, "plan", 9.0), Time::ZERO);
+        let note = pool.cancel(SolveRequestId(1), Time::from_seconds(3.0)).unwrap();
+        assert_eq!(note, "the answer of auto to request 1, due at 5s, was dropped: the request was cancelled at 3s");
+        assert_eq!(pool.cancel(SolveRequestId(1), Time::from_seconds(3.0)), None);
+        assert!(pool.close(Time::from_seconds(4.0))[0].contains("request 2, due at 9s, came too late"));
+        assert_eq!(pool.next_due(), None);
+    }
+
+    #[test]
+    fn too_many_requests_fail_at_once() {
+        let mut pool = SolverPool::new();
+        for number in 0..=SOLVE_REQUESTS_MAX as u64 {
+            pool.request(&mut Moody, &request(number, "plan", 5.0), Time::ZERO);
+        }
+        assert!(due(&mut pool, 0.0)[0].1.contains("are open already"));
+    }
+
+    #[test]
+    fn endless_work_is_given_up_and_the_solver_may_come_back() {
+        let patience = std::time::Duration::from_millis(100);
+        let mut contained = Contained::new(Box::new(Moody), patience).unwrap();
+        let mut answer =
+            |goal| contained.deliberate(&request(7, goal, 0.0), Time::ZERO).result.map(|plan| plan.summary);
+        assert_eq!(answer("hang"), Err("the solver auto gave no answer within 0.1 s and was given up".to_owned()));
+        assert_eq!(answer("plan"), Err("deliberation still hangs at request 7, which was given up".to_owned()));
+        thread::sleep(std::time::Duration::from_millis(600));
+        assert_eq!(answer("plan"), Ok("3 targets, value 12".to_owned()));
+    }
+}

@@ -156,3 +156,6 @@ pub fn trace_record<W: Write>(
     }
     tracer.into_inner().map_err(failed)
 }
+
+#[cfg(test)]
+mod tests;
