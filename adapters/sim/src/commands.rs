@@ -3,9 +3,10 @@
 use crate::arguments::{Arguments, Spot};
 use crate::camera::{Aim, CameraState};
 use crate::fixed_wing::true_airspeed_min;
-use crate::flight::{Flight, Order, approach_height_m};
+use crate::flight::{Flight, Order};
 use crate::model::Airframe;
 use crate::names::unknown_name;
+use crate::situation::FINAL_HEIGHT_M;
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
@@ -35,6 +36,7 @@ const COMMANDS: &[Command] = &[
     command("take-off", "(take-off ALTITUDE)", (1, 1), &[]),
     command("fly-to", "(fly-to LOCATION [:speed S] [:altitude A])", (1, 1), &["speed", "altitude"]),
     command("fly-line", "(fly-line FROM TO [:speed S] [:altitude A])", (2, 2), &["speed", "altitude"]),
+    command("join-line", "(join-line FROM TO [:speed S] [:altitude A])", (2, 2), &["speed", "altitude"]),
     command(
         "loiter",
         "(loiter LOCATION [:radius R] [:duration D] [:altitude A] [:speed S])",
@@ -84,7 +86,7 @@ impl SimulatedWorld {
         let arguments =
             Arguments::split(command.name, command.usage, items, command.arguments, command.keywords, &places)?;
         match command.name {
-            "take-off" | "fly-to" | "fly-line" | "loiter" | "hover" | "land" => {
+            "take-off" | "fly-to" | "fly-line" | "join-line" | "loiter" | "hover" | "land" => {
                 self.fly_order(id, form, command.name, &arguments, inputs)
             }
             "set-altitude" => {
@@ -166,14 +168,15 @@ impl SimulatedWorld {
                 let altitude_m = to.altitude_m;
                 (Order::FlyTo { at_altitude: at_altitude || altitude_m.is_some(), to }, altitude_m)
             }
-            "fly-line" => {
+            "fly-line" | "join-line" => {
                 let (from, to) = (arguments.spot(0, "beginning")?, arguments.spot(1, "end")?);
                 let length_m = crate::path::bearing(from.position, to.position).1;
                 if length_m < 1.0 {
                     return refuse("the line has no length".to_owned());
                 }
                 let altitude_m = from.altitude_m.or(to.altitude_m);
-                (Order::FlyLine { from, to }, altitude_m)
+                let join = name == "join-line";
+                (if join { Order::JoinLine { from, to } } else { Order::FlyLine { from, to } }, altitude_m)
             }
             "loiter" => {
                 let around = arguments.spot(0, "location")?;
@@ -192,7 +195,7 @@ impl SimulatedWorld {
                 let at = arguments.spot(0, "location")?;
                 let field_m = self.ground.elevation_m_at(at.position);
                 let fixed = self.model.airframe == Airframe::FixedWing;
-                (Order::Land { at }, fixed.then_some(field_m + approach_height_m()))
+                (Order::Land { at }, fixed.then_some(field_m + FINAL_HEIGHT_M))
             }
         })
     }
@@ -359,6 +362,10 @@ impl SimulatedWorld {
     pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
         if let Some(command) = self.flight.command.take() {
             self.answer(command, Ok(value), inputs);
+        }
+        if self.flight.goes_on() {
+            self.changed = true;
+            return;
         }
         self.idle();
     }

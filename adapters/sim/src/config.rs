@@ -160,18 +160,18 @@ impl Ground {
     }
 }
 
-/// A radio link. Level in decibels over noise falls with the logarithm of distance; 0..100 percent is published.
+/// A radio link. Level in decibels over noise falls with the logarithm of distance; 0 (nothing) .. 1 (full) is published.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Modem {
     /// Its name: the object of `signal-level`, for example `900MHzModem`.
     pub name: String,
     /// Where the ground station is; none for a satellite link, whose level does not fall with distance.
     pub station: Option<Position>,
-    /// Distance at which the level is still 100 percent in free air.
+    /// Distance at which the level is still full.
     pub full_level_m: f64,
     /// Path-loss exponent: 2 free space, 3 and more near the ground.
     pub path_loss_exponent: f64,
-    /// Decibels from 100 percent down to 0.
+    /// Decibels from full level down to nothing.
     pub range_db: f64,
     /// Deviation of the fading.
     pub fading_db: f64,

@@ -1,20 +1,17 @@
 //! A flight command from its first moment to its answer: stages, what each demands, and what ends it.
 
 use crate::arguments::Spot;
-use crate::fixed_wing::{self, true_airspeed_min};
-use crate::model::{Airframe, VehicleModel};
-use crate::motion::{State, moved, wrap_pi};
+use crate::fixed_wing::true_airspeed_min;
+use crate::motion::wrap_pi;
 use crate::path::{Circle, Join, Line, Path, bearing, join};
-use crate::rotorcraft;
-use apex_geo::geodesy::{self, RAD_PER_DEG};
-use apex_geo::wind::Wind;
+use crate::phase::Phase;
+use crate::situation::{FINAL_HEIGHT_M, FINAL_M, Situation, final_approach};
 use apex_model::effect::CommandId;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use libm::{atan2, cos};
-use std::f64::consts::PI;
+use libm::cos;
 
 /// What was commanded, or what the vehicle does by itself.
 #[derive(Clone, Debug)]
@@ -27,6 +24,11 @@ pub(crate) enum Order {
         at_altitude: bool,
     },
     FlyLine {
+        from: Spot,
+        to: Spot,
+    },
+    /// As `FlyLine`, answered at the line's beginning.
+    JoinLine {
         from: Spot,
         to: Spot,
     },
@@ -67,17 +69,6 @@ enum Stage {
     RollOut,
 }
 
-/// What a flight needs to know of the world.
-pub(crate) struct Situation<'a> {
-    pub(crate) model: &'a VehicleModel,
-    pub(crate) state: &'a State,
-    pub(crate) wind: Wind,
-    pub(crate) ground_m: f64,
-    pub(crate) now: Time,
-    pub(crate) altitude_m: f64,
-    pub(crate) true_airspeed: f64,
-}
-
 /// The order that is being flown.
 #[derive(Clone, Debug)]
 pub(crate) struct Flight {
@@ -110,53 +101,10 @@ const LEAD_IN_S: f64 = 14.0;
 const JOIN_ACROSS_M: f64 = 120.0;
 const JOIN_COURSE_RAD: f64 = 0.06;
 const JOINS_MAX: u32 = 3;
-/// Length and height of a fixed wing's final approach.
-const FINAL_M: f64 = 8_000.0;
-const FINAL_HEIGHT_M: f64 = 450.0;
+/// A vehicle already on a line may be this far past its beginning.
+const ON_LINE_M: f64 = 300.0;
 /// A take-off climbs straight ahead this high before it turns.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
-/// Loitering circles are this much wider than the tightest turn.
-const LOITER_WIDTH: f64 = 1.3;
-/// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
-const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
-
-impl Situation<'_> {
-    fn fixed(&self) -> bool {
-        self.model.airframe == Airframe::FixedWing
-    }
-
-    fn at_altitude(&self) -> bool {
-        let within = if self.fixed() { ALTITUDE_M.0 } else { ALTITUDE_M.1 };
-        (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running
-    }
-
-    /// The tightest circle it can fly here.
-    pub(crate) fn turn_radius_m(&self) -> f64 {
-        let speed = self.true_airspeed.max(self.state.true_airspeed);
-        match self.model.airframe {
-            Airframe::FixedWing => fixed_wing::turn_radius_m(self.model, speed, self.wind),
-            Airframe::Rotorcraft => rotorcraft::turn_radius_m(self.model, self.true_airspeed.min(6.0)),
-        }
-    }
-
-    /// The circle it flies when it was told none.
-    pub(crate) fn loiter_radius_m(&self) -> f64 {
-        LOITER_WIDTH * self.turn_radius_m()
-    }
-
-    /// A circle round `centre`, the way round that needs the smaller turn.
-    fn circle(&self, centre: Position, radius_m: f64) -> Circle {
-        let aside = wrap_pi(bearing(self.state.position, centre).0 - self.state.track_rad());
-        Circle { centre, radius_m, clockwise: aside >= 0.0 }
-    }
-
-    /// Where a rotorcraft can stop.
-    fn stopping_place(&self) -> Position {
-        let speed = self.state.ground_speed();
-        let seconds = 0.5 * speed / (0.6 * self.model.acceleration_m_s2_max);
-        moved(self.state.position, self.state.north * seconds, self.state.east * seconds)
-    }
-}
 
 impl Flight {
     /// Begins `order`.
@@ -177,10 +125,10 @@ impl Flight {
             Order::TakeOff { .. } if here.fixed() => Stage::Run,
             Order::TakeOff { .. } => Stage::Rise(here.state.position),
             Order::FlyTo { to, .. } => Stage::Direct(to.position),
-            Order::FlyLine { from, to } => {
+            Order::FlyLine { from, to } | Order::JoinLine { from, to } => {
                 let line = Line::new(from.position, to.position);
                 flight.line = Some(line);
-                if here.fixed() { flight.join_stage(&line, here) } else { Stage::Direct(from.position) }
+                flight.line_stage(&line, from.position, here)
             }
             Order::Loiter { around, radius_m, .. } => Stage::Circle(here.circle(around.position, radius_m)),
             Order::Hover { at, .. } => Stage::Hover(at.map_or_else(|| here.stopping_place(), |at| at.position)),
@@ -196,6 +144,18 @@ impl Flight {
         };
         flight.measure(here);
         flight
+    }
+
+    /// How to begin a line: at once where the vehicle is on it already, else by joining it.
+    fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
+        let lead_m = LEAD_IN_S * here.state.ground_speed();
+        let near = along_m > -lead_m && along_m < ON_LINE_M.min(0.5 * line.length_m) && across_m.abs() <= JOIN_ACROSS_M;
+        if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
+            return Stage::LeadIn;
+        }
+        if here.fixed() { self.join_stage(line, here) } else { Stage::Direct(from) }
     }
 
     fn join_stage(&mut self, line: &Line, here: &Situation) -> Stage {
@@ -250,7 +210,12 @@ impl Flight {
 
     /// Is it on a line whose quality counts?
     pub(crate) fn is_on_line(&self) -> bool {
-        matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. }))
+        matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
+    }
+
+    /// Does it go on along its line after its answer?
+    pub(crate) fn goes_on(&self) -> bool {
+        matches!((&self.stage, &self.order), (Stage::OnLine, Order::JoinLine { .. })) && self.stage_m > 0.0
     }
 
     /// When the time on station ends.
@@ -313,6 +278,7 @@ impl Flight {
         Progress::Done(match &self.order {
             Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
             Order::FlyTo { to, .. } => to.given.clone(),
+            Order::JoinLine { from, .. } => from.given.clone(),
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
             Order::Loiter { around, .. } => around.given.clone(),
             Order::Hover { at, .. } => at.as_ref().map_or_else(Value::nil, |at| at.given.clone()),
@@ -344,7 +310,7 @@ impl Flight {
         let next = match &self.order {
             Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(),
             Order::FlyTo { .. } if here.fixed() => Stage::Circle(here.circle(point, here.loiter_radius_m())),
-            Order::FlyLine { .. } if here.at_altitude() => Stage::OnLine,
+            Order::FlyLine { .. } | Order::JoinLine { .. } if here.at_altitude() => Stage::OnLine,
             Order::Land { .. } => Stage::Descend(point),
             _ => Stage::Hover(point),
         };
@@ -396,7 +362,9 @@ impl Flight {
         if matches!(self.order, Order::Land { .. }) {
             return self.change(here.state.on_ground.then_some(Stage::RollOut), here);
         }
-        if self.stage_m <= 0.0 { self.done() } else { Progress::Going }
+        // A joined line is answered at its beginning and then flown on, until something else is commanded.
+        let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
+        if joined || self.stage_m <= 0.0 { self.done() } else { Progress::Going }
     }
 
     fn on_station(&mut self, here: &Situation) -> Progress {
@@ -409,7 +377,9 @@ impl Flight {
                 (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
             }
             (_, Order::FlyTo { .. }) => return if here.at_altitude() { self.done() } else { Progress::Going },
-            (_, Order::FlyLine { .. }) => return self.change(here.at_altitude().then_some(Stage::OnLine), here),
+            (_, Order::FlyLine { .. } | Order::JoinLine { .. }) => {
+                return self.change(here.at_altitude().then_some(Stage::OnLine), here);
+            }
             _ => return Progress::Going,
         };
         match (self.until, duration) {
@@ -442,57 +412,5 @@ impl Flight {
                 (f64::INFINITY, 0.0)
             }
         };
-    }
-}
-
-/// The last eight kilometres to a field, into the wind; without wind from where the vehicle comes.
-fn final_approach(at: &Spot, here: &Situation) -> Line {
-    let wind = here.wind;
-    let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;
-    let course_rad =
-        if calm { bearing(here.state.position, at.position).0 } else { atan2(-wind.east_mps, -wind.north_mps) };
-    let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, FINAL_M);
-    Line::new(threshold, at.position)
-}
-
-/// Height above the field at which a fixed wing begins its final approach.
-pub(crate) fn approach_height_m() -> f64 {
-    FINAL_HEIGHT_M
-}
-
-/// What `flight-phase` may say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Phase {
-    Parked,
-    TakingOff,
-    Climbing,
-    EnRoute,
-    Joining,
-    Line,
-    Loitering,
-    Hovering,
-    Approaching,
-    Landing,
-    Gliding,
-    Crashed,
-}
-
-impl Phase {
-    /// The published word.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Phase::Parked => "parked",
-            Phase::TakingOff => "taking-off",
-            Phase::Climbing => "climbing",
-            Phase::EnRoute => "en-route",
-            Phase::Joining => "joining",
-            Phase::Line => "line",
-            Phase::Loitering => "loitering",
-            Phase::Hovering => "hovering",
-            Phase::Approaching => "approaching",
-            Phase::Landing => "landing",
-            Phase::Gliding => "gliding",
-            Phase::Crashed => "crashed",
-        }
     }
 }

@@ -16,9 +16,12 @@ mod motion;
 mod names;
 mod packet;
 mod path;
+mod phase;
 mod radio;
 mod random;
+mod reporting;
 mod rotorcraft;
+mod situation;
 mod turbulence;
 mod world;
 

@@ -2,8 +2,8 @@
 
 use crate::atmosphere::{Air, GRAVITY};
 use crate::camera::Camera;
-use crate::flight::Phase;
 use crate::motion::State;
+use crate::phase::Phase;
 use crate::radio::Radio;
 use apex_geo::geodesy::{self, RAD_PER_DEG, wrap_180};
 use apex_geo::wind::Wind;

@@ -7,8 +7,8 @@ use apex_model::problem::Position;
 use libm::log10;
 
 /// A link counts as lost below the first level for the span, as regained above the second for as long.
-const LOST_PERCENT: f64 = 5.0;
-const REGAINED_PERCENT: f64 = 15.0;
+const LOST_LEVEL: f64 = 0.05;
+const REGAINED_LEVEL: f64 = 0.15;
 const SETTLED_S: f64 = 5.0;
 /// Fading forgets itself after about this.
 const FADING_S: f64 = 4.0;
@@ -18,7 +18,7 @@ const FADING_S: f64 = 4.0;
 pub(crate) struct Radio {
     pub(crate) modem: Modem,
     fading: Wander,
-    /// Percent, 0..100.
+    /// 0 nothing .. 1 full.
     pub(crate) level: f64,
     lost: bool,
     /// How long the level has said the opposite of `lost`.
@@ -35,7 +35,7 @@ pub(crate) enum LinkChange {
 impl Radio {
     pub(crate) fn new(modem: Modem, seed: u64, index: u64) -> Radio {
         let fading = Wander::new(Random::new(seed, 100 + index), FADING_S);
-        Radio { modem, fading, level: 100.0, lost: false, contrary_s: 0.0 }
+        Radio { modem, fading, level: 1.0, lost: false, contrary_s: 0.0 }
     }
 
     /// Listens at a place and time, `elapsed_s` after the last time.
@@ -43,8 +43,8 @@ impl Radio {
         let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);
         let silent = self.modem.dropouts_s.iter().any(|(from_s, until_s)| *from_s <= now_s && now_s < *until_s);
         let loss_db = self.loss_db(here, altitude_m) + fading_db;
-        self.level = if silent { 0.0 } else { (100.0 * (1.0 - loss_db / self.modem.range_db)).clamp(0.0, 100.0) };
-        let contrary = if self.lost { self.level > REGAINED_PERCENT } else { self.level < LOST_PERCENT };
+        self.level = if silent { 0.0 } else { (1.0 - loss_db / self.modem.range_db).clamp(0.0, 1.0) };
+        let contrary = if self.lost { self.level > REGAINED_LEVEL } else { self.level < LOST_LEVEL };
         if !contrary {
             self.contrary_s = 0.0;
             return None;
@@ -83,7 +83,7 @@ mod tests {
         let far = geodesy::destination(station, 90.0, 40_000.0);
         assert_eq!(radio.listen(near, 100.0, 0.0, 1.0), None);
         let near_level = radio.level;
-        assert!((70.0..95.0).contains(&near_level), "{near_level}");
+        assert!((0.7..0.95).contains(&near_level), "{near_level}");
         let changes: Vec<_> = (0..10).filter_map(|second| radio.listen(far, 100.0, f64::from(second), 1.0)).collect();
         assert_eq!((changes, radio.level), (vec![LinkChange::Lost], 0.0));
         let changes: Vec<_> = (0..10).filter_map(|second| radio.listen(near, 100.0, f64::from(second), 1.0)).collect();
@@ -98,6 +98,6 @@ mod tests {
         radio.listen(Position::new(0.0, 0.0), 0.0, 15.0, 1.0);
         assert_eq!(radio.level, 0.0);
         radio.listen(Position::new(0.0, 0.0), 0.0, 20.0, 1.0);
-        assert!(radio.level > 90.0);
+        assert!(radio.level > 0.9);
     }
 }

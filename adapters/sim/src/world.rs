@@ -3,16 +3,17 @@
 //! Time moves in steps of its own choice, cut only at the instants of commands and scheduled events. So the same commands
 //! at the same times give the same inputs, however often `advance` is called in between.
 
-use crate::atmosphere::Air;
-use crate::camera::{Camera, CameraState, Pointing};
+use crate::camera::Camera;
 use crate::config::{Ground, Happening, NamedPlace, ScheduledEvent, WorldConfig};
 use crate::fixed_wing;
-use crate::flight::{Flight, Order, Phase, Progress, Situation};
+use crate::flight::{Flight, Order, Progress};
 use crate::model::{Airframe, VehicleModel};
 use crate::motion::{Demand, State, fuel_flow_kg_s};
-use crate::packet::{Reporter, Snapshot};
-use crate::radio::{LinkChange, Radio};
+use crate::packet::Reporter;
+use crate::phase::Phase;
+use crate::radio::Radio;
 use crate::rotorcraft;
+use crate::situation::Situation;
 use crate::turbulence::Turbulence;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::wind::{self, Wind};
@@ -22,7 +23,7 @@ use apex_model::problem::{Position, WindField};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
-use libm::{cos, sin, tan};
+use libm::{cos, sin};
 use std::collections::VecDeque;
 
 /// Step while something changes, and the longest step otherwise.
@@ -50,14 +51,14 @@ pub(crate) struct Setpoint {
 pub struct SimulatedWorld {
     pub(crate) vehicle: String,
     pub(crate) model: VehicleModel,
-    wind_field: WindField,
+    pub(crate) wind_field: WindField,
     pub(crate) ground: Ground,
     pub(crate) places: Vec<NamedPlace>,
     pub(crate) now: Time,
     planned_stop: Time,
     pub(crate) state: State,
     pub(crate) wind: Wind,
-    ground_m: f64,
+    pub(crate) ground_m: f64,
     pub(crate) flight: Flight,
     pub(crate) altitude_m: f64,
     pub(crate) true_airspeed: f64,
@@ -70,17 +71,17 @@ pub struct SimulatedWorld {
     scheduled: VecDeque<ScheduledEvent>,
     pub(crate) scanner_on: bool,
     pub(crate) cameras: Vec<Camera>,
-    radios: Vec<Radio>,
-    heard_at: Time,
-    turbulence: Turbulence,
+    pub(crate) radios: Vec<Radio>,
+    pub(crate) heard_at: Time,
+    pub(crate) turbulence: Turbulence,
     /// Taken out only while it writes, because it reads the rest of the world.
-    reporter: Option<Reporter>,
+    pub(crate) reporter: Option<Reporter>,
     /// Nothing changes: the next step may be long.
-    settled: bool,
+    pub(crate) settled: bool,
     /// Something happened in flight that is worth a packet at once.
     pub(crate) changed: bool,
-    crashed: bool,
-    home: Position,
+    pub(crate) crashed: bool,
+    pub(crate) home: Position,
 }
 
 impl SimulatedWorld {
@@ -310,32 +311,6 @@ impl SimulatedWorld {
         self.fail_everything(inputs);
     }
 
-    fn move_cameras(&mut self, dt: f64, inputs: &mut Vec<Input>) {
-        let mut cameras = std::mem::take(&mut self.cameras);
-        for camera in &mut cameras {
-            match camera.follow(&self.state, dt) {
-                Pointing::Same => {}
-                Pointing::Aligned => {
-                    self.changed = true;
-                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
-                    if let Some(command) = camera.command.take() {
-                        self.answer(command, Ok(target), inputs);
-                    }
-                }
-                Pointing::OutOfView => {
-                    let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
-                    let name = Value::symbol(&camera.model.name);
-                    let form = Value::list([Value::symbol("out-of-view"), name, target]);
-                    inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
-                    self.changed = true;
-                }
-            }
-        }
-        self.cameras = cameras;
-        let slewing = self.cameras.iter().any(|camera| camera.aim.is_some());
-        self.settled = self.settled && !slewing;
-    }
-
     /// What is due now by the clock: commands, scheduled events, timers. Then the packet.
     fn attend(&mut self, inputs: &mut Vec<Input>) {
         let report = self.changed || self.now >= self.planned_stop;
@@ -367,83 +342,6 @@ impl SimulatedWorld {
         self.plan(report);
     }
 
-    fn ring_timers(&mut self, inputs: &mut Vec<Input>) {
-        let (due, left): (Vec<_>, Vec<_>) = self.waits.drain(..).partition(|(at, ..)| *at <= self.now);
-        self.waits = left;
-        for (_, command, answer) in due {
-            self.answer(command, Ok(answer), inputs);
-        }
-        let mut cameras = std::mem::take(&mut self.cameras);
-        for camera in cameras.iter_mut().filter(|camera| camera.timer.is_some_and(|at| at <= self.now)) {
-            camera.timer = None;
-            let name = Value::symbol(&camera.model.name);
-            let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
-            let powered = camera.state == CameraState::PoweringUp;
-            let (event, object, answer) =
-                if powered { ("ready", name.clone(), name) } else { ("image-in-memory", target.clone(), target) };
-            camera.state = if powered { CameraState::Ready } else { CameraState::Pointing };
-            inputs
-                .push(Input { at: self.now, kind: EventKind::Occurrence(Value::list([Value::symbol(event), object])) });
-            if let Some(command) = camera.command.take() {
-                self.answer(command, Ok(answer), inputs);
-            }
-        }
-        self.cameras = cameras;
-    }
-
-    /// A packet, after listening to the radios.
-    fn report(&mut self, full: bool, inputs: &mut Vec<Input>) {
-        let elapsed_s = (self.now - self.heard_at).seconds();
-        self.heard_at = self.now;
-        let (here, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
-        for radio in &mut self.radios {
-            if let Some(change) = radio.listen(here, altitude_m, now_s, elapsed_s) {
-                let name = if change == LinkChange::Lost { "link-lost" } else { "link-regained" };
-                let form = Value::list([Value::symbol(name), Value::symbol(&radio.modem.name)]);
-                inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
-            }
-        }
-        if let Some(mut reporter) = self.reporter.take() {
-            reporter.packet(self.now, full, &self.snapshot(), &self.cameras, &self.radios, inputs);
-            self.reporter = Some(reporter);
-        }
-    }
-
-    fn snapshot(&self) -> Snapshot<'_> {
-        let height_m = (self.state.altitude_m - self.ground_m).max(0.0);
-        let scanner = self.model.scanner.as_ref();
-        let (footprint_m, roll_deg_max) = scanner.map_or((0.0, 0.0), |scanner| {
-            (
-                footprint_m(height_m, self.state.roll_rad, 0.5 * scanner.field_of_view_deg * RAD_PER_DEG),
-                scanner.roll_deg_max,
-            )
-        });
-        let level = self.state.roll_rad.abs() <= roll_deg_max * RAD_PER_DEG;
-        let gliding = !self.state.engine_running && !self.state.on_ground;
-        let phase = if self.crashed {
-            Phase::Crashed
-        } else if gliding {
-            Phase::Gliding
-        } else {
-            self.flight.phase()
-        };
-        Snapshot {
-            state: &self.state,
-            wind: self.wind,
-            air: Air::at(self.state.altitude_m),
-            ground_m: self.ground_m,
-            phase,
-            distance_to_go_m: self.flight.to_go_m,
-            altitude_m_commanded: self.altitude_m,
-            true_airspeed_commanded: self.true_airspeed,
-            ground_distance_m: geodesy::distance_m(self.home, self.state.position),
-            scanner_on: scanner.map(|_| self.scanner_on),
-            scan_valid: self.scanner_on && level && !self.state.on_ground,
-            footprint_m,
-            bump: 2.0 * self.wind.turbulence * self.turbulence.bump,
-        }
-    }
-
     /// Decides when to report next: densely on lines and while scanning, sparsely in cruise, and when a stage ends.
     fn plan(&mut self, reported: bool) {
         let report = &self.model.report;
@@ -468,13 +366,6 @@ impl SimulatedWorld {
     pub(crate) fn answer(&self, command: CommandId, result: Result<Value, String>, inputs: &mut Vec<Input>) {
         inputs.push(Input { at: self.now, kind: EventKind::CommandAcknowledged(command, result) });
     }
-}
-
-/// Width on the ground of a scanner that looks `half_view_rad` to both sides from `height_m`, rolled by `roll_rad`.
-fn footprint_m(height_m: f64, roll_rad: f64, half_view_rad: f64) -> f64 {
-    // Beyond 80 degrees from straight down a line is horizon, not ground.
-    let edge = |angle: f64| tan(angle.clamp(-1.396, 1.396));
-    height_m * (edge(half_view_rad + roll_rad) + edge(half_view_rad - roll_rad))
 }
 
 fn initial_state(start: &crate::config::Start, model: &VehicleModel, wind: Wind) -> State {

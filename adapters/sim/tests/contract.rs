@@ -1,4 +1,5 @@
 //! The port's promises: determinism, order of time, refusals in sentences, scheduled events, speed.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The fixed wing: leg times in wind, turns, lines, fuel, take-off and landing, turbulence.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;
 
@@ -46,7 +47,7 @@ fn a_turn_has_the_radius_that_bank_and_speed_give() {
         assert!((distance - 4_000.0).abs() < 60.0, "{distance}");
     }
     // tan(bank) = v^2 / (g r)
-    let bank = (95.2f64 * 95.2 / (9.80665 * 4_000.0)).atan();
+    let bank = libm::atan(95.2 * 95.2 / (9.80665 * 4_000.0));
     assert!(
         (run.last_number("roll-angle").abs() - bank).abs() < 0.5 * RAD_PER_DEG,
         "{}",
@@ -175,4 +176,18 @@ fn altitude_and_speed_are_setpoints_of_their_own() {
     run.carry_out(form("set-speed", [knots]), 60.0).unwrap();
     assert!((run.last_number("true-airspeed") - 102.9).abs() < 1.5);
     assert_eq!(run.answer(flight), None);
+}
+
+#[test]
+fn a_joined_line_is_flown_on_without_a_second_turn() {
+    let mut run = cruising(wind(10.0, -10.0, 0.0));
+    let ends = || [location(40.3, -119.8), location(40.3, -120.2)];
+    run.carry_out(form("join-line", ends()), 3_000.0).unwrap();
+    assert!(geodesy::distance_m(run.world.position(), Position::new(40.3, -119.8)) < 150.0);
+    run.carry_out(form("scanner", [word("on")]), 0.0).unwrap();
+    let begun = run.now.seconds();
+    run.carry_out(form("fly-line", ends()), 1_000.0).unwrap();
+    let length = geodesy::distance_m(Position::new(40.3, -119.8), Position::new(40.3, -120.2));
+    let flown = run.now.seconds() - begun;
+    assert!((flown - length / 84.0).abs() < 15.0, "{flown} s for {length} m");
 }

@@ -1,4 +1,5 @@
 //! The helicopter: hover, turns in place, camera, radio, endurance.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;
 
@@ -72,7 +73,7 @@ fn the_signal_fades_with_distance_and_comes_back() {
     let near = run.last_number("signal-level");
     run.carry_out(form("fly-to", [location(36.5, -121.66)]), 600.0).unwrap();
     let far = run.last_number("signal-level");
-    assert!(near > 85.0 && far < near - 30.0, "{near} {far}");
+    assert!(near > 0.85 && far < near - 0.3, "{near} {far}");
 }
 
 #[test]

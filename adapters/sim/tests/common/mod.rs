@@ -1,4 +1,5 @@
 //! What the simulator's tests share: a world with a counter of commands, and readers of what it said.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use apex_model::effect::CommandId;

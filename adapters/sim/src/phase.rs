@@ -1,0 +1,38 @@
+//! The words of `flight-phase`.
+
+/// What `flight-phase` may say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Parked,
+    TakingOff,
+    Climbing,
+    EnRoute,
+    Joining,
+    Line,
+    Loitering,
+    Hovering,
+    Approaching,
+    Landing,
+    Gliding,
+    Crashed,
+}
+
+impl Phase {
+    /// The published word.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Phase::Parked => "parked",
+            Phase::TakingOff => "taking-off",
+            Phase::Climbing => "climbing",
+            Phase::EnRoute => "en-route",
+            Phase::Joining => "joining",
+            Phase::Line => "line",
+            Phase::Loitering => "loitering",
+            Phase::Hovering => "hovering",
+            Phase::Approaching => "approaching",
+            Phase::Landing => "landing",
+            Phase::Gliding => "gliding",
+            Phase::Crashed => "crashed",
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What a flight order needs to know of the world, and what follows from it: radii, stopping places, the way to a field.
+
+use crate::arguments::Spot;
+use crate::fixed_wing;
+use crate::model::{Airframe, VehicleModel};
+use crate::motion::{State, moved, wrap_pi};
+use crate::path::{Circle, Line, bearing};
+use crate::rotorcraft;
+use apex_geo::geodesy::{self, RAD_PER_DEG};
+use apex_geo::wind::Wind;
+use apex_model::problem::Position;
+use apex_model::time::Time;
+use libm::atan2;
+use std::f64::consts::PI;
+
+/// Length and height of a fixed wing's final approach.
+pub(crate) const FINAL_M: f64 = 8_000.0;
+pub(crate) const FINAL_HEIGHT_M: f64 = 450.0;
+/// Loitering circles are this much wider than the tightest turn.
+const LOITER_WIDTH: f64 = 1.3;
+/// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
+const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
+
+/// What a flight needs to know of the world.
+pub(crate) struct Situation<'a> {
+    pub(crate) model: &'a VehicleModel,
+    pub(crate) state: &'a State,
+    pub(crate) wind: Wind,
+    pub(crate) ground_m: f64,
+    pub(crate) now: Time,
+    pub(crate) altitude_m: f64,
+    pub(crate) true_airspeed: f64,
+}
+
+impl Situation<'_> {
+    /// Is it a fixed wing?
+    pub(crate) fn fixed(&self) -> bool {
+        self.model.airframe == Airframe::FixedWing
+    }
+
+    /// Is it on the commanded altitude, or beyond all altitudes?
+    pub(crate) fn at_altitude(&self) -> bool {
+        let within = if self.fixed() { ALTITUDE_M.0 } else { ALTITUDE_M.1 };
+        (self.altitude_m - self.state.altitude_m).abs() <= within || !self.state.engine_running
+    }
+
+    /// The tightest circle it can fly here.
+    pub(crate) fn turn_radius_m(&self) -> f64 {
+        let speed = self.true_airspeed.max(self.state.true_airspeed);
+        match self.model.airframe {
+            Airframe::FixedWing => fixed_wing::turn_radius_m(self.model, speed, self.wind),
+            Airframe::Rotorcraft => rotorcraft::turn_radius_m(self.model, self.true_airspeed.min(6.0)),
+        }
+    }
+
+    /// The circle it flies when it was told none.
+    pub(crate) fn loiter_radius_m(&self) -> f64 {
+        LOITER_WIDTH * self.turn_radius_m()
+    }
+
+    /// A circle round `centre`, the way round that needs the smaller turn.
+    pub(crate) fn circle(&self, centre: Position, radius_m: f64) -> Circle {
+        let aside = wrap_pi(bearing(self.state.position, centre).0 - self.state.track_rad());
+        Circle { centre, radius_m, clockwise: aside >= 0.0 }
+    }
+
+    /// Where a rotorcraft can stop.
+    pub(crate) fn stopping_place(&self) -> Position {
+        let speed = self.state.ground_speed();
+        let seconds = 0.5 * speed / (0.6 * self.model.acceleration_m_s2_max);
+        moved(self.state.position, self.state.north * seconds, self.state.east * seconds)
+    }
+}
+
+/// The last eight kilometres to a field, into the wind; without wind from where the vehicle comes.
+pub(crate) fn final_approach(at: &Spot, here: &Situation) -> Line {
+    let wind = here.wind;
+    let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;
+    let course_rad =
+        if calm { bearing(here.state.position, at.position).0 } else { atan2(-wind.east_mps, -wind.north_mps) };
+    let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, FINAL_M);
+    Line::new(threshold, at.position)
+}
