@@ -12,6 +12,7 @@ use crate::pacing::{Pacer, Wait};
 use crate::pool::SolverPool;
 use crate::ports::{Deliberator, Input, Observer, Vehicle};
 use apex_executive::{Agent, step};
+use apex_model::effect::Effect;
 use apex_model::event::{Batch, EventKind};
 use apex_model::time::{Duration, Time};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
@@ -101,10 +102,22 @@ pub fn fly(
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
+    fly_by(step, agent, vehicle, deliberator, observers, options)
+}
+
+fn fly_by(
+    step: Step,
+    agent: &mut Agent,
+    vehicle: &mut dyn Vehicle,
+    deliberator: &mut (dyn Deliberator + Send),
+    observers: &mut [&mut dyn Observer],
+    options: FlyOptions,
+) -> Result<RunEnd, RunError> {
     let pacer = Pacer::new(options.pace, Time::ZERO).map_err(RunError::Options)?;
     let mut scheduled = options.inputs;
     scheduled.sort_by_key(|input| std::cmp::Reverse(input.at));
     let mut flight = Flight {
+        step,
         agent,
         vehicle,
         deliberator,
@@ -124,7 +137,11 @@ pub fn fly(
     flight.close(reason)
 }
 
+/// The executive's door, as a value so that tests can stand in for it.
+type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
+
 struct Flight<'a, 'o> {
+    step: Step,
     agent: &'a mut Agent,
     vehicle: &'a mut dyn Vehicle,
     deliberator: &'a mut (dyn Deliberator + Send),
@@ -298,7 +315,7 @@ impl Flight<'_, '_> {
     fn execute(&mut self, batch: &Batch) -> Result<Option<String>, RunError> {
         let now = batch.now;
         self.each_observer(now, |observer| observer.begin(batch))?;
-        let effects = step(self.agent, batch);
+        let effects = (self.step)(self.agent, batch);
         self.end.steps += 1;
         self.end.events += batch.events.len() as u64;
         self.end.effects += effects.len() as u64;
@@ -333,3 +350,7 @@ impl Flight<'_, '_> {
         Ok(RunEnd { at: now, reason, ..self.end })
     }
 }
+
+#[cfg(test)]
+#[path = "mission_loop_tests.rs"]
+mod tests;

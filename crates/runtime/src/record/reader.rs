@@ -248,6 +248,11 @@ impl RecordReader {
             .map_err(|error| self.damaged("the snapshots", error))
     }
 
+    /// For queries of other services of the shell.
+    pub(crate) fn connection(&self) -> &Connection {
+        &self.connection
+    }
+
     fn rows<T>(
         &self,
         what: &str,
@@ -258,7 +263,7 @@ impl RecordReader {
         all.map_err(|error| self.damaged(what, error))
     }
 
-    pub(super) fn damaged(&self, what: &str, error: rusqlite::Error) -> RecordError {
+    pub(crate) fn damaged(&self, what: &str, error: rusqlite::Error) -> RecordError {
         read_error(&self.path, what, error)
     }
 

@@ -1,0 +1,226 @@
+//! The mission loop with stand-ins for executive, vehicle, solver and people.
+
+use super::*;
+use crate::ports::SolverAnswer;
+use crate::samples;
+use apex_model::effect::{CommandId, SolveRequest, SolveRequestId};
+use apex_model::event::SolverReport;
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+use std::sync::mpsc::channel;
+
+/// Stands in for the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
+fn obey(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
+    agent.started = true;
+    let mut effects = Vec::new();
+    for event in &batch.events {
+        match &event.kind {
+            EventKind::Occurrence(form) => effects.extend(effect_of(&form.to_string())),
+            EventKind::CommandAcknowledged(command, _) if command.0 == 9 => effects.extend(effect_of("(loop)")),
+            _ => {}
+        }
+    }
+    effects
+}
+
+fn effect_of(form: &str) -> Option<Effect> {
+    let task = TaskId(1);
+    match form {
+        "(go)" => Some(Effect::Command { command: CommandId(1), task, form: samples::goal(&["go"]) }),
+        "(loop)" => Some(Effect::Command { command: CommandId(9), task, form: samples::goal(&["loop"]) }),
+        "(forget)" => Some(Effect::CancelSolve(SolveRequestId(1))),
+        "(stop)" => Some(Effect::EndApplication { reason: "told to".into() }),
+        "(plan)" => Some(Effect::Solve(SolveRequest {
+            request: SolveRequestId(1),
+            task,
+            goal: samples::goal(&["plan"]),
+            solver: Symbol::new("auto"),
+            budget: None,
+        })),
+        _ => None,
+    }
+}
+
+/// Reports its altitude every 10 s, at most `reports` times, and acknowledges command 1 two seconds late, 9 at once.
+#[derive(Default)]
+struct Balloon {
+    reports: u32,
+    reported: u32,
+    acknowledgements: Vec<Input>,
+}
+
+impl Vehicle for Balloon {
+    fn next_report(&self) -> Option<Time> {
+        let report = (self.reported < self.reports).then(|| Time::from_seconds(f64::from(self.reported) * 10.0));
+        report.into_iter().chain(self.acknowledgements.iter().map(|input| input.at)).min()
+    }
+
+    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
+        if to > Time::from_seconds(1000.0) {
+            return Err("the balloon burst".into());
+        }
+        while self.reported < self.reports && Time::from_seconds(f64::from(self.reported) * 10.0) <= to {
+            let at = Time::from_seconds(f64::from(self.reported) * 10.0);
+            inputs.push(Input { at, kind: samples::sample("altitude", Value::Integer(i64::from(self.reported))) });
+            self.reported += 1;
+        }
+        let (due, later) = std::mem::take(&mut self.acknowledgements).into_iter().partition(|input| input.at <= to);
+        self.acknowledgements = later;
+        inputs.extend::<Vec<Input>>(due);
+        Ok(())
+    }
+
+    fn command(&mut self, command: CommandId, _: &Value, at: Time) {
+        let delay = Duration::from_seconds(if command.0 == 9 { 0.0 } else { 2.0 });
+        self.acknowledgements
+            .push(Input { at: at + delay, kind: EventKind::CommandAcknowledged(command, Ok(Value::nil())) });
+    }
+
+    fn withdraw(&mut self, _: CommandId, _: Time) {}
+}
+
+/// Needs half a minute for a plan.
+struct Slow;
+
+impl Deliberator for Slow {
+    fn deliberate(&mut self, _: &SolveRequest, _: Time) -> SolverAnswer {
+        SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) }
+    }
+}
+
+/// Writes down what it sees: `0s Woken, Measurement(..)`.
+#[derive(Default)]
+struct Scribe(Vec<String>);
+
+impl Observer for Scribe {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        let kind = |kind: &EventKind| match kind {
+            EventKind::SolverReported(request, SolverReport::Plan(_)) => format!("plan {}", request.0),
+            EventKind::CommandAcknowledged(command, _) => format!("done {}", command.0),
+            EventKind::Measurement(_, value) => format!("altitude {value}"),
+            EventKind::Occurrence(form) => form.to_string(),
+            other => format!("{other:?}"),
+        };
+        let kinds: Vec<String> = batch.events.iter().map(|event| kind(&event.kind)).collect();
+        self.0.push(format!("{} {}", batch.now, kinds.join(", ")));
+        Ok(())
+    }
+    fn observe(&mut self, _: &Batch, _: &[Effect]) -> Result<(), String> {
+        if self.0.iter().any(|line| line.ends_with("(break)")) { Err("the pencil broke".into()) } else { Ok(()) }
+    }
+    fn note(&mut self, _: Time, text: &str) -> Result<(), String> {
+        self.0.push(format!("note: {text}"));
+        Ok(())
+    }
+}
+
+fn said(seconds: f64, form: &str) -> Input {
+    Input { at: Time::from_seconds(seconds), kind: EventKind::Occurrence(samples::goal(&[form])) }
+}
+
+fn fly_balloon(reports: u32, options: FlyOptions) -> (Result<RunEnd, RunError>, Vec<String>) {
+    let (mut agent, mut scribe) = (Agent::default(), Scribe::default());
+    let mut balloon = Balloon { reports, ..Balloon::default() };
+    let end = fly_by(obey, &mut agent, &mut balloon, &mut Slow, &mut [&mut scribe], options);
+    (end, scribe.0)
+}
+
+#[test]
+fn instants_come_from_vehicle_schedule_solver_and_commands() {
+    let inputs = vec![said(12.0, "go"), said(10.0, "hello"), said(3.0, "plan")];
+    let (end, lines) = fly_balloon(2, FlyOptions { inputs, ..FlyOptions::default() });
+    assert_eq!(
+        lines,
+        ["0s altitude 0, Woken", "3s (plan)", "10s altitude 1, (hello)", "12s (go)", "14s done 1", "36s plan 1"]
+    );
+    let end = end.unwrap();
+    assert_eq!((end.at, end.reason), (Time::from_seconds(36.0), EndReason::Quiescent));
+    assert_eq!((end.steps, end.events, end.effects), (6, 8, 2));
+}
+
+#[test]
+fn the_time_limit_is_the_last_instant() {
+    let options = FlyOptions { until: Time::from_seconds(20.0), ..FlyOptions::default() };
+    let (end, lines) = fly_balloon(9, options);
+    assert_eq!(lines.last().unwrap(), "20s altitude 2");
+    let end = end.unwrap();
+    assert_eq!((end.at, end.reason), (Time::from_seconds(20.0), EndReason::Until));
+}
+
+#[test]
+fn the_end_of_the_application_ends_the_run_and_late_answers_are_named() {
+    let inputs = vec![said(1.0, "plan"), said(2.0, "stop"), said(3.0, "go")];
+    let (end, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
+    assert_eq!(end.unwrap().reason, EndReason::Application("told to".into()));
+    assert_eq!(lines[3..], ["note: the answer of auto to request 1, due at 34s, came too late: the run ended at 2s"]);
+    let inputs = vec![said(1.0, "plan"), said(2.0, "forget")];
+    let (_, lines) = fly_balloon(0, FlyOptions { inputs, ..FlyOptions::default() });
+    assert!(lines[3].starts_with("note: the answer of auto to request 1, due at 34s, was dropped"), "{lines:?}");
+    assert_eq!(lines.len(), 4, "a cancelled answer never comes");
+}
+
+#[test]
+fn a_loop_without_time_is_stopped_with_its_cause() {
+    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(5.0, "loop")], ..FlyOptions::default() });
+    let message = end.unwrap_err().to_string();
+    assert!(message.contains("Time stands still at 5s") && message.contains("a report of the vehicle"), "{message}");
+}
+
+#[test]
+fn broken_vehicles_and_observers_stop_the_run_with_their_sentences() {
+    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(2000.0, "hello")], ..FlyOptions::default() });
+    assert_eq!(end.unwrap_err().to_string(), "The vehicle failed at 0:33:20: the balloon burst");
+    let (end, _) = fly_balloon(0, FlyOptions { inputs: vec![said(1.0, "break")], ..FlyOptions::default() });
+    assert_eq!(end.unwrap_err().to_string(), "The run stopped at 1s: the pencil broke");
+}
+
+#[test]
+fn pace_changes_the_clock_on_the_wall_and_nothing_else() {
+    let inputs = || vec![said(12.0, "go"), said(3.0, "plan")];
+    let (_, fast) = fly_balloon(2, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    let began = std::time::Instant::now();
+    let (_, paced) = fly_balloon(2, FlyOptions { inputs: inputs(), pace: Some(200.0), ..FlyOptions::default() });
+    assert_eq!(fast, paced);
+    let spent_s = began.elapsed().as_secs_f64();
+    assert!(spent_s > 0.17, "36 s at 200 times real time take 0.18 s, not {spent_s}");
+    let (end, _) = fly_balloon(2, FlyOptions { pace: Some(-1.0), ..FlyOptions::default() });
+    assert!(end.unwrap_err().to_string().starts_with("A pace of -1 makes no sense"));
+}
+
+#[test]
+fn people_are_heard_while_a_paced_run_sleeps() {
+    let (people, controls) = channel();
+    let speaker = std::thread::spawn(move || {
+        let pause = || std::thread::sleep(std::time::Duration::from_millis(30));
+        pause();
+        people.send(Control::Input(said(0.0, "hello").kind)).unwrap();
+        pause();
+        people.send(Control::Pace(Some(0.0))).unwrap();
+        pause();
+        people.send(Control::Pace(None)).unwrap();
+    });
+    let options = FlyOptions { pace: Some(1.0), controls: Some(controls), ..FlyOptions::default() };
+    let (end, lines) = fly_balloon(3, options);
+    speaker.join().unwrap();
+    assert!(lines[1].starts_with("0.0") && lines[1].ends_with("(hello)"), "{lines:?}");
+    assert_eq!(lines[2..], ["10s altitude 1", "20s altitude 2"]);
+    assert_eq!(end.unwrap().reason, EndReason::Quiescent);
+}
+
+#[test]
+fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
+    let (people, controls) = channel();
+    let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
+    let speaker = std::thread::spawn(move || {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        people.send(Control::Stop).unwrap();
+    });
+    let (end, _) = fly_balloon(0, options);
+    speaker.join().unwrap();
+    assert_eq!(end.unwrap().reason, EndReason::Stopped);
+    let (gone, controls) = channel::<Control>();
+    drop(gone);
+    let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
+    assert_eq!(fly_balloon(0, options).0.unwrap().reason, EndReason::Quiescent);
+}
