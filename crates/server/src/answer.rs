@@ -1,0 +1,59 @@
+//! Answers of the API: JSON bodies, and errors as `{error, help}` with the right status.
+
+use axum::Json;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+
+/// What the API says when it cannot do what was asked.
+#[derive(Debug)]
+pub(crate) struct ApiError {
+    /// The HTTP status.
+    pub(crate) status: StatusCode,
+    /// What is wrong, in one sentence.
+    pub(crate) error: String,
+    /// What to do about it.
+    pub(crate) help: String,
+}
+
+/// Every handler's result.
+pub(crate) type Answer<T> = Result<T, ApiError>;
+
+#[derive(Serialize)]
+struct ErrorBody {
+    error: String,
+    help: String,
+}
+
+impl ApiError {
+    /// The request itself is wrong.
+    pub(crate) fn bad_request(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+        ApiError { status: StatusCode::BAD_REQUEST, error: error.into(), help: help.into() }
+    }
+
+    /// There is no such thing.
+    pub(crate) fn not_found(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+        ApiError { status: StatusCode::NOT_FOUND, error: error.into(), help: help.into() }
+    }
+
+    /// The server may not answer this caller.
+    pub(crate) fn forbidden(error: impl Into<String>, help: impl Into<String>) -> ApiError {
+        ApiError { status: StatusCode::FORBIDDEN, error: error.into(), help: help.into() }
+    }
+}
+
+impl From<rusqlite::Error> for ApiError {
+    fn from(error: rusqlite::Error) -> ApiError {
+        ApiError {
+            status: StatusCode::INTERNAL_SERVER_ERROR,
+            error: format!("the flight record could not be read: {error}"),
+            help: "if the file is damaged, `apex replay` names the first batch that is".into(),
+        }
+    }
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        (self.status, Json(ErrorBody { error: self.error, help: self.help })).into_response()
+    }
+}

@@ -1,0 +1,55 @@
+//! The web page, embedded into the program from `web/dist`.
+
+use crate::answer::ApiError;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
+use axum::http::{StatusCode, Uri};
+use axum::response::{Html, IntoResponse, Response};
+use rust_embed::RustEmbed;
+
+#[derive(RustEmbed)]
+#[folder = "../../web/dist"]
+#[allow_missing = true]
+struct Pages;
+
+/// Said instead of the page when the program was built without it.
+const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Sherpa</title>\
+<body style=\"font:16px/1.6 system-ui;margin:12vh auto;max-width:38rem\"><h1>The page is not built in</h1>\
+<p>This program was built before the web page. Run <code>make web</code>, then build it again.</p>\
+<p>The data is here all the same: <a href=\"/api/mission\">/api/mission</a>.</p>";
+
+/// Answers every path outside the API from the embedded page.
+pub(crate) async fn page(uri: Uri) -> Response {
+    let path = uri.path().trim_start_matches('/');
+    if path.starts_with("api/") || path == "api" {
+        return ApiError::not_found(
+            format!("there is no `/{path}` in this API"),
+            "docs/reference/server-api.md lists what there is",
+        )
+        .into_response();
+    }
+    let name = if path.is_empty() { "index.html" } else { path };
+    match Pages::get(name) {
+        Some(file) => ([(CONTENT_TYPE, content_type(name)), (CACHE_CONTROL, caching(name))], file.data.into_owned())
+            .into_response(),
+        None if name == "index.html" => Html(NOT_BUILT).into_response(),
+        None => (StatusCode::NOT_FOUND, format!("there is no /{name} here\n")).into_response(),
+    }
+}
+
+/// Names below `assets/` carry a hash of their content; all others may change with the program.
+fn caching(name: &str) -> &'static str {
+    if name.starts_with("assets/") { "public, max-age=31536000, immutable" } else { "no-cache" }
+}
+
+fn content_type(name: &str) -> &'static str {
+    match name.rsplit_once('.').map(|(_, extension)| extension) {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js" | "mjs") => "text/javascript; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("json" | "geojson") => "application/json",
+        Some("svg") => "image/svg+xml",
+        Some("png") => "image/png",
+        Some("woff2") => "font/woff2",
+        _ => "application/octet-stream",
+    }
+}

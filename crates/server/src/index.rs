@@ -1,0 +1,177 @@
+//! The states of all tasks over time, kept in memory and grown with the record.
+//!
+//! Bound: each effect row is read once; memory is one entry per state change (24 bytes).
+
+use rusqlite::types::{FromSql, FromSqlError, FromSqlResult, ValueRef};
+use rusqlite::{Connection, Row};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The five states of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum State {
+    Pending,
+    Enabled,
+    Ongoing,
+    Interrupted,
+    Terminated,
+}
+
+impl FromSql for State {
+    fn column_result(value: ValueRef<'_>) -> FromSqlResult<Self> {
+        match value.as_str()? {
+            "pending" => Ok(State::Pending),
+            "enabled" => Ok(State::Enabled),
+            "ongoing" => Ok(State::Ongoing),
+            "interrupted" => Ok(State::Interrupted),
+            "terminated" => Ok(State::Terminated),
+            other => Err(FromSqlError::Other(format!("`{other}` is no state of a task").into())),
+        }
+    }
+}
+
+/// A task and the changes of its state, oldest first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Task {
+    pub(crate) parent: Option<u64>,
+    pub(crate) tag: String,
+    pub(crate) goal: String,
+    pub(crate) method: Option<String>,
+    pub(crate) place: Option<String>,
+    pub(crate) outcome: Option<String>,
+    pub(crate) created_ns: i64,
+    pub(crate) changes: Vec<Change>,
+}
+
+/// From `at_ns` on the task is in `state`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    pub(crate) at_ns: i64,
+    pub(crate) state: State,
+}
+
+/// All tasks by number.
+#[derive(Default)]
+pub(crate) struct TaskIndex {
+    seen_effect: i64,
+    tasks: BTreeMap<u64, Task>,
+}
+
+/// Reads a task's number; SQLite knows signed numbers only.
+pub(crate) fn task_number(row: &Row<'_>, column: usize) -> Result<Option<u64>, rusqlite::Error> {
+    Ok(row.get::<_, Option<i64>>(column)?.map(i64::cast_unsigned))
+}
+
+/// A stretch of time in one state; the last one of a task that has not ended is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Interval {
+    pub(crate) state: State,
+    pub(crate) from_ns: i64,
+    pub(crate) to_ns: i64,
+}
+
+impl TaskIndex {
+    /// All tasks by number.
+    pub(crate) fn tasks(&self) -> &BTreeMap<u64, Task> {
+        &self.tasks
+    }
+
+    /// One task.
+    pub(crate) fn get(&self, id: u64) -> Option<&Task> {
+        self.tasks.get(&id)
+    }
+
+    /// Reads the rows that were written since the last call.
+    pub(crate) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
+        let mut touched = BTreeSet::new();
+        let mut statement = connection.prepare_cached(
+            "SELECT id, t_ns, kind, task, to_state FROM effect WHERE id > ?1 AND task IS NOT NULL \
+             AND kind IN ('created', 'transition', 'selected', 'bound') ORDER BY id",
+        )?;
+        let mut rows = statement.query([self.seen_effect])?;
+        while let Some(row) = rows.next()? {
+            let (at_ns, kind): (i64, String) = (row.get(1)?, row.get(2)?);
+            let Some(id) = task_number(row, 3)? else { continue };
+            let task = self.tasks.entry(id).or_default();
+            match kind.as_str() {
+                "created" => {
+                    task.created_ns = at_ns;
+                    task.changes.push(Change { at_ns, state: State::Pending });
+                }
+                "transition" => task.changes.push(Change { at_ns, state: row.get(4)? }),
+                _ => {}
+            }
+            touched.insert(id);
+            self.seen_effect = row.get(0)?;
+        }
+        for id in touched {
+            self.reread(connection, id)?;
+        }
+        Ok(())
+    }
+
+    fn reread(&mut self, connection: &Connection, id: u64) -> Result<(), rusqlite::Error> {
+        let mut statement =
+            connection.prepare_cached("SELECT parent, tag, goal, method, place, outcome FROM task WHERE id = ?1")?;
+        let mut rows = statement.query([id.cast_signed()])?;
+        if let (Some(row), Some(task)) = (rows.next()?, self.tasks.get_mut(&id)) {
+            task.parent = task_number(row, 0)?;
+            task.tag = row.get::<_, Option<String>>(1)?.unwrap_or_default();
+            task.goal = row.get::<_, Option<String>>(2)?.unwrap_or_default();
+            task.method = row.get::<_, Option<String>>(3)?.filter(|method| !method.is_empty());
+            task.place = row.get::<_, Option<String>>(4)?.filter(|place| !place.is_empty());
+            task.outcome = row.get(5)?;
+        }
+        Ok(())
+    }
+}
+
+impl Task {
+    /// The state at `at_ns`, with the time it began; none before the task was created.
+    pub(crate) fn state_at(&self, at_ns: i64) -> Option<Change> {
+        let later = self.changes.partition_point(|change| change.at_ns <= at_ns);
+        later.checked_sub(1).and_then(|last| self.changes.get(last)).copied()
+    }
+
+    /// The stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
+    pub(crate) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
+        let ends = self.changes.iter().skip(1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
+        self.changes.iter().zip(ends).filter_map(move |(change, end)| {
+            let interval = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end.min(to_ns) };
+            (change.state != State::Terminated && interval.from_ns <= interval.to_ns).then_some(interval)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(changes: &[(i64, State)]) -> Task {
+        let changes = changes.iter().map(|&(at_ns, state)| Change { at_ns, state }).collect();
+        Task { changes, ..Task::default() }
+    }
+
+    #[test]
+    fn the_last_change_of_an_instant_counts() {
+        let task = task(&[(5, State::Pending), (5, State::Enabled), (9, State::Ongoing)]);
+        assert!(task.state_at(4).is_none());
+        assert_eq!(task.state_at(5).unwrap().state, State::Enabled);
+        assert_eq!(task.state_at(8).unwrap().state, State::Enabled);
+        assert_eq!(task.state_at(9).unwrap().state, State::Ongoing);
+    }
+
+    #[test]
+    fn intervals_are_cut_to_the_window_and_leave_the_ended_state_out() {
+        let task = task(&[(0, State::Pending), (10, State::Ongoing), (30, State::Terminated)]);
+        let seen: Vec<Interval> = task.intervals(5, 20).collect();
+        assert_eq!(
+            seen,
+            [
+                Interval { state: State::Pending, from_ns: 5, to_ns: 10 },
+                Interval { state: State::Ongoing, from_ns: 10, to_ns: 20 },
+            ]
+        );
+    }
+}

@@ -1,0 +1,47 @@
+//! `/api/live`: a WebSocket that tells how far the record has grown.
+//!
+//! The record is polled, not the program that writes it: a second process, a crashed one and a finished one look
+//! the same from here. Bound: one small query per client and poll.
+
+use crate::queries::mission::{Growth, growth};
+use crate::router::Hall;
+use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Four looks a second: faster than eyes ask for, slow enough to cost nothing.
+const POLL: Duration = Duration::from_millis(250);
+
+/// Sends `{end_ns, batches, status}` at once and whenever it changes, until the client leaves or the record is
+/// complete.
+pub(crate) async fn tell_growth(mut socket: WebSocket, hall: Arc<Hall>) {
+    let mut told: Option<Growth> = None;
+    let mut tick = tokio::time::interval(POLL);
+    loop {
+        tokio::select! {
+            message = socket.recv() => match message {
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                Some(Ok(_)) => continue,
+            },
+            _ = tick.tick() => {}
+        }
+        let reader = Arc::clone(&hall);
+        let look = tokio::task::spawn_blocking(move || reader.record.read(|reader| growth(reader))).await;
+        let Ok(Ok(now)) = look else {
+            // The record is busy or gone for the moment; the next look may find it.
+            continue;
+        };
+        if told.as_ref() == Some(&now) {
+            continue;
+        }
+        let Ok(text) = serde_json::to_string(&now) else { return };
+        if socket.send(Message::Text(Utf8Bytes::from(text))).await.is_err() {
+            return;
+        }
+        if now.status.is_final() {
+            let _ = socket.send(Message::Close(None)).await;
+            return;
+        }
+        told = Some(now);
+    }
+}

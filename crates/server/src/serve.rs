@@ -1,0 +1,113 @@
+//! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
+
+use crate::explain::Explainer;
+use crate::record::{Record, RecordError};
+use crate::router::{Hall, router};
+use std::future::Future;
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// How long open connections may hold up the end of the program.
+const STOP_PATIENCE: Duration = Duration::from_secs(1);
+
+/// What to serve, and where.
+pub struct ServeOptions {
+    /// The flight record, finished or still being written.
+    pub record: PathBuf,
+    /// The address to bind to; `127.0.0.1` keeps the record on this machine.
+    pub address: IpAddr,
+    /// The port; 0 takes any free one.
+    pub port: u16,
+    /// Answers `/api/why` beyond the rows of the record.
+    pub explainer: Option<Arc<dyn Explainer>>,
+    /// Called once with the page's address (`http://127.0.0.1:7070/`) when requests are answered.
+    pub ready: Box<dyn FnOnce(&str) + Send>,
+}
+
+/// Why serving did not work.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The record cannot be opened or is none.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Another program has the port.
+    #[error(
+        "cannot serve on {0}: another program already uses that port; stop it, or choose another port with `--port` (0 takes any free one)"
+    )]
+    PortInUse(SocketAddr),
+    /// The address cannot be bound for another reason.
+    #[error(
+        "cannot serve on {address}: {source}; give an address of this machine with `--address`, and a port above 1023 with `--port`"
+    )]
+    Bind {
+        /// What was asked for.
+        address: SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The network or the threads failed while serving.
+    #[error("the server stopped: {0}; start it again, and if it stops again look at the system's limits (`ulimit -a`)")]
+    Stopped(io::Error),
+}
+
+/// Serves the record until Ctrl-C (or SIGTERM); blocks.
+///
+/// # Errors
+/// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
+pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
+    let record = Record::open(&options.record)?;
+    let hall = Arc::new(Hall { record, explainer: options.explainer });
+    let asked = SocketAddr::new(options.address, options.port);
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .enable_all()
+        .build()
+        .map_err(ServeError::Stopped)?;
+    let ready = options.ready;
+    let result = runtime.block_on(async move {
+        let listener = tokio::net::TcpListener::bind(asked).await.map_err(|source| bind_error(asked, source))?;
+        let bound = listener.local_addr().map_err(ServeError::Stopped)?;
+        ready(&format!("http://{bound}/"));
+        axum::serve(listener, router(hall, bound.ip().is_loopback()))
+            .with_graceful_shutdown(stop_asked()?)
+            .await
+            .map_err(ServeError::Stopped)
+    });
+    runtime.shutdown_timeout(STOP_PATIENCE);
+    result
+}
+
+fn bind_error(address: SocketAddr, source: io::Error) -> ServeError {
+    match source.kind() {
+        io::ErrorKind::AddrInUse => ServeError::PortInUse(address),
+        _ => ServeError::Bind { address, source },
+    }
+}
+
+/// A future that ends when the user or the system asks the program to stop.
+#[cfg(unix)]
+fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(ServeError::Stopped)?;
+    let mut terminate = signal(SignalKind::terminate()).map_err(ServeError::Stopped)?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+    })
+}
+
+/// A future that ends when the user asks the program to stop.
+#[cfg(not(unix))]
+fn stop_asked() -> Result<impl Future<Output = ()> + Send + 'static, ServeError> {
+    Ok(async {
+        // Without the signal the server can still be ended by the system.
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    })
+}

@@ -1,0 +1,306 @@
+//! The API over real HTTP, on a record that is complete, one that grows, and files that are no records.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+mod flight;
+
+use apex_server::{Explainer, ServeError, ServeOptions, serve};
+use flight::Writer;
+use flight::story::Story;
+use serde_json::{Value, json};
+use std::io::{Read, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::path::Path;
+use std::sync::{Arc, mpsc};
+
+struct Oracle;
+
+impl Explainer for Oracle {
+    fn why(&self, task: u64, _at_ns: i64) -> Result<Value, String> {
+        match task {
+            1 => Ok(json!({"sentences": ["it was told to"], "unmet": []})),
+            _ => Err("the instant cannot be restored".into()),
+        }
+    }
+}
+
+fn options(record: &Path) -> ServeOptions {
+    ServeOptions {
+        record: record.into(),
+        address: IpAddr::V4(Ipv4Addr::LOCALHOST),
+        port: 0,
+        explainer: Some(Arc::new(Oracle)),
+        ready: Box::new(|_| ()),
+    }
+}
+
+/// Serves on a thread that ends with the test program.
+fn start(record: &Path) -> SocketAddr {
+    let (sender, receiver) = mpsc::channel();
+    let mut options = options(record);
+    options.ready = Box::new(move |url| sender.send(url.to_owned()).unwrap());
+    std::thread::spawn(move || serve(options).unwrap());
+    let url = receiver.recv().unwrap();
+    url.trim_start_matches("http://").trim_end_matches('/').parse().unwrap()
+}
+
+fn request(server: SocketAddr, path: &str, host: &str, more: &str) -> (u16, String) {
+    let mut stream = TcpStream::connect(server).unwrap();
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{more}\r\n").unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    let answer = String::from_utf8_lossy(&answer).into_owned();
+    let status = answer.split(' ').nth(1).unwrap().parse().unwrap();
+    let body = answer.split_once("\r\n\r\n").unwrap().1.to_owned();
+    (status, body)
+}
+
+fn get(server: SocketAddr, path: &str) -> (u16, Value) {
+    let (status, body) = request(server, path, &server.to_string(), "");
+    (status, serde_json::from_str(&body).unwrap_or(Value::String(body)))
+}
+
+fn complete_record() -> (tempfile::TempDir, SocketAddr, Story) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.apex");
+    let story = flight::write_complete(&path);
+    let server = start(&path);
+    (folder, server, story)
+}
+
+#[test]
+fn a_complete_record_tells_its_mission() {
+    let (_folder, server, story) = complete_record();
+    let (status, mission) = get(server, "/api/mission");
+    assert_eq!(status, 200);
+    assert_eq!(mission["mission"], "western-states");
+    assert_eq!(mission["status"], "complete");
+    assert_eq!(mission["end_ns"], story.end_ns());
+    assert_eq!(mission["from_ns"], 0);
+    assert_eq!(mission["score"], 0.87);
+    assert_eq!(mission["record"], "flight.apex");
+    let (_, report) = get(server, "/api/report");
+    assert_eq!(report["sections"][1]["body"]["skipped"], 1);
+}
+
+#[test]
+fn the_track_is_thinned_and_keeps_its_ends() {
+    let (_folder, server, story) = complete_record();
+    let (_, track) = get(server, "/api/track?points=100");
+    let times = track["t_ns"].as_array().unwrap();
+    assert!(times.len() <= 102 && times.len() >= 50, "{}", times.len());
+    assert_eq!(times.first().unwrap(), 0);
+    assert_eq!(times.last().unwrap(), story.end_ns());
+    assert_eq!(track["recorded"], story.samples.len());
+    assert_eq!(track["latitude_deg"].as_array().unwrap().len(), times.len());
+}
+
+#[test]
+fn tasks_have_the_states_of_the_instant_asked_for() {
+    let (_folder, server, story) = complete_record();
+    let state = |at: i64, task: u64| {
+        let (_, answer) = get(server, &format!("/api/tasks?at={at}"));
+        let tasks = answer["tasks"].as_array().unwrap().clone();
+        tasks.iter().find(|row| row["id"] == task).map(|row| row["state"].clone())
+    };
+    assert_eq!(state(0, 1), Some("ongoing".into()));
+    assert_eq!(state(0, 4), Some("pending".into()));
+    assert_eq!(state(story.end_ns(), 1), Some("terminated".into()));
+    assert_eq!(state(-1, 1), None);
+
+    let (_, all) = get(server, "/api/tasks");
+    let (_, few) = get(server, "/api/tasks?limit=3");
+    let left = few["left_out"].as_u64().unwrap() as usize;
+    assert_eq!(left + 3, all["tasks"].as_array().unwrap().len());
+    let (_, found) = get(server, "/api/tasks?find=SCAN-LINES%20ZACA");
+    let goals: Vec<&str> = found["tasks"].as_array().unwrap().iter().map(|row| row["goal"].as_str().unwrap()).collect();
+    assert_eq!(goals, ["(fly-mission plan-7)", "(survey plan-7)", "(observe zaca)", "(scan-lines zaca)"]);
+    let (_, ongoing) = get(server, &format!("/api/tasks?ended=false&at={}", story.end_ns()));
+    assert!(ongoing["tasks"].as_array().unwrap().iter().all(|row| row["state"] != "terminated"));
+}
+
+#[test]
+fn the_timeline_keeps_a_repeated_step_in_one_lane() {
+    let (_folder, server, _) = complete_record();
+    let (_, timeline) = get(server, "/api/timeline?lanes=100");
+    let lanes = timeline["lanes"].as_array().unwrap();
+    assert_eq!(lanes[0]["goal"], "(fly-mission plan-7)");
+    let line = lanes.iter().find(|lane| lane["tag"] == "line").unwrap();
+    assert_eq!(line["tasks"], 4);
+    assert_eq!(line["depth"], 4);
+    let (_, few) = get(server, "/api/timeline?lanes=5");
+    assert_eq!(few["lanes"].as_array().unwrap().len(), 5);
+    assert_eq!(few["left_out"].as_u64().unwrap() as usize + 5, lanes.len());
+}
+
+#[test]
+fn events_are_the_last_of_the_time_asked_for() {
+    let (_folder, server, story) = complete_record();
+    let (_, events) = get(server, &format!("/api/events?to={}&limit=2", story.end_ns()));
+    let rows = events["events"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[1]["outcome"], "success");
+    assert_eq!(events["more"], true);
+    let (_, solved) = get(server, "/api/events?kind=solve,print&find=2-opt");
+    assert_eq!(solved["events"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn why_gives_causes_in_order_and_the_explainers_answer() {
+    let (_folder, server, story) = complete_record();
+    let (status, why) = get(server, &format!("/api/why?task=1&at={}", story.end_ns()));
+    assert_eq!(status, 200);
+    let headings: Vec<&str> =
+        why["because"].as_array().unwrap().iter().map(|cause| cause["heading"].as_str().unwrap()).collect();
+    assert_eq!(headings, ["created", "enabled", "method selected", "started", "ended: success"]);
+    assert_eq!(why["now"], "T1 has ended; because all of its steps have ended");
+    assert_eq!(why["explainer"]["sentences"][0], "it was told to");
+    let (_, other) = get(server, &format!("/api/why?task=2&at={}", story.end_ns()));
+    assert_eq!(other["explainer_error"], "the instant cannot be restored");
+    let (_, source) = get(server, "/api/source?place=western-states.pdl:6:3");
+    assert_eq!(source["lines"][2], "  (step s1 (take-off))");
+}
+
+#[test]
+fn targets_have_the_state_of_the_instant_and_their_history() {
+    let (_folder, server, story) = complete_record();
+    let state = |at: i64, id: &str| {
+        let (_, answer) = get(server, &format!("/api/targets?at={at}"));
+        let targets = answer["targets"].as_array().unwrap().clone();
+        targets.into_iter().find(|target| target["id"] == id).unwrap()
+    };
+    assert_eq!(state(0, "zaca")["state"], "planned");
+    assert_eq!(state(story.end_ns(), "zaca")["state"], "observed");
+    assert_eq!(state(story.end_ns(), "gw")["state"], "skipped");
+    assert_eq!(state(0, "zaca")["history"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn wrong_requests_are_told_what_to_do() {
+    let (_folder, server, _) = complete_record();
+    for (path, status) in [
+        ("/api/tasks?at=noon", 400),
+        ("/api/tasks?att=5", 400),
+        ("/api/why?task=1", 400),
+        ("/api/why?task=99999&at=0", 404),
+        ("/api/why?task=4&at=-5", 404),
+        ("/api/source?place=x", 400),
+        ("/api/source?place=x:1:1", 404),
+        ("/api/nothing", 404),
+    ] {
+        let (found, body) = get(server, path);
+        assert_eq!(found, status, "{path}: {body}");
+        assert!(body["error"].as_str().is_some_and(|text| !text.is_empty()), "{path}: {body}");
+        assert!(body["help"].as_str().is_some_and(|text| !text.is_empty()), "{path}: {body}");
+    }
+}
+
+#[test]
+fn other_names_and_other_sites_are_refused() {
+    let (_folder, server, _) = complete_record();
+    assert_eq!(request(server, "/api/mission", "evil.example", "").0, 403);
+    assert_eq!(request(server, "/api/mission", "localhost", "").0, 200);
+    let upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+                   Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nOrigin: https://evil.example\r\n";
+    let mut stream = TcpStream::connect(server).unwrap();
+    write!(stream, "GET /api/live HTTP/1.1\r\nHost: localhost\r\n{upgrade}\r\n").unwrap();
+    let mut head = [0; 12];
+    stream.read_exact(&mut head).unwrap();
+    assert_eq!(&head, b"HTTP/1.1 403");
+}
+
+/// Reads text frames of a WebSocket that are shorter than 126 bytes.
+fn next_text(stream: &mut TcpStream) -> Option<Value> {
+    let mut head = [0; 2];
+    stream.read_exact(&mut head).unwrap();
+    let mut body = vec![0; usize::from(head[1] & 0x7f)];
+    stream.read_exact(&mut body).unwrap();
+    (head[0] == 0x81).then(|| serde_json::from_slice(&body).unwrap())
+}
+
+#[test]
+fn a_growing_record_is_told_live_until_it_is_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.apex");
+    let story = Story::western_states();
+    let half = story.end_ns() / 2;
+    let mut writer = Writer::new(&path, &story);
+    writer.write(&story, i64::MIN, half);
+    let server = start(&path);
+    let (_, mission) = get(server, "/api/mission");
+    assert_eq!(mission["status"], "live");
+    let before = get(server, "/api/tasks").1["tasks"].as_array().unwrap().len();
+
+    let mut stream = TcpStream::connect(server).unwrap();
+    stream.set_read_timeout(Some(std::time::Duration::from_secs(20))).unwrap();
+    write!(
+        stream,
+        "GET /api/live HTTP/1.1\r\nHost: {server}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    )
+    .unwrap();
+    let mut head = Vec::new();
+    while !head.ends_with(b"\r\n\r\n") {
+        let mut byte = [0; 1];
+        stream.read_exact(&mut byte).unwrap();
+        head.push(byte[0]);
+    }
+    assert!(head.starts_with(b"HTTP/1.1 101"), "{}", String::from_utf8_lossy(&head));
+    let first = next_text(&mut stream).unwrap();
+    assert_eq!(first["status"], "live");
+    assert!(first["end_ns"].as_i64().unwrap() < half);
+
+    writer.write(&story, half, i64::MAX);
+    writer.complete(&story);
+    let last = std::iter::from_fn(|| next_text(&mut stream)).last().unwrap();
+    assert_eq!(last["status"], "complete");
+    assert_eq!(last["end_ns"], story.end_ns());
+    let after = get(server, "/api/tasks").1["tasks"].as_array().unwrap().len();
+    assert!(after > before, "{after} > {before}");
+}
+
+#[test]
+fn a_record_without_a_writer_is_incomplete() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.apex");
+    let story = Story::western_states();
+    Writer::new(&path, &story).write(&story, i64::MIN, story.end_ns() / 3);
+    let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3_600);
+    let file = std::fs::File::options().write(true).open(&path).unwrap();
+    file.set_modified(long_ago).unwrap();
+    let server = start(&path);
+    assert_eq!(get(server, "/api/mission").1["status"], "incomplete");
+}
+
+#[test]
+fn a_port_in_use_and_files_that_are_no_records_are_named() {
+    let (folder, ..) = complete_record();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut busy = options(&folder.path().join("flight.apex"));
+    busy.port = taken.local_addr().unwrap().port();
+    let error = serve(busy).unwrap_err();
+    assert!(matches!(error, ServeError::PortInUse(_)));
+    assert!(error.to_string().contains("--port"), "{error}");
+
+    let missing = serve(options(&folder.path().join("none.apex"))).unwrap_err().to_string();
+    assert!(missing.contains("there is no flight record at"), "{missing}");
+
+    let text = folder.path().join("notes.apex");
+    std::fs::write(&text, "these are notes, and more than a header of a hundred bytes long ".repeat(20)).unwrap();
+    let foreign = serve(options(&text)).unwrap_err().to_string();
+    assert!(foreign.contains("cannot be read as a flight record"), "{foreign}");
+
+    let other = folder.path().join("other.apex");
+    rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE a (b)").unwrap();
+    let foreign = serve(options(&other)).unwrap_err().to_string();
+    assert!(foreign.contains("not a flight record"), "{foreign}");
+}
+
+#[test]
+fn other_paths_give_the_page_or_say_how_to_build_it() {
+    let (_folder, server, _) = complete_record();
+    let (status, page) = request(server, "/", &server.to_string(), "");
+    assert_eq!(status, 200);
+    assert!(page.contains("<html"), "{page}");
+    assert_eq!(request(server, "/no-such-file.js", &server.to_string(), "").0, 404);
+}

@@ -1,0 +1,170 @@
+//! Writes a plausible flight record of the schema in `docs/reference/flight-record.md`: a fire-mapping flight of some
+//! hours over the western states. For tests of the server and for work on the page; no part of the product.
+
+// Shared by a test and an example, of which each uses a part.
+#![allow(unreachable_pub, dead_code, missing_docs, clippy::unwrap_used, clippy::indexing_slicing)]
+
+pub mod story;
+
+use rusqlite::{Connection, params};
+use std::path::Path;
+use story::{Entry, Sample, Story};
+
+const SCHEMA: &str = "
+PRAGMA application_id = 0x41504558;
+PRAGMA user_version = 1;
+PRAGMA journal_mode = WAL;
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT);
+CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
+CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT);
+CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB);
+CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER, from_state TEXT,
+  to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB);
+CREATE TABLE task (id INTEGER PRIMARY KEY, parent INTEGER, tag TEXT, goal TEXT, created_ns INTEGER, ended_ns INTEGER,
+  outcome TEXT, method TEXT, place TEXT);
+CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB);
+CREATE TABLE track (t_ns INTEGER PRIMARY KEY, latitude_deg REAL, longitude_deg REAL, altitude_m REAL,
+  heading_deg REAL, roll_deg REAL, ground_speed_mps REAL, fuel_kg REAL);
+CREATE TABLE target (id TEXT PRIMARY KEY, name TEXT, latitude_deg REAL, longitude_deg REAL, value REAL, geometry TEXT);
+CREATE TABLE target_state (target TEXT, t_ns INTEGER, state TEXT, detail TEXT);
+CREATE TABLE report (position INTEGER PRIMARY KEY, section TEXT, body TEXT);
+";
+
+/// A record on disk that can be written bit by bit, as a live flight does.
+pub struct Writer {
+    connection: Connection,
+    effects: i64,
+    batches: i64,
+}
+
+impl Writer {
+    /// A new record at `path` with the mission's files and targets, and nothing flown.
+    pub fn new(path: &Path, story: &Story) -> Writer {
+        let connection = Connection::open(path).unwrap();
+        connection.execute_batch(SCHEMA).unwrap();
+        let meta = [
+            ("apex_version", "0.1.0"),
+            ("mission", "western-states"),
+            ("agent", "pilot-1"),
+            ("vehicle", "predator-b"),
+            ("epoch_utc", "2007-09-08T01:00:00Z"),
+        ];
+        for (key, value) in meta {
+            connection.execute("INSERT INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+        }
+        let pdl = story::PDL.as_bytes();
+        connection.execute("INSERT INTO source VALUES (1, 'western-states.pdl', 'pdl', ?1)", [pdl]).unwrap();
+        for target in &story.targets {
+            let row = params![target.id, target.name, target.latitude_deg, target.longitude_deg, target.value, ""];
+            connection.execute("INSERT INTO target VALUES (?1, ?2, ?3, ?4, ?5, ?6)", row).unwrap();
+        }
+        Writer { connection, effects: 0, batches: 0 }
+    }
+
+    /// Writes everything of the story in `from_ns..to_ns`.
+    pub fn write(&mut self, story: &Story, from_ns: i64, to_ns: i64) {
+        let window = from_ns..to_ns;
+        self.connection.execute_batch("BEGIN").unwrap();
+        for (t_ns, entry) in story.entries.iter().filter(|(t_ns, _)| window.contains(t_ns)) {
+            self.entry(*t_ns, entry);
+        }
+        for sample in story.samples.iter().filter(|sample| window.contains(&sample.t_ns)) {
+            self.sample(sample);
+        }
+        self.connection.execute_batch("COMMIT").unwrap();
+    }
+
+    /// Closes the record properly.
+    pub fn complete(self, story: &Story) {
+        let end = story.end_ns().to_string();
+        for (key, value) in [("end_ns", end.as_str()), ("end_reason", "the root task ended"), ("complete", "1")] {
+            self.connection.execute("INSERT INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+        }
+        let sections = [
+            ("score", r#"{"score": 0.87, "value_observed": 38.5, "value_possible": 44.2}"#),
+            ("coverage", r#"{"observed": 9, "skipped": 1, "of": 10}"#),
+        ];
+        for (position, (section, body)) in sections.into_iter().enumerate() {
+            self.connection
+                .execute("INSERT INTO report VALUES (?1, ?2, ?3)", params![position as i64, section, body])
+                .unwrap();
+        }
+        self.connection.execute_batch("PRAGMA wal_checkpoint(TRUNCATE)").unwrap();
+    }
+
+    fn entry(&mut self, t_ns: i64, entry: &Entry) {
+        self.batches += 1;
+        self.connection.execute("INSERT INTO batch VALUES (?1, ?2, x'')", params![self.batches, t_ns]).unwrap();
+        match entry {
+            Entry::Created { task, parent, tag, goal, place, text } => {
+                let row = params![*task as i64, parent.map(|id| id as i64), tag, goal, t_ns, place];
+                self.connection
+                    .execute("INSERT INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6)", row)
+                    .unwrap();
+                self.effect(t_ns, "created", Some(*task), [None, None, None], goal, text, place);
+            }
+            Entry::Selected { task, method, text } => {
+                self.connection
+                    .execute("UPDATE task SET method = ?2 WHERE id = ?1", params![*task as i64, method])
+                    .unwrap();
+                self.effect(t_ns, "selected", Some(*task), [None, None, None], method, text, "");
+            }
+            Entry::Transition { task, from, to, outcome, text, place } => {
+                if *to == "terminated" {
+                    let row = params![*task as i64, t_ns, outcome];
+                    self.connection.execute("UPDATE task SET ended_ns = ?2, outcome = ?3 WHERE id = ?1", row).unwrap();
+                }
+                self.effect(t_ns, "transition", Some(*task), [Some(from), Some(to), *outcome], "", text, place);
+            }
+            Entry::Other { kind, task, subject, text } => {
+                self.effect(t_ns, kind, *task, [None, None, None], subject, text, "");
+            }
+            Entry::Target { target, state, detail } => {
+                let row = params![target, t_ns, state, detail];
+                self.connection.execute("INSERT INTO target_state VALUES (?1, ?2, ?3, ?4)", row).unwrap();
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn effect(
+        &mut self,
+        t_ns: i64,
+        kind: &str,
+        task: Option<u64>,
+        [from, to, outcome]: [Option<&str>; 3],
+        subject: &str,
+        text: &str,
+        place: &str,
+    ) {
+        self.effects += 1;
+        let task = task.map(|id| id as i64);
+        let row = params![self.effects, self.batches, t_ns, kind, task, from, to, outcome, subject, text, place];
+        self.connection
+            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'')", row)
+            .unwrap();
+    }
+
+    fn sample(&self, s: &Sample) {
+        let row = params![
+            s.t_ns,
+            s.latitude_deg,
+            s.longitude_deg,
+            s.altitude_m,
+            s.heading_deg,
+            s.roll_deg,
+            s.ground_speed_mps,
+            s.fuel_kg
+        ];
+        self.connection.execute("INSERT INTO track VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)", row).unwrap();
+    }
+}
+
+/// Writes a whole, properly closed record.
+pub fn write_complete(path: &Path) -> Story {
+    let story = Story::western_states();
+    let mut writer = Writer::new(path, &story);
+    writer.write(&story, i64::MIN, i64::MAX);
+    writer.complete(&story);
+    story
+}

@@ -1,0 +1,15 @@
+/** Starts the page: one record (that of the server the page came from), one Player, one App. */
+
+import { mount } from 'svelte';
+import App from './App.svelte';
+import { Player } from './player/player.svelte';
+import { ServedRecord } from './record/source';
+import { applyColours } from './theme/colours';
+import './theme/theme.css';
+
+applyColours(document.documentElement);
+const target = document.getElementById('app');
+if (!target) throw new Error('index.html has no element #app');
+const player = new Player(new ServedRecord(window.location.origin));
+mount(App, { target, props: { player } });
+void player.open();

@@ -1,0 +1,75 @@
+import { describe, expect, it } from 'vitest';
+import type { Task } from '../../record/types';
+import { counts, neighbour, rowsOf, slice, stateWord, tone } from './view';
+
+function task(
+  id: number,
+  parent: number | null,
+  state: Task['state'] = 'ongoing',
+  outcome: string | null = null,
+): Task {
+  const rest = { tag: `s${id}`, goal: `(goal ${id})`, since_ns: 0, created_ns: 0, method: null, place: null };
+  return { id, parent, state, outcome, ...rest };
+}
+
+const tasks = [
+  task(1, null),
+  task(2, 1, 'terminated', 'success'),
+  task(3, 1),
+  task(4, 2, 'terminated'),
+  task(5, 3),
+];
+const ids = (rows: { task: Task }[]) => rows.map(row => row.task.id);
+
+describe('the tree', () => {
+  it('folds away what has ended and keeps the written order', () => {
+    const rows = rowsOf(tasks, new Map(), false);
+    expect(ids(rows)).toEqual([1, 2, 3, 5]);
+    expect(rows.map(row => row.depth)).toEqual([0, 1, 1, 2]);
+    expect(rows[1]).toMatchObject({ children: 1, open: false });
+  });
+
+  it('obeys the hand, and opens everything while a filter is on', () => {
+    const byHand = new Map([
+      [2, true],
+      [3, false],
+    ]);
+    expect(ids(rowsOf(tasks, byHand, false))).toEqual([1, 2, 4, 3]);
+    expect(ids(rowsOf(tasks, byHand, true))).toEqual([1, 2, 4, 3, 5]);
+  });
+
+  it('shows a task whose parent was left out at the top', () => {
+    expect(ids(rowsOf([task(7, 6)], new Map(), false))).toEqual([7]);
+  });
+});
+
+describe('a row', () => {
+  it('says how a task ended', () => {
+    expect(stateWord(task(1, null))).toBe('ongoing');
+    expect(stateWord(task(1, null, 'terminated', 'success'))).toBe('done');
+    expect(stateWord(task(1, null, 'terminated', 'failure'))).toBe('failed');
+    expect(stateWord(task(1, null, 'terminated'))).toBe('ended');
+    expect(tone(task(1, null, 'terminated', 'failure'))).toBe('skipped');
+  });
+
+  it('has a neighbour', () => {
+    const rows = rowsOf(tasks, new Map(), false);
+    expect(neighbour(rows, 2, 1)).toBe(3);
+    expect(neighbour(rows, 5, 1)).toBe(5);
+    expect(neighbour(rows, 99, 1)).toBe(1);
+    expect(neighbour([], null, 1)).toBeNull();
+  });
+});
+
+it('only rows in sight are drawn', () => {
+  expect(slice(0, 240, 24, 1000)).toEqual({ from: 0, to: 18 });
+  expect(slice(2400, 240, 24, 105)).toEqual({ from: 92, to: 105 });
+});
+
+it('states nobody is in are not counted', () => {
+  expect(counts({ at_ns: 0, tasks: [], counts: { ongoing: 2, terminated: 1 }, left_out: 0 })).toEqual([
+    { state: 'ongoing', count: 2 },
+    { state: 'terminated', count: 1 },
+  ]);
+  expect(counts(null)).toEqual([]);
+});

@@ -1,0 +1,88 @@
+/** The task tree as rows to draw; pure. */
+
+import type { Task, TaskState, Tasks } from '../../record/types';
+
+export interface Row {
+  task: Task;
+  depth: number;
+  children: number;
+  open: boolean;
+}
+
+/** What the user opened and closed by hand, against what is open by itself. */
+export type Toggled = ReadonlyMap<number, boolean>;
+
+export const STATES: readonly TaskState[] = ['pending', 'enabled', 'ongoing', 'interrupted', 'terminated'];
+
+/** The tree in reading order; closed branches are left out. While a filter is on, all branches are open. */
+export function rowsOf(tasks: readonly Task[], toggled: Toggled, filtering: boolean): Row[] {
+  const known = new Set(tasks.map(task => task.id));
+  const children = new Map<number | null, Task[]>();
+  for (const task of tasks) {
+    const parent = task.parent !== null && known.has(task.parent) ? task.parent : null;
+    const list = children.get(parent);
+    if (list) list.push(task);
+    else children.set(parent, [task]);
+  }
+  const rows: Row[] = [];
+  const open: { task: Task; depth: number }[] = (children.get(null) ?? [])
+    .map(task => ({ task, depth: 0 }))
+    .reverse();
+  for (let next = open.pop(); next; next = open.pop()) {
+    const { task, depth } = next;
+    const below = children.get(task.id) ?? [];
+    const isOpen = below.length > 0 && (filtering || (toggled.get(task.id) ?? opensByItself(task, depth)));
+    rows.push({ task, depth, children: below.length, open: isOpen });
+    if (isOpen) for (const child of below.toReversed()) open.push({ task: child, depth: depth + 1 });
+  }
+  return rows;
+}
+
+/** The root is always open, and what goes on is; what has ended is folded away. */
+function opensByItself(task: Task, depth: number): boolean {
+  return depth === 0 || task.state !== 'terminated';
+}
+
+/** The word for a task's state: how it ended, when it has. */
+export function stateWord(task: Task): string {
+  if (task.state !== 'terminated') return task.state;
+  const outcome = (task.outcome ?? '').toLowerCase();
+  if (outcome.startsWith('success')) return 'done';
+  if (outcome.startsWith('fail')) return 'failed';
+  if (outcome.startsWith('cut')) return 'cut';
+  return 'ended';
+}
+
+/** The colour's name for a task: failures stand out among what has ended. */
+export function tone(task: Task): string {
+  const word = stateWord(task);
+  if (word === 'failed') return 'skipped';
+  return word === 'done' ? 'observed' : task.state;
+}
+
+/** `12 ongoing`, for the states that some task is in. */
+export function counts(tasks: Tasks | null): { state: TaskState; count: number }[] {
+  return STATES.flatMap(state => {
+    const count = tasks?.counts[state] ?? 0;
+    return count > 0 ? [{ state, count }] : [];
+  });
+}
+
+/** The part of a long list that is in sight, with a margin. */
+export function slice(
+  scrollTop: number,
+  height: number,
+  rowHeight: number,
+  count: number,
+): { from: number; to: number } {
+  const margin = 8;
+  const from = Math.max(0, Math.floor(scrollTop / rowHeight) - margin);
+  return { from, to: Math.min(count, Math.ceil((scrollTop + height) / rowHeight) + margin) };
+}
+
+/** The task `by` rows after the selected one. */
+export function neighbour(rows: readonly Row[], selected: number | null, by: 1 | -1): number | null {
+  const at = rows.findIndex(row => row.task.id === selected);
+  if (at < 0) return rows[0]?.task.id ?? null;
+  return rows[Math.min(Math.max(at + by, 0), rows.length - 1)]?.task.id ?? null;
+}

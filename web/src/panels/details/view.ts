@@ -1,0 +1,173 @@
+/** What is told about one task, the log and the report; pure. */
+
+import type { EventRow, Report, Snippet, Task, Why } from '../../record/types';
+import { civilTime, missionTime, span } from '../../time/format';
+
+export interface CauseView {
+  id: number;
+  atNs: number;
+  time: string;
+  heading: string;
+  tone: string;
+  text: string;
+  place: string | null;
+}
+
+export interface WhyView {
+  sentences: string[];
+  unmet: { text: string; place: string | null }[];
+  /** The newest first: why it is as it is now stands at the top. */
+  causes: CauseView[];
+  facts: { name: string; value: string }[];
+}
+
+export function whyView(why: Why, epochUtc: string | null): WhyView {
+  const { task } = why;
+  return {
+    sentences: [why.now, ...texts(why.explainer?.sentences)],
+    unmet: unmetOf(why.explainer?.unmet),
+    causes: why.because
+      .map(cause => ({
+        id: cause.id,
+        atNs: cause.t_ns,
+        time: missionTime(cause.t_ns),
+        heading: cause.heading,
+        tone: toneOf(cause),
+        text: [subjectOf(cause), withoutPlace(cause.text, cause.place)].filter(Boolean).join(' — '),
+        place: cause.place,
+      }))
+      .reverse(),
+    facts: facts(task, why.at_ns, epochUtc),
+  };
+}
+
+function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['facts'] {
+  const civil = civilTime(task.since_ns, epochUtc);
+  const since = `${missionTime(task.since_ns)}${civil ? ` · ${civil}` : ''}`;
+  const list = [
+    { name: task.state === 'terminated' ? 'ended' : 'since', value: since },
+    { name: 'for', value: task.state === 'terminated' ? '' : span(atNs - task.since_ns) },
+    { name: 'created', value: missionTime(task.created_ns) },
+    { name: 'method', value: task.method ?? '' },
+    { name: 'step', value: task.tag },
+  ];
+  return list.filter(fact => fact.value !== '');
+}
+
+/** The causes' own texts end with their place; the page shows places as links. */
+export function withoutPlace(text: string | null, place: string | null): string {
+  if (!text) return '';
+  return place && text.endsWith(`; from ${place}`) ? text.slice(0, -`; from ${place}`.length) : text;
+}
+
+function subjectOf(event: EventRow): string {
+  return event.kind === 'created' ? '' : (event.subject ?? '');
+}
+
+/** The colour's name for an event. */
+export function toneOf(event: EventRow): string {
+  if (event.kind === 'trouble' || event.outcome?.startsWith('fail')) return 'skipped';
+  if (event.outcome?.startsWith('success')) return 'observed';
+  if (event.kind === 'transition') return event.to_state ?? 'pending';
+  return event.kind === 'refused' ? 'interrupted' : 'planned';
+}
+
+function texts(value: unknown): string[] {
+  return Array.isArray(value) ? value.filter(item => typeof item === 'string') : [];
+}
+
+function unmetOf(value: unknown): WhyView['unmet'] {
+  if (!Array.isArray(value)) return [];
+  return value.flatMap(item => {
+    if (typeof item === 'string') return { text: item, place: null };
+    const { text, place } = (item ?? {}) as { text?: unknown; place?: unknown };
+    return typeof text === 'string' ? { text, place: typeof place === 'string' ? place : null } : [];
+  });
+}
+
+/** The kinds of events that the log can be narrowed to. */
+export const LOG_KINDS: { name: string; kinds: string }[] = [
+  { name: 'all', kinds: '' },
+  { name: 'states', kinds: 'transition' },
+  { name: 'commands', kinds: 'command,withdraw' },
+  { name: 'solvers', kinds: 'solve,cancel-solve,procedure-added' },
+  { name: 'messages', kinds: 'print,inform,ask,end-application' },
+  { name: 'trouble', kinds: 'trouble,refused' },
+];
+
+export interface LogLine {
+  id: number;
+  atNs: number;
+  time: string;
+  task: number | null;
+  what: string;
+  text: string;
+  tone: string;
+}
+
+/** The log's lines, newest first. */
+export function logLines(events: readonly EventRow[]): LogLine[] {
+  return events
+    .map(event => ({
+      id: event.id,
+      atNs: event.t_ns,
+      time: missionTime(event.t_ns),
+      task: event.task,
+      what: event.kind === 'transition' ? (event.outcome ?? event.to_state ?? '') : event.kind,
+      text: [subjectOf(event), withoutPlace(event.text, event.place)].filter(Boolean).join(' — '),
+      tone: toneOf(event),
+    }))
+    .reverse();
+}
+
+/** A section of the report as something to draw, whatever its JSON is. */
+export type SectionView =
+  | { title: string; kind: 'text'; text: string }
+  | { title: string; kind: 'pairs'; pairs: { name: string; value: string }[] }
+  | { title: string; kind: 'table'; columns: string[]; rows: string[][] };
+
+export function reportView(report: Report | null): SectionView[] {
+  return (report?.sections ?? []).map(({ section, body }) => {
+    const title = words(section);
+    if (Array.isArray(body) && body.length > 0 && body.every(isObject)) {
+      const columns = [...new Set(body.flatMap(row => Object.keys(row)))];
+      const rows = body.map(row => columns.map(column => valueText(row[column])));
+      return { title, kind: 'table', columns: columns.map(words), rows };
+    }
+    if (isObject(body)) {
+      const pairs = Object.entries(body).map(([name, value]) => ({
+        name: words(name),
+        value: valueText(value),
+      }));
+      return { title, kind: 'pairs', pairs };
+    }
+    return {
+      title,
+      kind: 'text',
+      text: Array.isArray(body) ? body.map(valueText).join('\n') : valueText(body),
+    };
+  });
+}
+
+function isObject(value: unknown): value is Record<string, unknown> {
+  return typeof value === 'object' && value !== null && !Array.isArray(value);
+}
+
+function words(name: string): string {
+  return name.replaceAll('_', ' ').replaceAll('-', ' ');
+}
+
+function valueText(value: unknown): string {
+  if (value === null || value === undefined) return '–';
+  if (typeof value === 'number')
+    return Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(5)));
+  return typeof value === 'object' ? JSON.stringify(value) : String(value);
+}
+
+/** Source lines with their numbers; `here` marks the place. */
+export function snippetLines(snippet: Snippet): { number: number; text: string; here: boolean }[] {
+  return snippet.lines.map((text, index) => {
+    const number = snippet.first_line + index;
+    return { number, text, here: number === snippet.line };
+  });
+}

@@ -1,0 +1,52 @@
+/** The ground under the flight: outlines from local files; no tiles, no glyphs, no network. */
+
+import * as maplibre from 'maplibre-gl';
+import 'maplibre-gl/dist/maplibre-gl.css';
+import workerUrl from 'maplibre-gl/dist/maplibre-gl-worker.mjs?worker&url';
+import { COLOURS } from '../../theme/colours';
+
+// Vite moves the worker: without its new address the map stays blank.
+maplibre.setWorkerUrl(workerUrl);
+
+const STYLE: maplibre.StyleSpecification = {
+  version: 8,
+  sources: {
+    land: { type: 'geojson', data: '/basemap/land.geojson', tolerance: 0.2 },
+    borders: { type: 'geojson', data: '/basemap/borders.geojson', tolerance: 0.2 },
+  },
+  layers: [
+    { id: 'sea', type: 'background', paint: { 'background-color': COLOURS.sea } },
+    { id: 'land', type: 'fill', source: 'land', paint: { 'fill-color': COLOURS.land } },
+    // Two atlases meet at the border of the US: a line in the land's colour closes the slits between them.
+    { id: 'seam', type: 'line', source: 'land', paint: { 'line-color': COLOURS.land, 'line-width': 3 } },
+    { id: 'coast', type: 'line', source: 'land', paint: { 'line-color': COLOURS.coast, 'line-width': 0.8 } },
+    {
+      id: 'borders',
+      type: 'line',
+      source: 'borders',
+      paint: { 'line-color': COLOURS.border, 'line-width': 1 },
+    },
+  ],
+};
+
+/** Makes the map in `container`; throws when the browser has no WebGL. */
+export function makeMap(container: HTMLElement): maplibre.Map {
+  const map = new maplibre.Map({
+    container,
+    style: STYLE,
+    center: [-117, 41],
+    zoom: 4,
+    minZoom: 1.5,
+    maxZoom: 18,
+    attributionControl: false,
+    dragRotate: false,
+    pitchWithRotate: false,
+    touchPitch: false,
+    keyboard: false,
+    fadeDuration: 0,
+    renderWorldCopies: false,
+  });
+  map.touchZoomRotate.disableRotation();
+  map.addControl(new maplibre.ScaleControl({ maxWidth: 110, unit: 'nautical' }), 'bottom-right');
+  return map;
+}

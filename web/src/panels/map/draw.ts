@@ -1,0 +1,205 @@
+/** Draws what moves, and all words, on a canvas above the map. */
+
+import { COLOURS, stateColour } from '../../theme/colours';
+import {
+  type Aircraft,
+  type Box,
+  countUntil,
+  degreesText,
+  graticuleStep,
+  type Path,
+  type Position,
+  placeLabel,
+  type TargetView,
+} from './view';
+
+/** From degrees to pixels of the canvas. */
+export type Project = (position: Position) => { x: number; y: number };
+
+export interface Scene {
+  path: Path;
+  atNs: number;
+  aircraft: Aircraft | null;
+  targets: TargetView[];
+  outlines: Map<string, Position[][]>;
+  selected: string | null;
+}
+
+export interface Frame {
+  width: number;
+  height: number;
+  west: number;
+  east: number;
+  south: number;
+  north: number;
+}
+
+const LABEL_FONT = '600 11px Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+const GRID_FONT = '10px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+
+export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Frame, project: Project): void {
+  context.clearRect(0, 0, frame.width, frame.height);
+  drawGraticule(context, frame, project);
+  drawOutlines(context, scene, project);
+  drawTrack(context, scene, project);
+  drawTargets(context, scene, project);
+  if (scene.aircraft) drawAircraft(context, scene.aircraft, project);
+}
+
+function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project: Project): void {
+  const step = graticuleStep(frame.east - frame.west);
+  context.font = GRID_FONT;
+  context.fillStyle = COLOURS.faint;
+  context.strokeStyle = COLOURS.graticule;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let count = Math.ceil(frame.west / step); count * step <= frame.east; count += 1) {
+    const x = Math.round(project([count * step, frame.south]).x) + 0.5;
+    context.moveTo(x, 0);
+    context.lineTo(x, frame.height);
+    context.fillText(degreesText(count * step, step, 'E', 'W'), x + 3, frame.height - 5);
+  }
+  for (let count = Math.ceil(frame.south / step); count * step <= frame.north; count += 1) {
+    const y = Math.round(project([frame.west, count * step]).y) + 0.5;
+    context.moveTo(0, y);
+    context.lineTo(frame.width, y);
+    if (y < frame.height - 16) context.fillText(degreesText(count * step, step, 'N', 'S'), 4, y - 3);
+  }
+  context.stroke();
+}
+
+function drawOutlines(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+  context.lineWidth = 1;
+  for (const target of scene.targets) {
+    context.strokeStyle = context.fillStyle = stateColour(target.state);
+    for (const line of scene.outlines.get(target.id) ?? []) {
+      polyline(context, line, line.length, project);
+      context.globalAlpha = 0.12;
+      context.fill();
+      context.globalAlpha = 0.6;
+      context.stroke();
+      context.globalAlpha = 1;
+    }
+  }
+}
+
+function drawTrack(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+  const { positions, times } = scene.path;
+  context.lineJoin = 'round';
+  context.lineCap = 'round';
+  context.strokeStyle = COLOURS.track;
+  context.lineWidth = 1.2;
+  polyline(context, positions, positions.length, project);
+  context.stroke();
+  const flown = countUntil(times, scene.atNs);
+  if (flown === 0) return;
+  context.strokeStyle = COLOURS.flown;
+  context.lineWidth = 2.4;
+  polyline(context, positions, flown, project);
+  if (scene.aircraft) {
+    const { x, y } = project(scene.aircraft.position);
+    context.lineTo(x, y);
+  }
+  context.stroke();
+}
+
+function polyline(
+  context: CanvasRenderingContext2D,
+  line: readonly Position[],
+  count: number,
+  project: Project,
+): void {
+  context.beginPath();
+  for (let index = 0; index < count; index += 1) {
+    const { x, y } = project(line[index] as Position);
+    if (index === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  }
+}
+
+function drawTargets(context: CanvasRenderingContext2D, scene: Scene, project: Project): void {
+  const points = scene.targets.map(target => ({ target, ...project(target.position) }));
+  const taken: Box[] = points.map(({ x, y }) => ({ x: x - 7, y: y - 7, width: 14, height: 14 }));
+  for (const { target, x, y } of points) drawSymbol(context, target, x, y, target.id === scene.selected);
+  // The chosen one and what is worked on have the first right to a label, then the valuable ones.
+  const rank = (target: TargetView) =>
+    (target.id === scene.selected ? 1e9 : 0) + (target.state === 'observing' ? 1e6 : 0) + (target.value ?? 0);
+  context.font = LABEL_FONT;
+  context.textBaseline = 'middle';
+  for (const { target, x, y } of points.sort((a, b) => rank(b.target) - rank(a.target))) {
+    const box = placeLabel(x, y, context.measureText(target.name).width + 2, 13, taken);
+    if (!box) continue;
+    taken.push(box);
+    context.lineWidth = 3;
+    context.strokeStyle = '#0d141cd0';
+    context.strokeText(target.name, box.x + 1, box.y + 7);
+    context.fillStyle = target.state === 'planned' ? COLOURS.planned : stateColour(target.state);
+    context.fillText(target.name, box.x + 1, box.y + 7);
+  }
+  context.textBaseline = 'alphabetic';
+}
+
+function drawSymbol(
+  context: CanvasRenderingContext2D,
+  target: TargetView,
+  x: number,
+  y: number,
+  selected: boolean,
+): void {
+  const colour = stateColour(target.state);
+  context.fillStyle = target.state === 'planned' || target.state === 'skipped' ? COLOURS.sea : colour;
+  context.strokeStyle = target.state === 'observed' || target.state === 'observing' ? COLOURS.sea : colour;
+  context.lineWidth = 1.8;
+  circle(context, x, y, 5);
+  context.fill();
+  context.stroke();
+  if (target.state === 'skipped') {
+    context.beginPath();
+    context.moveTo(x - 2.2, y - 2.2);
+    context.lineTo(x + 2.2, y + 2.2);
+    context.moveTo(x + 2.2, y - 2.2);
+    context.lineTo(x - 2.2, y + 2.2);
+    context.stroke();
+  }
+  if (target.state === 'observing' || selected) {
+    context.strokeStyle = selected ? COLOURS.text : colour;
+    context.lineWidth = 1.5;
+    circle(context, x, y, 9);
+    context.stroke();
+  }
+}
+
+function circle(context: CanvasRenderingContext2D, x: number, y: number, radius: number): void {
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+}
+
+function drawAircraft(context: CanvasRenderingContext2D, aircraft: Aircraft, project: Project): void {
+  const { x, y } = project(aircraft.position);
+  context.save();
+  context.translate(x, y);
+  context.rotate((aircraft.headingDeg * Math.PI) / 180);
+  // A high-winged aircraft from above: nose up, long wings, a small tail.
+  context.beginPath();
+  const half: [number, number][] = [
+    [0, -12],
+    [1.7, -9],
+    [1.9, -3],
+    [12, 0.5],
+    [12, 2.6],
+    [1.9, 2],
+    [1.4, 8],
+    [5, 10.2],
+    [5, 11.8],
+    [0, 11],
+  ];
+  for (const [right, down] of half) context.lineTo(right, down);
+  for (const [right, down] of half.toReversed()) context.lineTo(-right, down);
+  context.closePath();
+  context.lineWidth = 3;
+  context.strokeStyle = COLOURS.ground;
+  context.stroke();
+  context.fillStyle = '#ffffff';
+  context.fill();
+  context.restore();
+}

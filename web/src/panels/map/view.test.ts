@@ -1,0 +1,124 @@
+import { describe, expect, it } from 'vitest';
+import type { Target } from '../../record/types';
+import {
+  aircraftAt,
+  bounds,
+  countUntil,
+  degreesText,
+  graticuleStep,
+  legend,
+  outlines,
+  pathOf,
+  placeLabel,
+  targetsAt,
+} from './view';
+
+const track = {
+  t_ns: [0, 10, 20, 30],
+  latitude_deg: [34, 35, null, 36],
+  longitude_deg: [-118, -117, null, -117],
+  altitude_m: [],
+  heading_deg: [350, 10, null, null],
+  roll_deg: [],
+  ground_speed_mps: [],
+  fuel_kg: [],
+  recorded: 4,
+};
+
+describe('the aircraft', () => {
+  const path = pathOf(track);
+
+  it('is between samples, and turns the short way', () => {
+    expect(path.times).toEqual([0, 10, 30]);
+    expect(aircraftAt(path, 5)).toEqual({ position: [-117.5, 34.5], headingDeg: 0 });
+  });
+
+  it('stands at the ends of the track', () => {
+    expect(aircraftAt(path, -5)?.position).toEqual([-118, 34]);
+    expect(aircraftAt(path, 99)?.position).toEqual([-117, 36]);
+    expect(aircraftAt(pathOf(null), 0)).toBeNull();
+  });
+
+  it('takes its heading from the track where none was recorded', () => {
+    const bare = { ...path, headings: [null, null, null] };
+    expect(aircraftAt(bare, 15)?.headingDeg).toBeCloseTo(0, 6);
+  });
+});
+
+describe('targets', () => {
+  const target: Target = {
+    id: 'zaca',
+    name: 'Zaca',
+    latitude_deg: 34.7,
+    longitude_deg: -119.8,
+    value: 5,
+    geometry: null,
+    history: [
+      { t_ns: 10, state: 'observing', detail: null },
+      { t_ns: 10, state: 'observed', detail: 'three lines' },
+    ],
+  };
+
+  it('have the last state up to the cursor; before the first they are planned', () => {
+    expect(targetsAt([target], 9)[0]?.state).toBe('planned');
+    expect(targetsAt([target], 10)[0]?.state).toBe('observed');
+    expect(targetsAt([{ ...target, latitude_deg: null }], 10)).toEqual([]);
+  });
+
+  it('are counted in the legend', () => {
+    expect(legend(targetsAt([target, target], 10)).find(entry => entry.state === 'observed')?.count).toBe(2);
+  });
+
+  it('may have outlines of any kind', () => {
+    const ring = [
+      [0, 0],
+      [1, 0],
+      [0, 0],
+    ];
+    expect(outlines({ type: 'Polygon', coordinates: [ring] })).toHaveLength(1);
+    expect(
+      outlines({
+        type: 'Feature',
+        properties: {},
+        geometry: { type: 'MultiPolygon', coordinates: [[ring]] },
+      }),
+    ).toEqual([ring]);
+    expect(outlines({ type: 'Point', coordinates: [0, 0] })).toEqual([]);
+  });
+});
+
+describe('the picture', () => {
+  it('fits around everything', () => {
+    expect(bounds([])).toBeNull();
+    expect(
+      bounds([
+        [-118, 34],
+        [-110, 48],
+      ]),
+    ).toEqual([
+      [-118, 34],
+      [-110, 48],
+    ]);
+  });
+
+  it('writes labels beside each other and leaves out what has no room', () => {
+    const first = placeLabel(0, 0, 40, 12, []);
+    expect(first?.x).toBe(9);
+    const second = placeLabel(0, 2, 40, 12, first ? [first] : []);
+    expect(second?.x).toBe(-49);
+    const wall = { x: -500, y: -500, width: 1000, height: 1000 };
+    expect(placeLabel(0, 0, 40, 12, [wall])).toBeNull();
+  });
+
+  it('has a graticule for every scale', () => {
+    expect(graticuleStep(20)).toBe(5);
+    expect(graticuleStep(0.03)).toBe(0.005);
+    expect(degreesText(-117.85, 0.05, 'E', 'W')).toBe('117.85°W');
+    expect(degreesText(44, 2, 'N', 'S')).toBe('44°N');
+  });
+
+  it('counts sorted times', () => {
+    expect(countUntil([1, 2, 2, 5], 2)).toBe(3);
+    expect(countUntil([], 2)).toBe(0);
+  });
+});

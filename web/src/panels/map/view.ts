@@ -1,0 +1,181 @@
+/** What the map shows at an instant; pure. */
+
+import type { Target, TargetChange, Track } from '../../record/types';
+
+export type Position = [longitudeDeg: number, latitudeDeg: number];
+
+/** The track as positions, with samples that have none left out. */
+export interface Path {
+  times: number[];
+  positions: Position[];
+  headings: (number | null)[];
+}
+
+export interface Aircraft {
+  position: Position;
+  headingDeg: number;
+}
+
+export interface TargetView {
+  id: string;
+  name: string;
+  position: Position;
+  state: string;
+  since: TargetChange | null;
+  value: number | null;
+}
+
+/** The states of targets in the order of the legend. */
+export const TARGET_STATES = ['planned', 'observing', 'observed', 'skipped'] as const;
+
+export function pathOf(track: Track | null): Path {
+  const path: Path = { times: [], positions: [], headings: [] };
+  track?.t_ns.forEach((time, index) => {
+    const longitude = track.longitude_deg[index];
+    const latitude = track.latitude_deg[index];
+    if (longitude == null || latitude == null) return;
+    path.times.push(time);
+    path.positions.push([longitude, latitude]);
+    path.headings.push(track.heading_deg[index] ?? null);
+  });
+  return path;
+}
+
+/** How many of the sorted `times` are not after `at`. */
+export function countUntil(times: readonly number[], at: number): number {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((times[middle] as number) <= at) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** Where the aircraft was, between samples on the straight line; before the first sample it stands there. */
+export function aircraftAt(path: Path, atNs: number): Aircraft | null {
+  const count = countUntil(path.times, atNs);
+  const index = Math.max(count - 1, 0);
+  const from = path.positions[index];
+  if (!from) return null;
+  const to = path.positions[index + 1];
+  const heading = path.headings[index] ?? (to ? bearing(from, to) : 0);
+  const start = path.times[index] as number;
+  const end = path.times[index + 1];
+  if (!to || end === undefined || atNs <= start) return { position: from, headingDeg: heading };
+  const share = (atNs - start) / (end - start);
+  const next = path.headings[index + 1] ?? heading;
+  const turn = ((next - heading + 540) % 360) - 180;
+  return {
+    position: [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share],
+    headingDeg: (heading + turn * share + 360) % 360,
+  };
+}
+
+/** The targets that have a place, in their state at the cursor. */
+export function targetsAt(targets: readonly Target[], atNs: number): TargetView[] {
+  return targets.flatMap(target => {
+    if (target.longitude_deg === null || target.latitude_deg === null) return [];
+    const since = target.history.findLast(change => change.t_ns <= atNs) ?? null;
+    return {
+      id: target.id,
+      name: target.name,
+      position: [target.longitude_deg, target.latitude_deg] satisfies Position,
+      state: since?.state ?? 'planned',
+      since,
+      value: target.value,
+    };
+  });
+}
+
+/** The legend: each state with how many targets are in it. */
+export function legend(targets: readonly TargetView[]): { state: string; count: number }[] {
+  return TARGET_STATES.map(state => ({
+    state,
+    count: targets.filter(target => target.state === state).length,
+  }));
+}
+
+/** South-west and north-east corners around everything; none when there is nothing. */
+export function bounds(positions: readonly Position[]): [Position, Position] | null {
+  if (positions.length === 0) return null;
+  const low: Position = [Number.POSITIVE_INFINITY, Number.POSITIVE_INFINITY];
+  const high: Position = [Number.NEGATIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  for (const [longitude, latitude] of positions) {
+    low[0] = Math.min(low[0], longitude);
+    low[1] = Math.min(low[1], latitude);
+    high[0] = Math.max(high[0], longitude);
+    high[1] = Math.max(high[1], latitude);
+  }
+  return [low, high];
+}
+
+/** All positions of a GeoJSON geometry's outlines, as lines to draw. */
+export function outlines(geometry: Target['geometry']): Position[][] {
+  if (!geometry) return [];
+  switch (geometry.type) {
+    case 'Feature':
+      return outlines(geometry.geometry);
+    case 'FeatureCollection':
+      return geometry.features.flatMap(feature => outlines(feature.geometry));
+    case 'GeometryCollection':
+      return geometry.geometries.flatMap(part => outlines(part));
+    case 'LineString':
+      return [geometry.coordinates as Position[]];
+    case 'Polygon':
+    case 'MultiLineString':
+      return geometry.coordinates as Position[][];
+    case 'MultiPolygon':
+      return geometry.coordinates.flat() as Position[][];
+    default:
+      return [];
+  }
+}
+
+/** Distance between lines of the graticule for a view this many degrees wide. */
+export function graticuleStep(widthDeg: number): number {
+  const steps = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30];
+  return steps.find(step => widthDeg / step <= 8) ?? 45;
+}
+
+/** `44°N`, `117.85°W`. */
+export function degreesText(value: number, step: number, positive: string, negative: string): string {
+  const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  return `${Math.abs(value).toFixed(decimals)}°${value < 0 ? negative : positive}`;
+}
+
+export interface Box {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+/** Where to write a label beside a symbol without covering what is written already; null when there is no room. */
+export function placeLabel(
+  x: number,
+  y: number,
+  width: number,
+  height: number,
+  taken: readonly Box[],
+): Box | null {
+  const gap = 9;
+  const places: Box[] = [
+    { x: x + gap, y: y - height / 2, width, height },
+    { x: x - gap - width, y: y - height / 2, width, height },
+    { x: x - width / 2, y: y - gap - height, width, height },
+    { x: x - width / 2, y: y + gap, width, height },
+  ];
+  return places.find(place => !taken.some(box => overlap(place, box))) ?? null;
+}
+
+function overlap(a: Box, b: Box): boolean {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+function bearing(from: Position, to: Position): number {
+  const radians = Math.PI / 180;
+  const east = (to[0] - from[0]) * Math.cos(from[1] * radians);
+  return (Math.atan2(east, to[1] - from[1]) / radians + 360) % 360;
+}

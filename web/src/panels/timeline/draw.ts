@@ -1,0 +1,167 @@
+/** Draws the timeline on a canvas; the cursor lies above it as an element of its own, so that it moves for nothing. */
+
+import type { Range } from '../../player/clock';
+import { COLOURS, stateColour } from '../../theme/colours';
+import { ticks } from '../../time/format';
+import {
+  AXIS_PX,
+  blocksOf,
+  type LaneRow,
+  lineOf,
+  NAMES_PX,
+  ROW_PX,
+  type Scale,
+  STRIP_PX,
+  type Strip,
+  VISITS_PX,
+  type Visit,
+} from './view';
+
+export interface Picture {
+  width: number;
+  height: number;
+  visible: Range;
+  scale: Scale;
+  visits: Visit[];
+  strips: Strip[];
+  lanes: LaneRow[];
+  /** How far the lanes are scrolled. */
+  scrollPx: number;
+  selected: number | null;
+}
+
+const FONT = '11px Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+const MONO = '10px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+
+/** Where the lanes begin below axis, visits and strips. */
+export function lanesTop(visits: number, strips: number): number {
+  return AXIS_PX + (visits > 0 ? VISITS_PX : 0) + strips * STRIP_PX;
+}
+
+export function draw(context: CanvasRenderingContext2D, picture: Picture): void {
+  context.clearRect(0, 0, picture.width, picture.height);
+  context.textBaseline = 'middle';
+  const top = lanesTop(picture.visits.length, picture.strips.length);
+  context.save();
+  context.beginPath();
+  context.rect(0, top, picture.width, picture.height - top);
+  context.clip();
+  context.translate(0, top - picture.scrollPx);
+  for (const lane of picture.lanes) drawLane(context, picture, lane);
+  context.restore();
+  drawAxis(context, picture);
+  let y = AXIS_PX;
+  if (picture.visits.length > 0) {
+    drawVisits(context, picture, y);
+    y += VISITS_PX;
+  }
+  for (const strip of picture.strips) {
+    drawStrip(context, picture, strip, y);
+    y += STRIP_PX;
+  }
+  line(context, 0, top - 0.5, picture.width, top - 0.5);
+  line(context, NAMES_PX - 0.5, 0, NAMES_PX - 0.5, picture.height);
+}
+
+function line(context: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+  context.strokeStyle = COLOURS.line;
+  context.lineWidth = 1;
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
+}
+
+function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
+  const { visible, scale, width, height } = picture;
+  context.font = MONO;
+  for (const tick of ticks(visible.fromNs, visible.toNs, (width - NAMES_PX) / 90)) {
+    const x = Math.round(scale.x(tick.atNs)) + 0.5;
+    context.strokeStyle = COLOURS.line;
+    context.globalAlpha = 0.6;
+    context.beginPath();
+    context.moveTo(x, AXIS_PX - 5);
+    context.lineTo(x, height);
+    context.stroke();
+    context.globalAlpha = 1;
+    context.fillStyle = COLOURS.dim;
+    const room = Math.min(x + 4, width - context.measureText(tick.label).width - 3);
+    context.fillText(tick.label, room, AXIS_PX / 2);
+  }
+  line(context, 0, AXIS_PX - 0.5, width, AXIS_PX - 0.5);
+}
+
+function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: number): void {
+  const { scale, visible } = picture;
+  name(context, 'target visits', 8, y + VISITS_PX / 2, COLOURS.dim);
+  let free = NAMES_PX;
+  for (const visit of picture.visits) {
+    if (visit.toNs < visible.fromNs || visit.fromNs > visible.toNs) continue;
+    const x = Math.max(scale.x(visit.fromNs), NAMES_PX);
+    const width = Math.max(scale.x(Math.min(visit.toNs, visible.toNs)) - x, 3);
+    context.fillStyle = stateColour(visit.state);
+    context.fillRect(x, y + 3, width, VISITS_PX - 6);
+    context.font = '600 10px Inter, system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+    const text = context.measureText(visit.name).width;
+    const inside = width >= text + 6;
+    const at = inside ? x + 3 : Math.max(x + width + 3, free);
+    // A name beside its bar must not run into the next one.
+    const next = picture.visits.find(other => scale.x(other.fromNs) > x + width);
+    if (!inside && (at > x + width + 12 || (next && at + text > scale.x(next.fromNs)))) continue;
+    context.fillStyle = inside ? COLOURS.ground : stateColour(visit.state);
+    context.fillText(visit.name, at, y + VISITS_PX / 2 + 0.5);
+    free = at + text + 4;
+  }
+}
+
+function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: Strip, y: number): void {
+  const points = lineOf(strip, picture.visible, picture.scale, y + 4, STRIP_PX - 7);
+  context.save();
+  context.beginPath();
+  context.rect(NAMES_PX, y, picture.width - NAMES_PX, STRIP_PX);
+  context.clip();
+  context.beginPath();
+  for (const [x, height] of points) context.lineTo(x, height);
+  context.strokeStyle = '#8fb4d8';
+  context.lineWidth = 1.1;
+  context.stroke();
+  context.restore();
+  name(context, strip.name, 8, y + STRIP_PX / 2, COLOURS.dim);
+  context.font = '9px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+  context.fillStyle = COLOURS.faint;
+  context.textAlign = 'right';
+  context.fillText(strip.high.toFixed(strip.decimals), NAMES_PX - 5, y + 7);
+  context.fillText(strip.low.toFixed(strip.decimals), NAMES_PX - 5, y + STRIP_PX - 6);
+  context.textAlign = 'left';
+  line(context, 0, y + STRIP_PX - 0.5, picture.width, y + STRIP_PX - 0.5);
+}
+
+function drawLane(context: CanvasRenderingContext2D, picture: Picture, lane: LaneRow): void {
+  const indent = 8 + Math.min(lane.depth, 6) * 8;
+  const count = lane.tasks > 1 ? ` ×${lane.tasks}` : '';
+  name(context, lane.name + count, indent, lane.y + ROW_PX / 2, COLOURS.text);
+  lane.rows.forEach((row, index) => {
+    const y = lane.y + index * ROW_PX + 2;
+    for (const block of blocksOf(row, picture.visible, picture.scale)) {
+      const waiting = block.state === 'pending';
+      context.fillStyle = stateColour(block.state);
+      context.globalAlpha = waiting ? 0.3 : 0.88;
+      context.fillRect(block.x, waiting ? y + 4 : y, block.width, waiting ? 3 : ROW_PX - 4);
+      context.globalAlpha = 1;
+      if (block.task !== picture.selected) continue;
+      context.strokeStyle = COLOURS.text;
+      context.lineWidth = 1.2;
+      context.strokeRect(block.x + 0.5, y - 0.5, Math.max(block.width - 1, 1), ROW_PX - 3);
+    }
+  });
+}
+
+function name(context: CanvasRenderingContext2D, text: string, x: number, y: number, colour: string): void {
+  context.font = FONT;
+  context.fillStyle = colour;
+  const room = NAMES_PX - x - 8;
+  let shown = text;
+  while (shown.length > 1 && context.measureText(shown).width > room)
+    shown = `${shown.slice(0, -2).trimEnd()}…`;
+  context.fillText(shown, x, y);
+}

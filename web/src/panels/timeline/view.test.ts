@@ -1,0 +1,132 @@
+import { describe, expect, it } from 'vitest';
+import type { Bar, Target, Timeline, Track } from '../../record/types';
+import {
+  barAt,
+  blocksOf,
+  layLanes,
+  lineOf,
+  NAMES_PX,
+  ROW_PX,
+  scaleOf,
+  stripsOf,
+  valueAt,
+  visitsOf,
+} from './view';
+
+const visible = { fromNs: 0, toNs: 1000 };
+const scale = scaleOf(visible, NAMES_PX + 1000);
+const bar = (task: number, from_ns: number, to_ns: number): Bar => ({
+  task,
+  state: 'ongoing',
+  from_ns,
+  to_ns,
+});
+
+describe('the scale', () => {
+  it('goes there and back', () => {
+    expect(scale.x(0)).toBe(NAMES_PX);
+    expect(scale.x(1000)).toBe(NAMES_PX + 1000);
+    expect(scale.at(scale.x(321))).toBeCloseTo(321, 9);
+  });
+});
+
+describe('lanes', () => {
+  const lane = { tag: 'line', goal: '(fly-line (zaca 1))', depth: 2, active_ns: 5, left_out: 0 };
+  const timeline: Timeline = {
+    from_ns: 0,
+    to_ns: 1000,
+    left_out: 0,
+    lanes: [
+      { ...lane, tasks: 1, rows: [[bar(1, 0, 500)]] },
+      { ...lane, tasks: 2, rows: [[bar(2, 0, 100)], [bar(3, 50, 150), bar(4, 300, 300)]] },
+    ],
+  };
+  const { lanes, height } = layLanes(timeline);
+
+  it('are as high as their rows, and named by what their tasks share', () => {
+    expect(height).toBe(3 * ROW_PX);
+    expect(lanes.map(row => [row.y, row.name])).toEqual([
+      [0, 'fly-line (zaca 1)'],
+      [ROW_PX, 'fly-line'],
+    ]);
+    expect(layLanes(null).height).toBe(0);
+  });
+
+  it('can be hit, marks of no length too', () => {
+    expect(barAt(lanes, scale.x(250), 3, scale)?.task).toBe(1);
+    expect(barAt(lanes, scale.x(75), ROW_PX + 3, scale)?.task).toBe(2);
+    expect(barAt(lanes, scale.x(75), 2 * ROW_PX + 3, scale)?.task).toBe(3);
+    expect(barAt(lanes, scale.x(301), 2 * ROW_PX + 3, scale)?.task).toBe(4);
+    expect(barAt(lanes, scale.x(600), 3, scale)).toBeNull();
+    expect(barAt(lanes, scale.x(75), 999, scale)).toBeNull();
+  });
+
+  it('draw bars under a pixel as one block', () => {
+    const tiny = Array.from({ length: 500 }, (_, index) => bar(index, index / 10, index / 10 + 0.1));
+    const blocks = blocksOf(tiny, visible, scale);
+    expect(blocks.length).toBe(1);
+    expect(blocks[0]?.width).toBeGreaterThan(49);
+    expect(blocksOf([bar(1, -50, 20), bar(2, 2000, 3000)], visible, scale)).toEqual([
+      { x: NAMES_PX, width: 20, state: 'ongoing', task: 1 },
+    ]);
+  });
+});
+
+it('visits last from observing to the result; a skipped target is a mark', () => {
+  const target = (id: string, history: [number, string][]): Target => ({
+    id,
+    name: id,
+    latitude_deg: 0,
+    longitude_deg: 0,
+    value: 1,
+    geometry: null,
+    history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
+  });
+  const visits = visitsOf(
+    [
+      target('b', [
+        [0, 'planned'],
+        [30, 'observing'],
+        [50, 'observed'],
+      ]),
+      target('a', [[20, 'skipped']]),
+      target('c', [[60, 'observing']]),
+    ],
+    99,
+  );
+  expect(visits.map(visit => [visit.id, visit.fromNs, visit.toNs, visit.state])).toEqual([
+    ['a', 20, 20, 'skipped'],
+    ['b', 30, 50, 'observed'],
+    ['c', 60, 99, 'observing'],
+  ]);
+});
+
+describe('strips', () => {
+  const times = Array.from({ length: 5000 }, (_, index) => index / 5);
+  const track: Track = {
+    t_ns: times,
+    latitude_deg: [],
+    longitude_deg: [],
+    altitude_m: times.map((_, index) => (index === 2500 ? 900 : index % 7)),
+    heading_deg: [],
+    roll_deg: times.map(() => null),
+    ground_speed_mps: [],
+    fuel_kg: times.map(() => 5),
+    recorded: 5000,
+  };
+
+  it('are made of quantities that change', () => {
+    expect(stripsOf(track).map(made => made.name)).toEqual(['altitude']);
+    expect(stripsOf(null)).toEqual([]);
+  });
+
+  it('keep every peak in few points', () => {
+    const [altitude] = stripsOf(track);
+    if (!altitude) throw new Error('there is no altitude');
+    const points = lineOf(altitude, visible, scale, 0, 100);
+    expect(points.length).toBeLessThanOrEqual(2002);
+    expect(Math.min(...points.map(point => point[1]))).toBe(0);
+    expect(valueAt(altitude, 500)).toBe(900);
+    expect(valueAt(altitude, -1)).toBeNull();
+  });
+});

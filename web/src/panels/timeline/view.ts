@@ -1,0 +1,212 @@
+/** The timeline's geometry: times to pixels, lanes to rows, samples to strips; pure. */
+
+import type { Range } from '../../player/clock';
+import type { Bar, Target, TaskState, Timeline, Track } from '../../record/types';
+
+/** Width of the column of names, in pixels. */
+export const NAMES_PX = 168;
+/** Height of the time axis. */
+export const AXIS_PX = 20;
+/** Height of a row of bars. */
+export const ROW_PX = 15;
+/** Height of the lane of target visits. */
+export const VISITS_PX = 18;
+/** Height of a strip chart. */
+export const STRIP_PX = 27;
+
+/** From mission time to pixels of the drawing, and back. */
+export interface Scale {
+  x(atNs: number): number;
+  at(x: number): number;
+}
+
+export function scaleOf(visible: Range, width: number): Scale {
+  const span = Math.max(visible.toNs - visible.fromNs, 1);
+  const room = Math.max(width - NAMES_PX, 1);
+  return {
+    x: atNs => NAMES_PX + ((atNs - visible.fromNs) / span) * room,
+    at: x => visible.fromNs + ((x - NAMES_PX) / room) * span,
+  };
+}
+
+export interface LaneRow {
+  y: number;
+  height: number;
+  name: string;
+  depth: number;
+  /** How many tasks the lane holds; shown when more than one. */
+  tasks: number;
+  rows: Bar[][];
+}
+
+/** The lanes below each other; a lane is as high as it has rows. */
+export function layLanes(timeline: Timeline | null): { lanes: LaneRow[]; height: number } {
+  let y = 0;
+  const lanes = (timeline?.lanes ?? []).map(lane => {
+    const height = Math.max(lane.rows.length, 1) * ROW_PX;
+    const row = { y, height, name: laneName(lane), depth: lane.depth, tasks: lane.tasks, rows: lane.rows };
+    y += height;
+    return row;
+  });
+  return { lanes, height: y };
+}
+
+/** A single task is named by its goal; many of one step by the goal's head, which they share. */
+function laneName(lane: { tag: string; goal: string; tasks: number }): string {
+  const goal = lane.goal.replace(/^\((.*)\)$/s, '$1');
+  return lane.tasks === 1 ? goal : (goal.split(/\s/)[0] ?? lane.tag);
+}
+
+/** What lies at a point of the lanes (`y` from the top of the first lane). */
+export function barAt(lanes: readonly LaneRow[], x: number, y: number, scale: Scale): Bar | null {
+  const lane = lanes.find(candidate => y >= candidate.y && y < candidate.y + candidate.height);
+  const row = lane?.rows[Math.floor((y - lane.y) / ROW_PX)];
+  if (!row) return null;
+  // Bars thinner than three pixels can be hit too.
+  const slack = 1.5;
+  return row.findLast(bar => scale.x(bar.from_ns) - slack <= x && x <= scale.x(bar.to_ns) + slack) ?? null;
+}
+
+export interface Block {
+  x: number;
+  width: number;
+  state: TaskState;
+  task: number;
+}
+
+/** A row's bars as blocks to fill: bars under a pixel that touch are one block, so that a million draw like a thousand. */
+export function blocksOf(row: readonly Bar[], visible: Range, scale: Scale): Block[] {
+  const blocks: Block[] = [];
+  for (const bar of row) {
+    if (bar.to_ns < visible.fromNs || bar.from_ns > visible.toNs) continue;
+    const x = Math.max(scale.x(bar.from_ns), NAMES_PX);
+    const width = Math.max(scale.x(Math.min(bar.to_ns, visible.toNs)) - x, 1);
+    const last = blocks.at(-1);
+    if (last && width <= 1 && last.state === bar.state && x - (last.x + last.width) < 1) {
+      last.width = Math.max(last.width, x + width - last.x);
+    } else {
+      blocks.push({ x, width, state: bar.state, task: bar.task });
+    }
+  }
+  return blocks;
+}
+
+export interface Visit {
+  id: string;
+  name: string;
+  fromNs: number;
+  toNs: number;
+  /** How it ended, `observing` while it goes on. */
+  state: string;
+}
+
+/** When targets were observed, and with what result; targets that were skipped are a mark. */
+export function visitsOf(targets: readonly Target[], endNs: number): Visit[] {
+  const visits = targets.flatMap(target =>
+    target.history.flatMap((change, index) => {
+      const next = target.history[index + 1];
+      const { id, name } = target;
+      if (change.state === 'observing') {
+        return {
+          id,
+          name,
+          fromNs: change.t_ns,
+          toNs: next?.t_ns ?? endNs,
+          state: next?.state ?? 'observing',
+        };
+      }
+      const alone = target.history[index - 1]?.state !== 'observing';
+      if (alone && (change.state === 'observed' || change.state === 'skipped')) {
+        return { id, name, fromNs: change.t_ns, toNs: change.t_ns, state: change.state };
+      }
+      return [];
+    }),
+  );
+  return visits.sort((a, b) => a.fromNs - b.fromNs);
+}
+
+export interface Strip {
+  name: string;
+  unit: string;
+  low: number;
+  high: number;
+  /** Fraction digits of its numbers. */
+  decimals: number;
+  times: number[];
+  values: number[];
+}
+
+/** The quantities that are drawn as strips, in this order, where the record has them. */
+export function stripsOf(track: Track | null): Strip[] {
+  if (!track) return [];
+  return [
+    strip('altitude', 'm', track.t_ns, track.altitude_m, 0),
+    strip('roll', '°', track.t_ns, track.roll_deg, 1),
+    strip('fuel', 'kg', track.t_ns, track.fuel_kg, 0),
+  ].filter(made => made !== null);
+}
+
+function strip(
+  name: string,
+  unit: string,
+  all: number[],
+  column: (number | null)[],
+  decimals: number,
+): Strip | null {
+  const times: number[] = [];
+  const values: number[] = [];
+  let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  column.forEach((value, index) => {
+    const time = all[index];
+    if (value === null || time === undefined) return;
+    times.push(time);
+    values.push(value);
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  });
+  // A quantity that never changes (a vehicle without fuel) tells nothing as a picture.
+  return values.length < 2 || low === high ? null : { name, unit, low, high, decimals, times, values };
+}
+
+/** The last value up to `atNs`. */
+export function valueAt(strip: Strip, atNs: number): number | null {
+  let [low, high] = [0, strip.times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((strip.times[middle] as number) <= atNs) low = middle + 1;
+    else high = middle;
+  }
+  return strip.values[low - 1] ?? null;
+}
+
+/** Points of a strip's line: at most one lowest and one highest for a pixel. */
+export function lineOf(
+  strip: Strip,
+  visible: Range,
+  scale: Scale,
+  top: number,
+  height: number,
+): [number, number][] {
+  const y = (value: number) => top + height - ((value - strip.low) / (strip.high - strip.low)) * height;
+  const points: [number, number][] = [];
+  let column = Number.NaN;
+  strip.times.forEach((time, index) => {
+    const before = strip.times[index - 1] ?? time;
+    const after = strip.times[index + 1] ?? time;
+    if (after < visible.fromNs || before > visible.toNs) return;
+    const x = scale.x(time);
+    const height = y(strip.values[index] as number);
+    const last = points.at(-1);
+    const previous = points.at(-2);
+    if (Math.floor(x) === column && last && previous && Math.floor(previous[0]) === column) {
+      // Third and later points of a pixel only stretch its two.
+      const [upper, lower] = previous[1] < last[1] ? [previous, last] : [last, previous];
+      upper[1] = Math.min(upper[1], height);
+      lower[1] = Math.max(lower[1], height);
+    } else {
+      column = Math.floor(x);
+      points.push([x, height]);
+    }
+  });
+  return points;
+}

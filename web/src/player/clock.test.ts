@@ -1,0 +1,46 @@
+import { describe, expect, it } from 'vitest';
+import { advance, clamp, otherSpeed, shift, speedFor, stepNs, zoom } from './clock';
+
+const S = 1e9;
+const hour = { fromNs: 0, toNs: 3600 * S };
+
+describe('playing', () => {
+  it('takes about a minute for a record of any length', () => {
+    expect(speedFor(hour)).toBe(60);
+    expect(speedFor({ fromNs: 0, toNs: 5 * S })).toBe(1);
+    expect(speedFor({ fromNs: 0, toNs: 1e6 * S })).toBe(3600);
+  });
+
+  it('advances by watching time times speed and stops at the end', () => {
+    expect(advance(0, 500, 60, hour)).toEqual({ atNs: 30 * S, ended: false });
+    expect(advance(3599 * S, 500, 60, hour)).toEqual({ atNs: 3600 * S, ended: true });
+  });
+
+  it('changes speed in steps and stays at the ends', () => {
+    expect(otherSpeed(60, 1)).toBe(120);
+    expect(otherSpeed(60, -1)).toBe(30);
+    expect(otherSpeed(1, -1)).toBe(1);
+    expect(otherSpeed(3600, 1)).toBe(3600);
+  });
+});
+
+describe('the visible range', () => {
+  it('keeps the time under the pointer when zoomed', () => {
+    expect(zoom(hour, hour, 900 * S, 0.5)).toEqual({ fromNs: 450 * S, toNs: 2250 * S });
+  });
+
+  it('never leaves the record', () => {
+    expect(zoom(hour, hour, 900 * S, 3)).toEqual(hour);
+    expect(shift({ fromNs: 10 * S, toNs: 20 * S }, hour, -60 * S)).toEqual({ fromNs: 0, toNs: 10 * S });
+    expect(shift({ fromNs: 10 * S, toNs: 20 * S }, hour, 9999 * S)).toEqual({
+      fromNs: 3590 * S,
+      toNs: 3600 * S,
+    });
+  });
+
+  it('sets the step of the arrow keys', () => {
+    expect(stepNs(hour, false)).toBe(36 * S);
+    expect(stepNs(hour, true)).toBe(360 * S);
+    expect(clamp(-5, hour)).toBe(0);
+  });
+});

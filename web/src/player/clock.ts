@@ -1,0 +1,63 @@
+/** How the cursor moves over a record; pure. */
+
+import { NANOSECONDS_PER_SECOND } from '../time/format';
+
+/** Playing speeds: seconds of mission for one second of watching. */
+export const SPEEDS = [1, 2, 5, 10, 30, 60, 120, 300, 600, 1200, 3600] as const;
+
+/** A record should play in about this time unless the user says otherwise. */
+const WATCH_S = 60;
+
+export interface Range {
+  fromNs: number;
+  toNs: number;
+}
+
+/** The slowest speed that plays the whole record in a minute. */
+export function speedFor(range: Range): number {
+  const wanted = (range.toNs - range.fromNs) / NANOSECONDS_PER_SECOND / WATCH_S;
+  return SPEEDS.find(speed => speed >= wanted) ?? SPEEDS[SPEEDS.length - 1] ?? 1;
+}
+
+/** The next faster (1) or slower (-1) speed. */
+export function otherSpeed(speed: number, direction: 1 | -1): number {
+  const at = SPEEDS.findIndex(candidate => candidate >= speed);
+  return SPEEDS[(at < 0 ? SPEEDS.length - 1 : at) + direction] ?? speed;
+}
+
+export function clamp(atNs: number, range: Range): number {
+  return Math.min(Math.max(atNs, range.fromNs), range.toNs);
+}
+
+/** Where the cursor is after `elapsedMs` of playing, and whether it has come to the end. */
+export function advance(
+  atNs: number,
+  elapsedMs: number,
+  speed: number,
+  range: Range,
+): { atNs: number; ended: boolean } {
+  const next = atNs + elapsedMs * 1e6 * speed;
+  return next >= range.toNs ? { atNs: range.toNs, ended: true } : { atNs: next, ended: false };
+}
+
+/** The step of an arrow key: a hundredth of what is seen, at least a millisecond. */
+export function stepNs(visible: Range, coarse: boolean): number {
+  return Math.max((visible.toNs - visible.fromNs) / 100, 1e6) * (coarse ? 10 : 1);
+}
+
+/** `visible` scaled around `atNs`, kept inside `whole`. */
+export function zoom(visible: Range, whole: Range, atNs: number, factor: number): Range {
+  const length = Math.min(Math.max((visible.toNs - visible.fromNs) * factor, 1e6), whole.toNs - whole.fromNs);
+  const share = (atNs - visible.fromNs) / Math.max(visible.toNs - visible.fromNs, 1);
+  return shift({ fromNs: atNs - share * length, toNs: atNs + (1 - share) * length }, whole, 0);
+}
+
+/** `visible` moved by `byNs`, kept inside `whole`. */
+export function shift(visible: Range, whole: Range, byNs: number): Range {
+  const length = visible.toNs - visible.fromNs;
+  const fromNs = Math.min(
+    Math.max(visible.fromNs + byNs, whole.fromNs),
+    Math.max(whole.toNs - length, whole.fromNs),
+  );
+  return { fromNs, toNs: Math.min(fromNs + length, whole.toNs) };
+}

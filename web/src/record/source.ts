@@ -1,0 +1,96 @@
+/** The one way to a flight record: questions to the server, and news of its growth. */
+
+import type { Events, Growth, Mission, Report, Snippet, Target, Tasks, Timeline, Track, Why } from './types';
+
+/** What a panel may ask a record; a finished one and a growing one answer alike. */
+export interface RecordSource {
+  mission(): Promise<Mission>;
+  track(): Promise<Track>;
+  tasks(query: { atNs: number; ended: boolean; find: string; with: number | null }): Promise<Tasks>;
+  timeline(): Promise<Timeline>;
+  targets(): Promise<Target[]>;
+  events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
+  why(task: number, atNs: number): Promise<Why>;
+  report(): Promise<Report>;
+  source(place: string): Promise<Snippet>;
+  /** Calls back on every growth until the record is complete; the answer stops it. */
+  watch(onGrowth: (growth: Growth) => void, onConnection: (connected: boolean) => void): () => void;
+}
+
+/** The server's own words about what went wrong. */
+export class RecordError extends Error {
+  constructor(
+    message: string,
+    readonly help: string,
+  ) {
+    super(message);
+  }
+}
+
+const RETRY_MS = 2000;
+
+/** A record behind `apex serve`. */
+export class ServedRecord implements RecordSource {
+  constructor(private readonly base: string) {}
+
+  mission = (): Promise<Mission> => this.get('mission', {});
+  track = (): Promise<Track> => this.get('track', { points: 4000 });
+  timeline = (): Promise<Timeline> => this.get('timeline', { lanes: 60 });
+  report = (): Promise<Report> => this.get('report', {});
+  targets = async (): Promise<Target[]> => (await this.get<{ targets: Target[] }>('targets', {})).targets;
+  why = (task: number, atNs: number): Promise<Why> => this.get('why', { task, at: whole(atNs) });
+  source = (place: string): Promise<Snippet> => this.get('source', { place });
+
+  tasks: RecordSource['tasks'] = query =>
+    this.get('tasks', { at: whole(query.atNs), ended: query.ended, find: query.find, with: query.with });
+
+  events: RecordSource['events'] = query =>
+    this.get('events', { to: whole(query.toNs), limit: query.limit, find: query.find, kind: query.kinds });
+
+  watch: RecordSource['watch'] = (onGrowth, onConnection) => {
+    let socket: WebSocket | undefined;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let over = false;
+    const open = () => {
+      socket = new WebSocket(`${this.base.replace(/^http/, 'ws')}/api/live`);
+      socket.onopen = () => onConnection(true);
+      socket.onmessage = message => {
+        const growth: Growth = JSON.parse(String(message.data));
+        over ||= growth.status === 'complete';
+        onGrowth(growth);
+      };
+      socket.onclose = () => {
+        if (over) return;
+        onConnection(false);
+        timer = setTimeout(open, RETRY_MS);
+      };
+    };
+    open();
+    return () => {
+      over = true;
+      clearTimeout(timer);
+      socket?.close();
+    };
+  };
+
+  private async get<T>(what: string, query: Record<string, string | number | boolean | null>): Promise<T> {
+    const parameters = new URLSearchParams();
+    for (const [name, value] of Object.entries(query)) {
+      if (value !== null && value !== '') parameters.set(name, String(value));
+    }
+    let response: Response;
+    try {
+      response = await fetch(`${this.base}/api/${what}?${parameters}`);
+    } catch {
+      throw new RecordError('the server does not answer', 'is `apex serve` still running?');
+    }
+    const body = await response.json();
+    if (!response.ok) throw new RecordError(body.error ?? response.statusText, body.help ?? '');
+    return body;
+  }
+}
+
+/** The server takes whole nanoseconds; a cursor drawn from pixels has fractions. */
+function whole(atNs: number): string {
+  return Math.round(atNs).toString();
+}
