@@ -195,11 +195,16 @@ impl<'a> Scenario<'a> {
         let mut free = apex_model::solver::WorkBudget::new(u64::MAX);
         // A look at a hundred places in the word is enough for a reason.
         let stride = word.len() / 100 + 1;
-        let with = (0..=word.len()).step_by(stride).map(|at| {
+        let with = (0..=word.len()).step_by(stride).filter_map(|at| {
             let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
-            self.cost(before.iter().copied().chain([index]).chain(after.iter().copied()), &mut free)
+            let longer: Vec<usize> = before.iter().copied().chain([index]).chain(after.iter().copied()).collect();
+            let seen = self.flown(longer.iter().copied()).contains(&index);
+            seen.then(|| self.cost(longer, &mut free))
         });
         let best = with.fold(f64::INFINITY, f64::min);
+        if best.is_infinite() {
+            return "no time is left for it among the others".to_string();
+        }
         if best > cost {
             format!("one visit would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer")
         } else {

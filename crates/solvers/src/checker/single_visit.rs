@@ -1,0 +1,267 @@
+//! The checker's own look at a single-visit plan: flies it in short steps, with its own arithmetic for wind, polygons,
+//! fuel and worth.
+
+use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
+use apex_geo::{sun, wind};
+use apex_model::problem::{
+    AirspaceZone, Manoeuvre, PlannedVisit, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, ZoneKind,
+};
+
+/// Length of a step along a leg.
+const STEP_M: f64 = 5_000.0;
+/// Steps of one leg.
+const STEPS_MAX: usize = 4_000;
+/// A leg may be quicker than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
+const TIME_TOLERANCE: f64 = 0.02;
+const TIME_TOLERANCE_S: f64 = 30.0;
+const WORTH_TOLERANCE: f64 = 1e-6;
+
+/// What is wrong with `plan`; empty where nothing is.
+pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut here = problem.start;
+    let mut altitude_m = problem.start_altitude_m;
+    let mut time_s = problem.start_s;
+    let mut benefits = 0.0;
+    for (number, visit) in plan.visits.iter().enumerate() {
+        let target = problem.targets.iter().find(|target| target.name == visit.target);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(visit.manoeuvre));
+        let (Some(target), Some(manoeuvre)) = (target, manoeuvre) else {
+            found.push(format!("visit {} names a target or manoeuvre that does not exist", number + 1));
+            continue;
+        };
+        if plan.visits.iter().take(number).any(|earlier| earlier.target == visit.target) {
+            found.push(format!("visits {} twice", visit.target));
+        }
+        let entry = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
+        let leg = Leg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
+        if visit.depart_s < time_s - 1e-6 {
+            found.push(format!("leaves for {} before the visit before has ended", visit.target));
+        }
+        ends_meet(&visit.route, here, entry, &visit.target, &mut found);
+        fly(problem, &visit.route, &leg, (visit.depart_s, visit.arrive_s), &mut found);
+        observe(problem, target, manoeuvre, visit, &mut found);
+        benefits += visit.worth;
+        here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
+        (altitude_m, time_s) = (manoeuvre.altitude_m, visit.end_s);
+    }
+    if let Some(base) = problem.base {
+        let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
+        ends_meet(&plan.return_route, here, base, "the base", &mut found);
+        fly(problem, &plan.return_route, &leg, (time_s, plan.end_s), &mut found);
+    } else if (plan.end_s - time_s).abs() > 1e-6 {
+        found.push("does not end with its last visit".to_string());
+    }
+    order(problem, plan, &mut found);
+    limits(problem, plan, &mut found);
+    sums(problem, plan, benefits, &mut found);
+    found
+}
+
+struct Leg<'a> {
+    to: &'a str,
+    from_m: f64,
+    to_m: f64,
+}
+
+fn ends_meet(route: &[Position], from: Position, to: Position, name: &str, found: &mut Vec<String>) {
+    let apart = |end: Option<&Position>, wanted| end.is_none_or(|end| geodesy::distance_m(*end, wanted) > 1.0);
+    if apart(route.first(), from) || apart(route.last(), to) {
+        found.push(format!("the route to {name} does not lead from where the vehicle is to where it must be"));
+    }
+}
+
+/// Flies `route` in steps at cruise altitude and compares time, airspace and landing distance.
+fn fly(
+    problem: &SingleVisitProblem,
+    route: &[Position],
+    leg: &Leg<'_>,
+    (depart_s, arrive_s): (f64, f64),
+    found: &mut Vec<String>,
+) {
+    let vehicle = &problem.vehicle;
+    let cruise_m = vehicle.cruise_altitude_m;
+    let heights = (leg.from_m.min(leg.to_m).min(cruise_m), leg.from_m.max(leg.to_m).max(cruise_m));
+    let mut time_s = depart_s;
+    for (from, to) in route.iter().zip(route.iter().skip(1)) {
+        let length_m = geodesy::distance_m(*from, *to);
+        let steps = ((length_m / STEP_M) as usize + 1).min(STEPS_MAX);
+        for step in 0..steps {
+            let at = |share: f64| geodesy::interpolate(*from, *to, (step as f64 + share) / steps as f64);
+            let middle = at(0.5);
+            let speed_mps = ground_speed_mps(problem, at(0.0), at(1.0), middle, time_s);
+            time_s += length_m / steps as f64 / speed_mps;
+            inside_rules(problem, middle, heights, time_s, leg.to, found);
+        }
+    }
+    let change_s = |from_m: f64, to_m: f64| {
+        let rate = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
+        if rate > 0.0 { (to_m - from_m).abs() / rate } else { 0.0 }
+    };
+    let needed_s = (time_s - depart_s).max(change_s(leg.from_m, cruise_m) + change_s(cruise_m, leg.to_m));
+    let given_s = arrive_s - depart_s;
+    if given_s.is_nan() || given_s < needed_s * (1.0 - TIME_TOLERANCE) - TIME_TOLERANCE_S {
+        found.push(format!("allows {given_s:.0} s for the way to {}, which takes {needed_s:.0} s", leg.to));
+    }
+}
+
+/// Speed over ground from vectors: the air velocity of given length whose sum with the wind points along the step.
+fn ground_speed_mps(problem: &SingleVisitProblem, from: Position, to: Position, middle: Position, time_s: f64) -> f64 {
+    let here = wind::at(&problem.wind, middle, problem.vehicle.cruise_altitude_m, time_s);
+    let north = to.latitude_deg - from.latitude_deg;
+    let east = wrap_180(to.longitude_deg - from.longitude_deg) * libm::cos(middle.latitude_deg * RAD_PER_DEG);
+    let length = libm::hypot(east, north);
+    if length == 0.0 {
+        return problem.vehicle.true_airspeed_mps;
+    }
+    let (east, north) = (east / length, north / length);
+    // |s u - w| = airspeed, for the speed s along the unit vector u: s^2 - 2 s u.w + w.w - airspeed^2 = 0.
+    let along = east * here.east_mps + north * here.north_mps;
+    let rest = here.east_mps * here.east_mps + here.north_mps * here.north_mps
+        - problem.vehicle.true_airspeed_mps * problem.vehicle.true_airspeed_mps;
+    let root = along * along - rest;
+    if root <= 0.0 { f64::MIN_POSITIVE } else { (along + libm::sqrt(root)).max(f64::MIN_POSITIVE) }
+}
+
+/// Airspace and landing distance at one place.
+fn inside_rules(
+    problem: &SingleVisitProblem,
+    place: Position,
+    (low_m, high_m): (f64, f64),
+    time_s: f64,
+    name: &str,
+    found: &mut Vec<String>,
+) {
+    let meets = |zone: &&AirspaceZone| {
+        zone.altitude_m_min <= high_m && low_m < zone.altitude_m_max && zone.active.contains(time_s)
+    };
+    let restricted = problem.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted).filter(meets);
+    for zone in restricted.filter(|zone| winds_around(zone, place)) {
+        note(found, format!("enters restricted area {} on the way to {name}", zone.name));
+    }
+    let mut permitted = problem.zones.iter().filter(|zone| zone.kind == ZoneKind::Permitted).peekable();
+    if permitted.peek().is_some() && !permitted.filter(meets).any(|zone| winds_around(zone, place)) {
+        note(found, format!("leaves the permitted area of operation on the way to {name}"));
+    }
+    if let Some(limit_m) = problem.landing_distance_m_max {
+        let distances = problem.landing_places.iter().map(|landing| geodesy::distance_m(place, landing.position));
+        let nearest_m = distances.fold(f64::INFINITY, f64::min);
+        if nearest_m > limit_m + 1000.0 {
+            note(found, format!("is {:.0} km from any landing place on the way to {name}", nearest_m / 1000.0));
+        }
+    }
+}
+
+/// One message per matter, however many steps show it.
+fn note(found: &mut Vec<String>, message: String) {
+    if !found.contains(&message) {
+        found.push(message);
+    }
+}
+
+/// Does the zone's outline wind around `place`? Sums the angles under which its edges are seen, on a flat map scaled at
+/// `place`: another method than the planners' crossing count.
+fn winds_around(zone: &AirspaceZone, place: Position) -> bool {
+    let scale = libm::cos(place.latitude_deg * RAD_PER_DEG);
+    let seen = |corner: &Position| {
+        let east = wrap_180(corner.longitude_deg - place.longitude_deg) * scale;
+        libm::atan2(corner.latitude_deg - place.latitude_deg, east) / RAD_PER_DEG
+    };
+    let next = zone.corners.iter().skip(1).chain(zone.corners.first());
+    let turns = zone.corners.iter().zip(next).map(|(from, to)| wrap_180(seen(to) - seen(from)));
+    turns.sum::<f64>().abs() > 180.0
+}
+
+fn observe(
+    problem: &SingleVisitProblem,
+    target: &SingleVisitTarget,
+    manoeuvre: &Manoeuvre,
+    visit: &PlannedVisit,
+    found: &mut Vec<String>,
+) {
+    let name = &target.name;
+    if visit.begin_s < visit.arrive_s - 1e-6 {
+        found.push(format!("begins to observe {name} before it arrives"));
+    }
+    if (visit.end_s - visit.begin_s - manoeuvre.duration_s).abs() > 1e-6 {
+        found.push(format!(
+            "observes {name} for {:.0} s instead of {:.0} s",
+            visit.end_s - visit.begin_s,
+            manoeuvre.duration_s
+        ));
+    }
+    if !target.windows.is_empty() && !target.windows.iter().any(|window| window.contains(visit.begin_s)) {
+        found.push(format!("observes {name} outside its time windows"));
+    }
+    for time_s in [visit.begin_s, visit.end_s] {
+        if !sun::is_light(target.light, target.position, problem.zero_unix_s + time_s) {
+            note(found, format!("observes {name} in the wrong light"));
+        }
+    }
+    let worth = target.value
+        * manoeuvre.quality.coverage.factor
+        * manoeuvre.quality.resolution.factor
+        * manoeuvre.quality.clarity.factor
+        * target.timing_at(visit.begin_s);
+    if (worth - visit.worth).abs() > WORTH_TOLERANCE * worth.max(1.0) {
+        found.push(format!("claims {} for {name}, which is worth {worth}", visit.worth));
+    }
+    let heights = (manoeuvre.altitude_m, manoeuvre.altitude_m);
+    for (from, to) in &manoeuvre.lines {
+        let steps = ((geodesy::distance_m(*from, *to) / STEP_M) as usize + 1).min(STEPS_MAX);
+        for step in 0..=steps {
+            let place = geodesy::interpolate(*from, *to, step as f64 / steps as f64);
+            inside_rules(problem, place, heights, visit.begin_s, name, found);
+        }
+    }
+}
+
+fn order(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<String>) {
+    let place = |name: &String| plan.visits.iter().position(|visit| visit.target == *name);
+    for (earlier, later) in &problem.precedence {
+        if place(later).is_some_and(|later| place(earlier).is_none_or(|earlier| earlier > later)) {
+            found.push(format!("visits {later} without {earlier} before it"));
+        }
+    }
+}
+
+fn limits(problem: &SingleVisitProblem, plan: &SingleVisitPlan, found: &mut Vec<String>) {
+    let vehicle = &problem.vehicle;
+    let flight_s = plan.end_s - problem.start_s;
+    let spare_s = vehicle.endurance_s - vehicle.endurance_reserve_s - flight_s;
+    if spare_s.is_nan() || spare_s < -1e-6 {
+        found.push(format!("flies {:.0} s into the endurance reserve", -spare_s));
+    }
+    let burnt_kg = vehicle.fuel_flow_kg_per_s * flight_s;
+    if vehicle.fuel_flow_kg_per_s > 0.0 && vehicle.fuel_kg - burnt_kg < vehicle.fuel_reserve_kg - 1e-6 {
+        found.push(format!("burns {burnt_kg:.0} kg and eats into the fuel reserve"));
+    }
+    if (burnt_kg - plan.fuel_used_kg).abs() > 1e-3 {
+        found.push(format!("claims to burn {:.1} kg and burns {burnt_kg:.1} kg", plan.fuel_used_kg));
+    }
+    if problem.end_s.is_some_and(|end_s| plan.end_s > end_s + 1e-6) {
+        found.push("ends after the mission must end".to_string());
+    }
+}
+
+fn sums(problem: &SingleVisitProblem, plan: &SingleVisitPlan, benefits: f64, found: &mut Vec<String>) {
+    let hours = (plan.end_s - problem.start_s) / 3600.0;
+    let wages: f64 = problem.crew.iter().map(|m| m.wage_per_hour * (m.fixed_hours + m.flight_share * hours)).sum();
+    let failure = &problem.failure;
+    let loss = failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost;
+    let costs = wages + loss * (1.0 - libm::exp(-failure.probability_per_hour * hours));
+    let claims =
+        [(plan.benefits, benefits, "benefits"), (plan.costs, costs, "costs"), (plan.score, benefits - costs, "score")];
+    for (claimed, own, name) in claims {
+        if (claimed - own).abs() > WORTH_TOLERANCE * own.abs().max(1.0) {
+            found.push(format!("claims {name} of {claimed:.4}, which are {own:.4}"));
+        }
+    }
+    for target in &problem.targets {
+        let visited = plan.visits.iter().any(|visit| visit.target == target.name);
+        if visited == plan.left_out.iter().any(|left_out| left_out.target == target.name) {
+            let what = if visited { "is visited and called left out" } else { "is not visited and no reason is given" };
+            found.push(format!("{} {what}", target.name));
+        }
+    }
+}

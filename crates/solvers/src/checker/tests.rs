@@ -1,0 +1,107 @@
+//! The checker accepts what solvers make and refuses what has been tampered with.
+
+use super::*;
+use crate::single_visit::{SingleVisit, examples as fires};
+use crate::surveillance::examples;
+use crate::{solvers, two_opt::TwoOpt};
+use apex_model::problem::{AirspaceZone, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
+use apex_model::solver::{Environment, Solver, WorkBudget};
+use proptest::prelude::*;
+
+fn solve(solver: &dyn Solver, problem: &Problem, seed: u64, units: u64) -> Result<Plan, String> {
+    let mut budget = WorkBudget::new(units);
+    solver.solve(problem, &mut Environment { seed, budget: &mut budget, report: &mut |_| {} })
+}
+
+fn surveillance() -> (Problem, SurveillancePlan) {
+    let problem = Problem::Surveillance(examples::random(6, 2));
+    let Ok(Plan::Surveillance(plan)) = solve(&TwoOpt, &problem, 1, 50_000) else { panic!("there is a plan") };
+    (problem, plan)
+}
+
+fn fire() -> (SingleVisitProblem, SingleVisitPlan) {
+    let problem = fires::western_states(40_000.0);
+    let asked = Problem::SingleVisit(problem.clone());
+    let Ok(Plan::SingleVisit(plan)) = solve(&SingleVisit, &asked, 1, 30_000) else { panic!("there is a plan") };
+    (problem, plan)
+}
+
+fn complaints(problem: &SingleVisitProblem, plan: SingleVisitPlan) -> String {
+    violations(&Problem::SingleVisit(problem.clone()), &Plan::SingleVisit(plan)).join("; ")
+}
+
+#[test]
+fn tampered_surveillance_plans_are_refused() {
+    let (problem, plan) = surveillance();
+    assert_eq!(violations(&problem, &Plan::Surveillance(plan.clone())), Vec::<String>::new());
+    let changed = |change: &dyn Fn(&mut SurveillancePlan)| {
+        let mut plan = plan.clone();
+        change(&mut plan);
+        violations(&problem, &Plan::Surveillance(plan)).join("; ")
+    };
+    assert!(changed(&|plan| plan.visits[2].arrive_s -= 1.0).contains("before it can be there"));
+    assert!(changed(&|plan| plan.visits[2].end_s -= 1.0).contains("too briefly"));
+    assert!(changed(&|plan| plan.expected_cost *= 0.999).contains("claims an expected cost"));
+    assert!(changed(&|plan| plan.visits[0].target = "nowhere".into()).contains("no target"));
+    assert!(changed(&|plan| plan.visits.last_mut().unwrap().end_s = 4000.0).contains("after the horizon"));
+    assert!(changed(&|plan| plan.visits.swap(1, 2)).contains("where its cycle has"));
+}
+
+#[test]
+fn tampered_fire_plans_are_refused() {
+    let (problem, plan) = fire();
+    assert_eq!(complaints(&problem, plan.clone()), "");
+    let changed = |change: &dyn Fn(&mut SingleVisitPlan)| {
+        let mut plan = plan.clone();
+        change(&mut plan);
+        complaints(&problem, plan)
+    };
+    assert!(changed(&|plan| plan.visits[1].arrive_s -= 200.0).contains("allows"));
+    assert!(changed(&|plan| plan.visits[1].worth += 1.0).contains("worth"));
+    assert!(changed(&|plan| plan.visits[1].route = vec![]).contains("does not lead"));
+    assert!(changed(&|plan| plan.visits[1].target = plan.visits[0].target.clone()).contains("twice"));
+    assert!(changed(&|plan| plan.end_s += 40_000.0).contains("endurance reserve"));
+    assert!(changed(&|plan| plan.fuel_used_kg = 1.0).contains("claims to burn"));
+    assert!(changed(&|plan| plan.left_out.clear()).contains("no reason is given") || plan.left_out.is_empty());
+    let message = accept(&Problem::Surveillance(examples::random(2, 1)), &Plan::SingleVisit(plan.clone())).unwrap_err();
+    assert_eq!(message, "The plan of single-visit is not valid: it answers another kind of problem.");
+}
+
+#[test]
+fn a_zone_that_appears_on_the_way_is_noticed() {
+    let (mut problem, plan) = fire();
+    let first = apex_geo::geodesy::midpoint(problem.start, plan.visits[0].route[1]);
+    let (latitude, longitude) = (first.latitude_deg, first.longitude_deg);
+    let zone: AirspaceZone =
+        fires::restricted("TFR-1", latitude - 0.2, latitude + 0.2, longitude - 0.2, longitude + 0.2);
+    problem.zones.push(zone);
+    assert!(complaints(&problem, plan).contains("enters restricted area TFR-1"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn every_solver_passes_on_random_surveillance(
+        count in 1..14usize, seed in 0..100_000u64, home in any::<bool>(), side in 500.0..20_000.0f64,
+    ) {
+        let mut problem = examples::sized(count, seed, side);
+        problem.return_to_base = home;
+        problem.endurance_s = home.then_some(3000.0);
+        let problem = Problem::Surveillance(problem);
+        for solver in solvers().iter().filter(|solver| solver.serves(&problem)) {
+            match solve(solver.as_ref(), &problem, seed, 20_000) {
+                Ok(plan) => prop_assert_eq!(violations(&problem, &plan), Vec::<String>::new(), "{}", solver.name()),
+                Err(reason) => prop_assert!(reason.starts_with("No target"), "{reason}"),
+            }
+        }
+    }
+
+    #[test]
+    fn the_single_visit_planner_passes_on_random_missions(count in 1..12usize, seed in 0..100_000u64) {
+        let problem = Problem::SingleVisit(fires::random(count, seed));
+        match solve(&SingleVisit, &problem, seed, 3_000) {
+            Ok(plan) => prop_assert_eq!(violations(&problem, &plan), Vec::<String>::new()),
+            Err(reason) => prop_assert!(reason.starts_with("No target") || reason.starts_with("The start"), "{reason}"),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The plan made of the best order: routes, times, fuel, costs, reasons.
+
+use super::explain;
+use super::schedule::{Choice, Judged, Schedule};
+use super::search::Candidate;
+use super::travel::Node;
+use apex_metrics::mission_score;
+use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan};
+
+/// Finds the reasons of what is left out.
+type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &[Option<String>]) -> Vec<LeftOut>;
+
+/// The whole plan, with the reasons for what is left out.
+///
+/// # Errors
+/// A sentence where a way that was found before is found no more.
+pub(super) fn plan_of(
+    schedule: &mut Schedule<'_>,
+    solver: &str,
+    best: &Candidate,
+    troubles: &[Option<String>],
+    left_out: Reasons,
+) -> Result<SingleVisitPlan, String> {
+    let mut visits = Vec::with_capacity(best.order.len());
+    let mut node = Node::Start;
+    for (choice, timed) in best.order.iter().zip(&best.judged.visits) {
+        let entry = Node::Entry(choice.target, choice.manoeuvre);
+        let way = schedule.travel.way(node, entry, timed.depart_s)?;
+        node = Node::Exit(choice.target, choice.manoeuvre);
+        let target = schedule.problem.targets.get(choice.target).ok_or("a visit names no target")?;
+        visits.push(PlannedVisit {
+            target: target.name.clone(),
+            manoeuvre: choice.manoeuvre,
+            route: way.route,
+            depart_s: timed.depart_s,
+            arrive_s: timed.arrive_s,
+            begin_s: timed.begin_s,
+            end_s: timed.end_s,
+            timing: target.timing_at(timed.begin_s),
+            worth: timed.worth,
+        });
+    }
+    let left_s = visits.last().map_or(schedule.problem.start_s, |visit| visit.end_s);
+    let return_route = match schedule.problem.base {
+        Some(_) => schedule.travel.way(node, Node::Base, left_s)?.route,
+        None => Vec::new(),
+    };
+    let left_out = left_out(schedule, &best.order, &best.judged, troubles);
+    Ok(assembled(schedule, solver, best, (visits, return_route, left_out), troubles))
+}
+
+/// A plan in progress for those who watch: reasons that take time to find are not looked for. None where a way is missing.
+pub(super) fn sketch(
+    schedule: &mut Schedule<'_>,
+    solver: &str,
+    best: &Candidate,
+    troubles: &[Option<String>],
+) -> Option<SingleVisitPlan> {
+    plan_of(schedule, solver, best, troubles, explain::left_out_quickly).ok()
+}
+
+fn assembled(
+    schedule: &Schedule<'_>,
+    solver: &str,
+    best: &Candidate,
+    (visits, return_route, left_out): (Vec<PlannedVisit>, Vec<apex_model::problem::Position>, Vec<LeftOut>),
+    troubles: &[Option<String>],
+) -> SingleVisitPlan {
+    let problem = schedule.problem;
+    let flight_s = best.judged.end_s - problem.start_s;
+    let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
+    let costs = mission_score::flight_cost(problem, flight_s);
+    // Every target that can be visited at all, at its best: no plan can gain more.
+    let bound = problem.targets.iter().zip(troubles).filter(|(_, trouble)| trouble.is_none()).map(|(target, _)| {
+        let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
+        let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
+        target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
+    });
+    let bound: f64 = bound.sum();
+    let summary = format!(
+        "{} of {} targets in {}; worth {benefits:.2} of at most {bound:.2}, costs {costs:.2}, score {:.2}.",
+        visits.len(),
+        problem.targets.len(),
+        explain::spoken(flight_s),
+        benefits - costs
+    );
+    SingleVisitPlan {
+        solver: solver.to_string(),
+        visits,
+        return_route,
+        end_s: best.judged.end_s,
+        fuel_used_kg: problem.vehicle.fuel_flow_kg_per_s * flight_s,
+        benefits,
+        costs,
+        score: benefits - costs,
+        benefits_bound: Some(bound),
+        left_out,
+        summary,
+    }
+}

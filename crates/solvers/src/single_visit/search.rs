@@ -1,0 +1,260 @@
+//! The search: greedy insertion, local search, ruin and re-insertion.
+
+use super::schedule::{Choice, Judged, Schedule};
+use crate::random::Generator;
+use apex_model::problem::Plan;
+use apex_model::solver::{Budget, Environment};
+
+/// Ruins in a row without a better plan after which the search ends by itself.
+pub(super) const STALE_ROUNDS_MAX: usize = 300;
+
+/// An order with its judgement.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    pub(super) order: Vec<Choice>,
+    pub(super) judged: Judged,
+}
+
+struct Search<'s, 'p, 'b> {
+    schedule: &'s mut Schedule<'p>,
+    usable: Vec<usize>,
+    troubles: &'s [Option<String>],
+    budget: &'b mut dyn Budget,
+    random: Generator,
+}
+
+/// The best order found within the budget, over the targets without a trouble of their own.
+pub(super) fn run(
+    schedule: &mut Schedule<'_>,
+    troubles: &[Option<String>],
+    environment: &mut Environment<'_>,
+) -> Candidate {
+    let seed = environment.seed;
+    let report = &mut *environment.report;
+    let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
+    let random = Generator::new(seed);
+    let mut search = Search { schedule, usable, troubles, budget: &mut *environment.budget, random };
+    let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
+    let mut best = Candidate { order: Vec::new(), judged: idle };
+    search.fill(&mut best, 0.0);
+    search.start_somewhere(&mut best);
+    tell(&mut search, &best, report);
+    search.descend(&mut best);
+    tell(&mut search, &best, report);
+    let mut stale = 0;
+    while stale < STALE_ROUNDS_MAX && !search.budget.exhausted() {
+        stale += 1;
+        let mut next = search.ruined(&best);
+        search.fill(&mut next, 0.3);
+        search.descend(&mut next);
+        if next.judged.beats(&best.judged) {
+            best = next;
+            stale = 0;
+            tell(&mut search, &best, report);
+        }
+    }
+    best
+}
+
+fn tell(search: &mut Search<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {
+    if let Some(plan) = super::plan::sketch(search.schedule, "single-visit", best, search.troubles) {
+        report(&Plan::SingleVisit(plan));
+    }
+}
+
+impl Search<'_, '_, '_> {
+    fn judge(&mut self, order: &[Choice]) -> Option<Judged> {
+        if self.budget.exhausted() {
+            return None;
+        }
+        self.schedule.judge(order, self.budget).ok()
+    }
+
+    /// Takes `order` when it is better; says whether it was.
+    fn try_order(&mut self, current: &mut Candidate, order: Vec<Choice>) -> bool {
+        match self.judge(&order) {
+            Some(judged) if judged.beats(&current.judged) => {
+                *current = Candidate { order, judged };
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// However small the budget: a plan has at least one visit.
+    fn start_somewhere(&mut self, current: &mut Candidate) {
+        let choices: Vec<Choice> = self.usable.iter().flat_map(|target| self.choices(*target)).collect();
+        for choice in choices {
+            if !current.order.is_empty() {
+                return;
+            }
+            if let Ok(judged) = self.schedule.judge(&[choice], self.budget) {
+                *current = Candidate { order: vec![choice], judged };
+            }
+        }
+    }
+
+    fn missing(&self, order: &[Choice]) -> Vec<usize> {
+        let usable = self.usable.iter().copied();
+        usable.filter(|target| !order.iter().any(|choice| choice.target == *target)).collect()
+    }
+
+    /// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
+    fn choices(&self, target: usize) -> Vec<Choice> {
+        let Some(data) = self.schedule.problem.targets.get(target) else { return Vec::new() };
+        let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+        let starts: Vec<f64> = starts.collect();
+        (0..data.manoeuvres.len())
+            .flat_map(|manoeuvre| starts.iter().map(move |start| Choice { target, manoeuvre, not_before_s: *start }))
+            .collect()
+    }
+
+    /// Inserts missing targets, each time the one with the most gain per added time, while the score grows.
+    /// `noise` blurs the choice so that repeated fillings differ.
+    fn fill(&mut self, current: &mut Candidate, noise: f64) {
+        loop {
+            let mut best: Option<(f64, Candidate)> = None;
+            for target in self.missing(&current.order) {
+                let blur = 1.0 - noise * self.random.unit();
+                for choice in self.choices(target) {
+                    for at in 0..=current.order.len() {
+                        let order = inserted(&current.order, at, choice);
+                        let Some(judged) = self.judge(&order) else { continue };
+                        if !judged.beats(&current.judged) {
+                            continue;
+                        }
+                        let added_s = (judged.end_s - current.judged.end_s).max(1.0);
+                        let base = if current.order.is_empty() { 0.0 } else { current.judged.score };
+                        let merit = blur * (judged.score - base) / added_s;
+                        if best.as_ref().is_none_or(|(most, _)| merit > *most) {
+                            best = Some((merit, Candidate { order, judged }));
+                        }
+                    }
+                }
+            }
+            let Some((_, next)) = best else { return };
+            *current = next;
+        }
+    }
+
+    /// Applies improving moves until there is none.
+    fn descend(&mut self, current: &mut Candidate) {
+        while !self.budget.exhausted()
+            && (self.relocate(current)
+                || self.turn_round(current)
+                || self.rechoose(current)
+                || self.replace(current)
+                || self.insert(current)
+                || self.drop_one(current))
+        {}
+    }
+
+    fn relocate(&mut self, current: &mut Candidate) -> bool {
+        for from in 0..current.order.len() {
+            for to in 0..current.order.len() {
+                let mut order = current.order.clone();
+                let choice = order.remove(from);
+                order.insert(to.min(order.len()), choice);
+                if from != to && self.try_order(current, order) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Exchanges two visits, or turns the part between them round.
+    fn turn_round(&mut self, current: &mut Candidate) -> bool {
+        for from in 0..current.order.len() {
+            for to in from + 1..current.order.len() {
+                let mut exchanged = current.order.clone();
+                exchanged.swap(from, to);
+                let mut turned = current.order.clone();
+                if let Some(part) = turned.get_mut(from..=to) {
+                    part.reverse();
+                }
+                if self.try_order(current, turned) || self.try_order(current, exchanged) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Another manoeuvre or another time for one visit.
+    fn rechoose(&mut self, current: &mut Candidate) -> bool {
+        for at in 0..current.order.len() {
+            let Some(now) = current.order.get(at).copied() else { continue };
+            for choice in self.choices(now.target).into_iter().filter(|choice| *choice != now) {
+                let mut order = current.order.clone();
+                if let Some(slot) = order.get_mut(at) {
+                    *slot = choice;
+                }
+                if self.try_order(current, order) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// One target out, another in at any place.
+    fn replace(&mut self, current: &mut Candidate) -> bool {
+        for out in 0..current.order.len() {
+            let mut without = current.order.clone();
+            without.remove(out);
+            for target in self.missing(&current.order) {
+                for choice in self.choices(target) {
+                    for at in 0..=without.len() {
+                        if self.try_order(current, inserted(&without, at, choice)) {
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    fn insert(&mut self, current: &mut Candidate) -> bool {
+        let before = current.order.len();
+        self.fill(current, 0.0);
+        current.order.len() > before
+    }
+
+    fn drop_one(&mut self, current: &mut Candidate) -> bool {
+        (0..current.order.len()).any(|at| {
+            let mut order = current.order.clone();
+            order.remove(at);
+            !order.is_empty() && self.try_order(current, order)
+        })
+    }
+
+    /// `best` without a few visits: a run of neighbours, or some at random.
+    fn ruined(&mut self, best: &Candidate) -> Candidate {
+        let count = best.order.len();
+        let take = 1 + self.random.below(count.div_ceil(3).max(1));
+        let mut order = best.order.clone();
+        if self.random.below(2) == 0 {
+            let from = self.random.below(count.saturating_sub(take) + 1);
+            order.drain(from..(from + take).min(count));
+        } else {
+            for _ in 0..take.min(order.len()) {
+                order.remove(self.random.below(order.len()));
+            }
+        }
+        match self.schedule.judge(&order, self.budget) {
+            Ok(judged) if !order.is_empty() => Candidate { order, judged },
+            _ => {
+                let end_s = self.schedule.problem.start_s;
+                Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } }
+            }
+        }
+    }
+}
+
+fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
+    let mut longer = order.to_vec();
+    longer.insert(at.min(order.len()), choice);
+    longer
+}
