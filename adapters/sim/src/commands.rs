@@ -1,7 +1,7 @@
 //! Commands: from form to order, with every refusal a sentence; supersession and withdrawal.
 
 use crate::arguments::{Arguments, Spot};
-use crate::camera::{Aim, CameraState};
+use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{Flight, Order};
 use crate::model::Airframe;
@@ -60,6 +60,8 @@ pub fn command_names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|command| command.name)
 }
 
+/// Broken-off lines remembered: more than a plan interrupts at one time.
+const LEFT_LINES_MAX: usize = 16;
 /// Lowest flight over ground: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
 
@@ -145,8 +147,29 @@ impl SimulatedWorld {
         if let Some(old) = self.flight.command.take() {
             self.answer(old, Err(format!("superseded by {form}")), inputs);
         }
-        self.flight = Flight::begin(Some(id), order, &self.situation());
+        self.break_off();
+        let begin_m = self.left_at_m(&order);
+        self.flight = Flight::begin_at(Some(id), order, begin_m, &self.situation());
         Ok(())
+    }
+
+    /// Remembers how far a line was flown that now ends before its end.
+    fn break_off(&mut self) {
+        if let Some((from, to, along_m)) = self.flight.unfinished() {
+            self.left_lines.retain(|(old_from, old_to, _)| (*old_from, *old_to) != (from, to));
+            self.left_lines.push((from, to, along_m));
+            if self.left_lines.len() > LEFT_LINES_MAX {
+                self.left_lines.remove(0);
+            }
+        }
+    }
+
+    /// Where to take up a line that was broken off before; each is taken up once.
+    fn left_at_m(&mut self, order: &Order) -> f64 {
+        let Order::FlyLine { from, to } = order else { return 0.0 };
+        let same = |(old_from, old_to, _): &(_, _, f64)| (*old_from, *old_to) == (from.position, to.position);
+        let found = self.left_lines.iter().position(same);
+        found.map_or(0.0, |index| self.left_lines.remove(index).2)
     }
 
     /// The order and the altitude that it brings with it.
@@ -279,85 +302,6 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    fn switch_scanner(&mut self, id: CommandId, arguments: &Arguments, inputs: &mut Vec<Input>) -> Result<(), String> {
-        if self.model.scanner.is_none() {
-            return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
-        }
-        let wanted = arguments.at(0).and_then(Value::as_symbol);
-        self.scanner_on = match wanted.map(|symbol| symbol.folded()) {
-            Some("on") => true,
-            Some("off") => false,
-            _ => return Err(arguments.wrong("it is switched on or off")),
-        };
-        self.answer(id, Ok(Value::symbol(if self.scanner_on { "on" } else { "off" })), inputs);
-        Ok(())
-    }
-
-    fn use_camera(
-        &mut self,
-        id: CommandId,
-        command: &str,
-        arguments: &Arguments,
-        inputs: &mut Vec<Input>,
-    ) -> Result<(), String> {
-        let name =
-            arguments.at(0).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned()).unwrap_or_default();
-        let known: Vec<String> = self.cameras.iter().map(|camera| camera.model.name.clone()).collect();
-        let index = self.cameras.iter().position(|camera| camera.model.name.to_lowercase() == name);
-        let camera = index.and_then(|index| self.cameras.get(index)).cloned();
-        let (Some(index), Some(mut camera)) = (index, camera) else {
-            return Err(arguments.wrong(&unknown_name("camera", &name, known.iter().map(String::as_str))));
-        };
-        let old = camera.command.take();
-        let mut answer = None;
-        let ready = camera.is_ready();
-        let switch = arguments.at(1).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned());
-        match (command, switch.as_deref()) {
-            ("camera", Some("power-up")) if ready => answer = Some(Value::symbol(&camera.model.name)),
-            ("camera", Some("power-up")) => {
-                let waiting = camera.timer.filter(|_| camera.state == CameraState::PoweringUp);
-                camera.state = CameraState::PoweringUp;
-                let fresh = self.now + Duration::from_seconds(camera.model.power_up_s);
-                camera.timer = Some(waiting.unwrap_or(fresh));
-                camera.command = Some(id);
-            }
-            ("camera", Some("power-off")) => {
-                (camera.state, camera.timer, camera.aim) = (CameraState::Off, None, None);
-                answer = Some(Value::symbol(&camera.model.name));
-            }
-            ("camera", _) => return Err(arguments.wrong("a camera is told power-up or power-off")),
-            (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
-            ("point-camera", _) => {
-                let spot = arguments.spot(1, "target")?;
-                let ground_m = self.ground.elevation_m_at(spot.position);
-                let aim = Aim { altitude_m: spot.thing_altitude_m.unwrap_or(ground_m), spot };
-                if let Some(reason) = camera.refusal(&aim, &self.state) {
-                    return Err(arguments.wrong(&reason));
-                }
-                (camera.state, camera.timer, camera.aim) = (CameraState::Slewing, None, Some(aim));
-                camera.command = Some(id);
-            }
-            _ if camera.state == CameraState::Slewing || camera.aim.is_none() => {
-                return Err(arguments.wrong(&format!("{name} does not point at anything yet: use point-camera first")));
-            }
-            _ => {
-                camera.state = CameraState::Exposing;
-                camera.timer = Some(self.now + Duration::from_seconds(camera.model.picture_s));
-                camera.command = Some(id);
-            }
-        }
-        if let Some(slot) = self.cameras.get_mut(index) {
-            *slot = camera;
-        }
-        if let Some(old) = old {
-            self.answer(old, Err(format!("superseded by another command to {name}")), inputs);
-        }
-        if let Some(answer) = answer {
-            self.answer(id, Ok(answer), inputs);
-        }
-        Ok(())
-    }
-
     /// The flight order is done: answers it, and circles, hovers or parks until the next.
     pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
         if let Some(command) = self.flight.command.take() {
@@ -400,6 +344,7 @@ impl SimulatedWorld {
         let is = |setpoint: &mut Setpoint| setpoint.command == command;
         if self.flight.command == Some(command) {
             self.flight.command = None;
+            self.break_off();
             if !self.is_crashed() {
                 self.idle();
             }

@@ -76,6 +76,8 @@ pub(crate) struct Flight {
     order: Order,
     stage: Stage,
     line: Option<Line>,
+    /// Where on the line to begin: not at zero for a line that was broken off before.
+    begin_m: f64,
     /// End of the time on station.
     until: Option<Time>,
     /// Distance to what ends the present stage.
@@ -109,11 +111,17 @@ const STRAIGHT_CLIMB_M: f64 = 300.0;
 impl Flight {
     /// Begins `order`.
     pub(crate) fn begin(command: Option<CommandId>, order: Order, here: &Situation) -> Flight {
+        Flight::begin_at(command, order, 0.0, here)
+    }
+
+    /// Begins `order`; a line is begun `begin_m` after its beginning.
+    pub(crate) fn begin_at(command: Option<CommandId>, order: Order, begin_m: f64, here: &Situation) -> Flight {
         let mut flight = Flight {
             command,
             order: order.clone(),
             stage: Stage::Parked,
             line: None,
+            begin_m,
             until: None,
             stage_m: f64::INFINITY,
             to_go_m: 0.0,
@@ -151,17 +159,24 @@ impl Flight {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
         let lead_m = LEAD_IN_S * here.state.ground_speed();
-        let near = along_m > -lead_m && along_m < ON_LINE_M.min(0.5 * line.length_m) && across_m.abs() <= JOIN_ACROSS_M;
+        let near = along_m > -lead_m
+            && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
+            && across_m.abs() <= JOIN_ACROSS_M;
         if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
+            self.begin_m = self.begin_m.min(along_m.max(0.0));
             return Stage::LeadIn;
         }
-        if here.fixed() { self.join_stage(line, here) } else { Stage::Direct(from) }
+        if here.fixed() {
+            self.join_stage(line, here)
+        } else {
+            Stage::Direct(if self.begin_m > 0.0 { line.point(self.begin_m) } else { from })
+        }
     }
 
     fn join_stage(&mut self, line: &Line, here: &Situation) -> Stage {
         self.joins += 1;
         let lead_m = LEAD_IN_S * (here.true_airspeed.max(here.state.true_airspeed) + 10.0);
-        Stage::Tangent(join(line, -lead_m, 1.1 * here.turn_radius_m(), here.state))
+        Stage::Tangent(join(line, self.begin_m - lead_m, 1.1 * here.turn_radius_m(), here.state))
     }
 
     /// What to follow now.
@@ -211,6 +226,13 @@ impl Flight {
     /// Is it on a line whose quality counts?
     pub(crate) fn is_on_line(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
+    }
+
+    /// The ends of a commanded line that is being flown, and how far it has come.
+    pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
+        let Order::FlyLine { from, to } = &self.order else { return None };
+        let line = self.line.filter(|_| matches!(self.stage, Stage::OnLine))?;
+        Some((from.position, to.position, (line.length_m - self.to_go_m).clamp(0.0, line.length_m)))
     }
 
     /// Does it go on along its line after its answer?
@@ -334,7 +356,7 @@ impl Flight {
             return None;
         }
         // Already past the beginning: come round again, as long as that helps.
-        if along_m > 0.0 && self.joins < JOINS_MAX {
+        if along_m > self.begin_m && self.joins < JOINS_MAX {
             return Some(self.join_stage(&line, here));
         }
         Some(Stage::LeadIn)
@@ -343,7 +365,7 @@ impl Flight {
     fn led_in(&mut self, here: &Situation) -> Option<Stage> {
         let line = self.line?;
         let (along_m, across_m, course_rad) = line.locate(here.state.position);
-        if along_m < 0.0 {
+        if along_m < self.begin_m {
             return None;
         }
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
@@ -402,7 +424,9 @@ impl Flight {
             Stage::Hover(point) => (f64::INFINITY, to(*point)),
             Stage::Tangent(join) => (to(join.tangent), along().map_or(0.0, |(_, _, from)| to(from))),
             Stage::Turn(_) => (f64::INFINITY, along().map_or(0.0, |(_, _, from)| to(from))),
-            Stage::LeadIn => along().map_or((0.0, 0.0), |(along_m, length_m, _)| (-along_m, length_m - along_m)),
+            Stage::LeadIn => {
+                along().map_or((0.0, 0.0), |(along_m, length_m, _)| (self.begin_m - along_m, length_m - along_m))
+            }
             Stage::OnLine => {
                 along().map_or((0.0, 0.0), |(along_m, length_m, _)| (length_m - along_m, length_m - along_m))
             }

@@ -16,6 +16,7 @@ mod motion;
 mod names;
 mod packet;
 mod path;
+mod payload;
 mod phase;
 mod radio;
 mod random;

@@ -66,6 +66,8 @@ pub struct SimulatedWorld {
     pub(crate) altitude_command: Option<Setpoint>,
     pub(crate) speed_command: Option<Setpoint>,
     pub(crate) heading_command: Option<Setpoint>,
+    /// Lines that were broken off: ends, and how far they were flown.
+    pub(crate) left_lines: Vec<(Position, Position, f64)>,
     pub(crate) waits: Vec<(Time, CommandId, Value)>,
     pending: VecDeque<(Time, Received)>,
     scheduled: VecDeque<ScheduledEvent>,
@@ -131,6 +133,7 @@ impl SimulatedWorld {
             altitude_command: None,
             speed_command: None,
             heading_command: None,
+            left_lines: Vec::new(),
             waits: Vec::new(),
             pending: VecDeque::new(),
             scheduled: events.into(),

@@ -191,3 +191,25 @@ fn a_joined_line_is_flown_on_without_a_second_turn() {
     let flown = run.now.seconds() - begun;
     assert!((flown - length / 84.0).abs() < 15.0, "{flown} s for {length} m");
 }
+
+#[test]
+fn a_line_broken_off_for_a_refly_is_taken_up_where_it_was_left() {
+    let mut run = cruising(wind(5.0, 5.0, 0.0));
+    let (from, to) = (Position::new(40.3, -119.8), Position::new(40.3, -120.4));
+    let ends = || [location(40.3, -119.8), location(40.3, -120.4)];
+    let first = run.send(form("fly-line", ends()));
+    run.wait_s(600.0);
+    let (left_m, _) = geodesy::along_cross_track_m(from, to, run.world.position());
+    assert!((10_000.0..40_000.0).contains(&left_m), "{left_m}");
+    let back = geodesy::interpolate(from, to, (left_m - 2_000.0) / geodesy::distance_m(from, to));
+    let here = run.world.position();
+    let segment = [location(back.latitude_deg, back.longitude_deg), location(here.latitude_deg, here.longitude_deg)];
+    run.carry_out(form("fly-line", segment), 2_000.0).unwrap();
+    assert!(run.answer(first).unwrap().1.is_err());
+    let begun = run.now.seconds();
+    run.carry_out(form("fly-line", ends()), 2_000.0).unwrap();
+    let rest_s = (geodesy::distance_m(from, to) - left_m) / 89.0;
+    assert!((run.now.seconds() - begun - rest_s).abs() < 30.0, "{} s for {rest_s}", run.now.seconds() - begun);
+    run.carry_out(form("fly-line", ends()), 3_000.0).unwrap();
+    assert!(run.now.seconds() - begun > 2.0 * rest_s, "a finished line begins at its beginning again");
+}
