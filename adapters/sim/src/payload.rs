@@ -1,0 +1,98 @@
+//! Commands to the payload: scanner and cameras.
+
+use crate::arguments::Arguments;
+use crate::camera::{Aim, CameraState};
+use crate::names::unknown_name;
+use crate::world::SimulatedWorld;
+use apex_model::effect::CommandId;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use apex_runtime::ports::Input;
+
+impl SimulatedWorld {
+    /// `(scanner on)`, `(scanner off)`.
+    pub(crate) fn switch_scanner(
+        &mut self,
+        id: CommandId,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        if self.model.scanner.is_none() {
+            return Err(arguments.wrong(&format!("{} carries no scanner", self.vehicle)));
+        }
+        let wanted = arguments.at(0).and_then(Value::as_symbol);
+        self.scanner_on = match wanted.map(|symbol| symbol.folded()) {
+            Some("on") => true,
+            Some("off") => false,
+            _ => return Err(arguments.wrong("it is switched on or off")),
+        };
+        self.answer(id, Ok(Value::symbol(if self.scanner_on { "on" } else { "off" })), inputs);
+        Ok(())
+    }
+
+    /// `camera`, `point-camera` and `take-picture`.
+    pub(crate) fn use_camera(
+        &mut self,
+        id: CommandId,
+        command: &str,
+        arguments: &Arguments,
+        inputs: &mut Vec<Input>,
+    ) -> Result<(), String> {
+        let name =
+            arguments.at(0).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned()).unwrap_or_default();
+        let known: Vec<String> = self.cameras.iter().map(|camera| camera.model.name.clone()).collect();
+        let index = self.cameras.iter().position(|camera| camera.model.name.to_lowercase() == name);
+        let camera = index.and_then(|index| self.cameras.get(index)).cloned();
+        let (Some(index), Some(mut camera)) = (index, camera) else {
+            return Err(arguments.wrong(&unknown_name("camera", &name, known.iter().map(String::as_str))));
+        };
+        let old = camera.command.take();
+        let mut answer = None;
+        let ready = camera.is_ready();
+        let switch = arguments.at(1).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned());
+        match (command, switch.as_deref()) {
+            ("camera", Some("power-up")) if ready => answer = Some(Value::symbol(&camera.model.name)),
+            ("camera", Some("power-up")) => {
+                let waiting = camera.timer.filter(|_| camera.state == CameraState::PoweringUp);
+                camera.state = CameraState::PoweringUp;
+                let fresh = self.now + Duration::from_seconds(camera.model.power_up_s);
+                camera.timer = Some(waiting.unwrap_or(fresh));
+                camera.command = Some(id);
+            }
+            ("camera", Some("power-off")) => {
+                (camera.state, camera.timer, camera.aim) = (CameraState::Off, None, None);
+                answer = Some(Value::symbol(&camera.model.name));
+            }
+            ("camera", _) => return Err(arguments.wrong("a camera is told power-up or power-off")),
+            (_, _) if !ready => return Err(arguments.wrong(&format!("{name} is not powered up"))),
+            ("point-camera", _) => {
+                let spot = arguments.spot(1, "target")?;
+                let ground_m = self.ground.elevation_m_at(spot.position);
+                let aim = Aim { altitude_m: spot.thing_altitude_m.unwrap_or(ground_m), spot };
+                if let Some(reason) = camera.refusal(&aim, &self.state) {
+                    return Err(arguments.wrong(&reason));
+                }
+                (camera.state, camera.timer, camera.aim) = (CameraState::Slewing, None, Some(aim));
+                camera.command = Some(id);
+            }
+            _ if camera.state == CameraState::Slewing || camera.aim.is_none() => {
+                return Err(arguments.wrong(&format!("{name} does not point at anything yet: use point-camera first")));
+            }
+            _ => {
+                camera.state = CameraState::Exposing;
+                camera.timer = Some(self.now + Duration::from_seconds(camera.model.picture_s));
+                camera.command = Some(id);
+            }
+        }
+        if let Some(slot) = self.cameras.get_mut(index) {
+            *slot = camera;
+        }
+        if let Some(old) = old {
+            self.answer(old, Err(format!("superseded by another command to {name}")), inputs);
+        }
+        if let Some(answer) = answer {
+            self.answer(id, Ok(answer), inputs);
+        }
+        Ok(())
+    }
+}
