@@ -94,8 +94,10 @@ pub struct OpenLog {
 /// All histories of an agent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Histories {
+    #[serde(with = "crate::pairs")]
     variables: BTreeMap<StateVariable, History>,
     lookbacks: BTreeMap<Symbol, Duration>,
+    lookback_of_all: Duration,
     logs: BTreeMap<u64, OpenLog>,
     next_log: u64,
     events: VecDeque<Occurrence>,
@@ -295,11 +297,19 @@ impl Histories {
     pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();
         *slot = (*slot).max(lookback);
-        let lookback = *slot;
+        let lookback = (*slot).max(self.lookback_of_all);
         for (variable, history) in &mut self.variables {
             if variable.attribute == *attribute {
                 history.retention.lookback = lookback;
             }
+        }
+    }
+
+    /// Somebody may ask for samples of any attribute up to `lookback` before the newest.
+    pub fn require_lookback_of_all(&mut self, lookback: Duration) {
+        self.lookback_of_all = self.lookback_of_all.max(lookback);
+        for history in self.variables.values_mut() {
+            history.retention.lookback = history.retention.lookback.max(lookback);
         }
     }
 
@@ -336,7 +346,7 @@ impl Histories {
     /// The least restrictive of all open policies, and what conditions ask.
     fn retention_of(&self, variable: &StateVariable) -> Retention {
         let mut retention = Retention {
-            lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default(),
+            lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default().max(self.lookback_of_all),
             ..Retention::default()
         };
         let mut spacing = None;

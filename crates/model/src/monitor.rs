@@ -5,7 +5,7 @@
 
 use crate::because::Evidence;
 use crate::bindings::Bindings;
-use crate::condition::{Constraint, EpisodeCondition, MeasurementCondition, Relation, Timing, VariablePattern};
+use crate::condition::{Constraint, EpisodeCondition, MeasurementCondition, Relation, Timing};
 use crate::event::StateVariable;
 use crate::expression::Expr;
 use crate::pattern::Pattern;
@@ -15,6 +15,7 @@ use crate::task::TaskId;
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// From when on evidence counts.
@@ -22,8 +23,9 @@ use std::sync::Arc;
 pub struct Window {
     /// The first instant that counts; closed.
     pub start: Time,
-    /// Samples and messages with an arrival number up to this do not count, even at the start: set for a repeated
-    /// task to the newest arrival it has already answered. None lets everything count.
+    /// Samples and messages with an arrival number up to this do not count, even at the start, and neither do states
+    /// and ends of tasks from before: set for a repeated task to the newest arrival it has already answered. With none
+    /// everything counts, and a task that has ended or is in the wanted state already satisfies.
     pub after_sequence: Option<u64>,
 }
 
@@ -102,8 +104,14 @@ pub struct Monitor {
     pub window: Window,
     /// The condition's tree.
     pub root: Part,
+    /// When the verdict was last asked.
+    pub asked_at: Time,
+    /// When a delay at the end of an order is over, as the last verdict found.
+    pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
     pub troubles: Vec<Trouble>,
+    /// Errors already reported: each is told once.
+    pub told: Vec<Trouble>,
 }
 
 /// An error inside a condition's expression.
@@ -173,13 +181,15 @@ pub struct Composite {
     pub parts: Vec<Part>,
     /// All must be true of a combination of results.
     pub constraints: Vec<Expr>,
+    /// Results of the parts must be combined: they share variables, or stand under constraints or an order.
+    pub combines: bool,
 }
 
 /// A value test, prepared so that a sample costs little.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Test {
-    /// Comparison with a number known beforehand: SI value and dimension must match the sample's.
-    Number {
+    /// Comparison with a value known beforehand, already in the variable's unit.
+    Fixed {
         /// The relation.
         relation: Relation,
         /// The right side.
@@ -198,19 +208,22 @@ pub struct MeasurementPart {
     pub tests: Vec<Test>,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
-    /// For how long a sample is valid after its instant, when `:persist` is asked; none is this sample only.
+    /// For how long a sample is valid after its instant, when `:persist` is asked; none is its instant only.
     pub persistence: Option<Duration>,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
-    /// The newest sample of each object, in order of first appearance.
-    pub newest: Vec<NewestSample>,
+    /// The newest sample of each object.
+    #[serde(with = "crate::pairs")]
+    pub newest: BTreeMap<Value, NewestSample>,
 }
 
 /// The newest sample of one object, which a later arrival of the same instant may still replace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NewestSample {
-    /// The object.
-    pub object: Value,
+    /// Order of the object's first appearance.
+    pub rank: u64,
     /// The sample's instant.
     pub at: Time,
     /// Its result, if it satisfies the condition.
@@ -228,44 +241,51 @@ pub struct EpisodePart {
     pub variable: Option<StateVariable>,
     /// The greatest gap between samples; none is no constraint.
     pub gap_max: Option<Duration>,
-    /// Timing, prepared.
-    pub timing: RunTiming,
+    /// The run lasts at least so long; one tick more than D for `(> D)`.
+    pub duration_min: Duration,
+    /// Some constraint on end or duration is no lower bound: it is decided when the run is over.
+    pub at_close: bool,
     /// Any two samples of a run bound an episode, not only the whole run.
     pub any_pair: bool,
-    /// Results that no later arrival of the same instant can take back.
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// Results of runs that are over.
     pub settled: Vec<Satisfaction>,
-    /// The run of each object, in order of first appearance.
-    pub runs: Vec<ObjectRun>,
+    /// The run of each object.
+    #[serde(with = "crate::pairs")]
+    pub runs: BTreeMap<Value, ObjectRun>,
 }
 
-/// Bounds on a run, prepared.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RunTiming {
-    /// The run lasts at least so long; lower bounds can be decided while the run goes on.
-    pub duration_min: Option<Duration>,
-    /// Set when other constraints exist: they are decided when the run is over.
-    pub at_close: Option<Box<Timing>>,
-}
-
-/// Samples of one object that satisfy the value constraints without a break.
+/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectRun {
-    /// The object.
-    pub object: Value,
+    /// Order of the object's first appearance.
+    pub rank: u64,
     /// The run up to the sample before the newest.
     pub run: Option<Run>,
-    /// The newest sample's instant.
-    pub at: Time,
-    /// The newest sample's value.
-    pub value: Value,
-    /// Whether it satisfies the value constraints, and what they bind.
-    pub holds: Option<Bindings>,
-    /// The current maximal run already has its settled result, or none can come.
-    pub decided: bool,
-    /// Something contradicted the condition since the window began.
+    /// The newest sample.
+    pub newest: RunSample,
+    /// The result of the current run, as soon as it has one.
+    pub found: Option<Satisfaction>,
+    /// A sample before the newest contradicted the value constraints, and no gap has followed.
     pub contradicted: bool,
-    /// The last gap that cut a run: its length.
+    /// The gap that cut the last run.
     pub gap: Option<Duration>,
+}
+
+/// The newest sample of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSample {
+    /// Its instant.
+    pub at: Time,
+    /// What it binds, if it satisfies the value constraints.
+    pub holds: Option<Bindings>,
+    /// It agrees with what the run before it binds.
+    pub joins: bool,
+    /// It satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// It satisfies the constraints on last values.
+    pub last_holds: bool,
 }
 
 /// A run of samples.
@@ -277,8 +297,12 @@ pub struct Run {
     pub last: Time,
     /// How many samples.
     pub samples: u64,
-    /// What its first sample's value and object bind.
+    /// What its samples bind.
     pub bindings: Bindings,
+    /// Its first sample satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// Its last sample satisfies the constraints on last values.
+    pub last_holds: bool,
     /// All instants, kept only where any pair may bound an episode.
     pub instants: Vec<Time>,
 }
@@ -290,6 +314,8 @@ pub struct EventPart {
     pub pattern: Arc<Pattern>,
     /// Constraints on when it happened.
     pub timing: Arc<Timing>,
+    /// The window reaches before the oldest message that was remembered when the monitor was made.
+    pub blind: bool,
     /// What was found.
     pub settled: Vec<Satisfaction>,
 }
@@ -329,12 +355,4 @@ pub struct TimePart {
     pub span: Option<(Time, Time)>,
     /// The instant that satisfied it.
     pub reached: Option<Time>,
-}
-
-/// A variable pattern as a state variable, kept for messages.
-impl VariablePattern {
-    /// True when the object is written without variables and expressions.
-    pub fn is_literal(&self) -> bool {
-        matches!(self.object, Pattern::Literal(_))
-    }
 }

@@ -3,21 +3,42 @@
 //! One file per service. A monitor is plain data (`apex_model::monitor`); it is made by [`create`], fed by [`notice`]
 //! with the stimuli it has an interest in, and asked by [`verdict`].
 
-pub mod pattern_matching;
+mod constraints;
+mod creation;
+mod episode;
+pub(crate) mod event;
+mod histories;
+mod logic;
+mod measurement;
+pub(crate) mod pattern_matching;
+mod retention;
+mod runs;
+mod samples;
+mod task_state;
+#[cfg(test)]
+mod tests;
+mod time_conditions;
+mod unmet;
+pub(crate) mod words;
+
+pub(crate) use histories::{Recording, record_event, record_sample};
+pub(crate) use retention::{prepare, prepare_procedure};
 
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
-use apex_model::history::Histories;
-use apex_model::library::Library;
-use apex_model::monitor::{Interest, Monitor, Trouble, Unmet, Verdict, Window};
+use apex_model::limits::MONITOR_RESULTS_MAX;
+use apex_model::monitor::{Interest, Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
+use apex_model::source::Place;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
+use samples::Seen;
+use time_conditions::Kind;
 
 /// Something that a monitor may notice. Histories have recorded it before.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Stimulus {
+pub(crate) enum Stimulus {
     /// A sample.
     Sample {
         /// The state variable.
@@ -45,7 +66,7 @@ pub enum Stimulus {
         /// When.
         at: Time,
     },
-    /// A task changed state (`TaskEnded` follows separately when it ended).
+    /// A task changed state (`TaskEnded` comes separately when it ended).
     TaskState {
         /// The task.
         task: TaskId,
@@ -58,83 +79,256 @@ pub enum Stimulus {
     },
 }
 
-/// What became of a measurement that arrived.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recording {
-    /// To be shown to the monitors interested; none when it changes nothing (repeated, missing, too late, refused).
-    pub stimulus: Option<Stimulus>,
-    /// A sentence for the trace when the sample was refused or kept aside.
-    pub trouble: Option<String>,
+/// Kleene's three values, in order: conjunction is the least, disjunction the greatest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Truth {
+    False,
+    Unknown,
+    True,
 }
 
-/// Prepares `histories` for `library`: how far back its conditions, queries and log policies look.
-pub fn prepare(histories: &mut Histories, library: &Library) {
-    let _ = (histories, library);
+impl Truth {
+    fn of(satisfied: bool, unknown: bool) -> Truth {
+        match (satisfied, unknown) {
+            (true, _) => Truth::True,
+            (false, true) => Truth::Unknown,
+            (false, false) => Truth::False,
+        }
+    }
+
+    fn negated(self) -> Truth {
+        match self {
+            Truth::False => Truth::True,
+            Truth::Unknown => Truth::Unknown,
+            Truth::True => Truth::False,
+        }
+    }
 }
 
-/// Puts a measurement into its history. A bare number takes the unit that the variable is declared with.
-pub fn record_sample(
-    histories: &mut Histories,
-    library: &Library,
-    variable: StateVariable,
-    value: Value,
-    at: Time,
-    sequence: u64,
-) -> Recording {
-    let _ = (histories, library);
-    Recording { stimulus: Some(Stimulus::Sample { variable, value, at, sequence }), trouble: None }
+/// What every part's service needs to know of the part.
+#[derive(Clone, Copy)]
+struct Site {
+    window: Window,
+    keep: Keep,
+    place: Place,
 }
 
-/// Puts a message into the memory of events.
-pub fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> Stimulus {
-    let _ = histories;
-    Stimulus::Event { form, at, sequence }
+fn site(part: &Part) -> Site {
+    Site { window: part.window, keep: part.keep, place: part.place }
+}
+
+/// Errors met while judging, each once.
+#[derive(Default)]
+struct Troubles(Vec<Trouble>);
+
+impl Troubles {
+    fn add(&mut self, error: EvaluationError) {
+        let trouble = Trouble { message: error.message, place: error.place };
+        if !self.0.contains(&trouble) {
+            self.0.push(trouble);
+        }
+    }
+
+    fn limit(&mut self, name: &str, value: usize, place: Place) {
+        self.add(EvaluationError { message: format!("the limit {name} = {value} of a condition was reached"), place });
+    }
+
+    /// Moves what is new into the monitor.
+    fn tell(self, monitor: &mut Monitor) {
+        for trouble in self.0 {
+            if !monitor.told.contains(&trouble) {
+                monitor.told.push(trouble.clone());
+                monitor.troubles.push(trouble);
+            }
+        }
+    }
+}
+
+/// A question to a monitor.
+struct Asking<'a> {
+    surroundings: &'a dyn Surroundings,
+    now: Time,
+    troubles: Troubles,
+    wake: Option<Time>,
+}
+
+impl<'a> Asking<'a> {
+    fn new(surroundings: &'a dyn Surroundings) -> Asking<'a> {
+        Asking { surroundings, now: surroundings.now(), troubles: Troubles::default(), wake: None }
+    }
+
+    fn wake_at(&mut self, at: Time) {
+        self.wake = Some(self.wake.map_or(at, |before| before.min(at)));
+    }
+}
+
+/// Keeps a result, dropping the oldest when there are too many.
+fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction) {
+    if settled.len() >= MONITOR_RESULTS_MAX {
+        settled.drain(..MONITOR_RESULTS_MAX / 4);
+    }
+    settled.push(result);
 }
 
 /// Makes the monitor of `condition` and looks back over what is remembered since the window's start.
 ///
 /// # Errors
 /// When an expression that must be known now (a duration, a gap) cannot be evaluated.
-pub fn create(
+pub(crate) fn create(
     condition: &Condition,
     window: Window,
     surroundings: &dyn Surroundings,
 ) -> Result<Monitor, EvaluationError> {
-    let _ = window;
-    let _ = surroundings;
-    Err(EvaluationError { message: "no monitors".into(), place: condition.place })
+    let mut root = creation::tree(condition, window, surroundings)?;
+    let mut troubles = Troubles::default();
+    creation::look_back(&mut root, surroundings, &mut troubles);
+    let mut monitor = Monitor {
+        created_at: surroundings.now(),
+        window,
+        root,
+        asked_at: surroundings.now(),
+        delay_over_at: None,
+        troubles: Vec::new(),
+        told: Vec::new(),
+    };
+    troubles.tell(&mut monitor);
+    Ok(monitor)
 }
 
-/// What `monitor` must be told of. May shrink or grow after `notice`, when a task or object becomes known.
-pub fn interests(monitor: &Monitor) -> Vec<Interest> {
-    let _ = monitor;
-    Vec::new()
+/// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
+pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
+    let mut interests = Vec::new();
+    collect_interests(&monitor.root, &mut interests);
+    interests.sort();
+    interests.dedup();
+    interests
+}
+
+fn collect_interests(part: &Part, interests: &mut Vec<Interest>) {
+    let samples = |variable: &Option<StateVariable>, attribute: &apex_model::symbol::Symbol| {
+        variable.clone().map_or_else(|| Interest::Attribute(attribute.clone()), Interest::Variable)
+    };
+    match &part.kind {
+        PartKind::Measurement(leaf) => interests.push(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Episode(leaf) => interests.push(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Event(leaf) => interests.push(event::interest(&leaf.pattern)),
+        PartKind::TaskEnded(leaf) => interests.push(task_state::interest(leaf.task)),
+        PartKind::TaskState(leaf) => interests.push(task_state::interest(leaf.task)),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().for_each(|part| collect_interests(part, interests));
+        }
+        PartKind::Not(inner) => collect_interests(inner, interests),
+        PartKind::Timestamp(_) | PartKind::Delay(_) => {}
+    }
 }
 
 /// Tells `monitor` what happened. Stimuli it has no interest in change nothing.
-pub fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &dyn Surroundings) {
-    let _ = (monitor, stimulus, surroundings);
+pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &dyn Surroundings) {
+    let mut troubles = Troubles::default();
+    notice_part(&mut monitor.root, stimulus, surroundings, &mut troubles);
+    troubles.tell(monitor);
+}
+
+fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = site(part);
+    match (&mut part.kind, stimulus) {
+        (PartKind::Measurement(leaf), Stimulus::Sample { variable, value, at, sequence }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            measurement::notice(leaf, site, sample, surroundings, troubles);
+        }
+        (PartKind::Episode(leaf), Stimulus::Sample { variable, value, at, sequence }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            episode::notice(leaf, site, sample, surroundings, troubles);
+        }
+        (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
+            event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
+        }
+        (PartKind::TaskEnded(leaf), Stimulus::TaskEnded { task, at }) => task_state::notice_ended(leaf, *task, *at),
+        (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at }) => {
+            task_state::notice_state(leaf, site, (*task, *from, *state, *at), surroundings, troubles);
+        }
+        (PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite), _) => {
+            composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+        }
+        (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
+        _ => {}
+    }
+}
+
+/// Lets parts that depend on time and on other tasks catch up with the present.
+fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = site(part);
+    match &mut part.kind {
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, site, surroundings),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
+        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, surroundings),
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, surroundings),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => advance(inner, surroundings, troubles),
+        PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {}
+    }
 }
 
 /// Is the condition true at `surroundings.now()`? Asked after all stimuli of the instant were noticed.
-pub fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) -> Verdict {
-    let _ = (monitor, surroundings);
-    Verdict::Unknown
+pub(crate) fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) -> Verdict {
+    let mut asking = Asking::new(surroundings);
+    advance(&mut monitor.root, surroundings, &mut asking.troubles);
+    let truth = logic::truth(&monitor.root, &mut asking);
+    let best = match truth {
+        Truth::True => logic::results(&monitor.root, &mut asking).into_iter().next(),
+        Truth::False | Truth::Unknown => None,
+    };
+    monitor.asked_at = asking.now;
+    monitor.delay_over_at = asking.wake;
+    let created_at = monitor.created_at;
+    asking.troubles.tell(monitor);
+    match (best, truth) {
+        (Some(best), _) => {
+            Verdict::Satisfied(Satisfaction { recognised_at: best.recognised_at.max(created_at), ..best })
+        }
+        (None, Truth::Unknown) => Verdict::Unknown,
+        (None, Truth::True | Truth::False) => Verdict::NotSatisfied,
+    }
 }
 
 /// When the verdict can change by time alone, strictly after the last `verdict`, and why.
-pub fn next_wake(monitor: &Monitor) -> Option<(Time, String)> {
-    let _ = monitor;
-    None
+pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, String)> {
+    let after = monitor.asked_at;
+    let delay = monitor.delay_over_at.filter(|at| *at > after).map(|at| (at, "a :delay is over".to_owned()));
+    wake_of(&monitor.root, after).into_iter().chain(delay).min()
+}
+
+fn wake_of(part: &Part, after: Time) -> Option<(Time, String)> {
+    match &part.kind {
+        PartKind::Episode(leaf) => episode::next_wake(leaf, site(part), after),
+        PartKind::Timestamp(leaf) => time_conditions::next_wake(leaf, Kind::Timestamp, after),
+        PartKind::Delay(leaf) => time_conditions::next_wake(leaf, Kind::Delay, after),
+        PartKind::And(composite) | PartKind::Or(composite) => {
+            composite.parts.iter().filter_map(|part| wake_of(part, after)).min()
+        }
+        // Delays between ordered parts are no instants of their own.
+        PartKind::InOrder(composite) => composite
+            .parts
+            .iter()
+            .filter(|part| !matches!(part.kind, PartKind::Delay(_)))
+            .filter_map(|part| wake_of(part, after))
+            .min(),
+        PartKind::Not(inner) => wake_of(inner, after),
+        PartKind::Measurement(_) | PartKind::Event(_) | PartKind::TaskEnded(_) | PartKind::TaskState(_) => None,
+    }
 }
 
 /// The parts that do not hold, with what is known about each.
-pub fn unmet(monitor: &Monitor, surroundings: &dyn Surroundings) -> Vec<Unmet> {
-    let _ = (monitor, surroundings);
-    Vec::new()
+pub(crate) fn unmet(monitor: &Monitor, surroundings: &dyn Surroundings) -> Vec<Unmet> {
+    let mut asking = Asking::new(surroundings);
+    let mut list = Vec::new();
+    unmet::collect(&monitor.root, &mut asking, &mut list);
+    list
 }
 
 /// Errors met while judging since the last call: to be reported as trouble.
-pub fn take_troubles(monitor: &mut Monitor) -> Vec<Trouble> {
+pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<Trouble> {
     std::mem::take(&mut monitor.troubles)
 }

@@ -1,0 +1,247 @@
+//! Constraints (M&I)
+//! What: judges one value, object, instant or duration against constraints.
+//! Runs: on every sample that is watched, and when results are formed.
+//! Reads: surroundings.
+//! Writes: bindings, troubles.
+//! Bound: O(1) per constraint for fixed comparisons; else one bounded evaluation.
+//! PDL: `REL expr +/- e`, `(:range a b)`, predicates.
+//! Paper: Appendix B, constraints on individual measurements.
+
+use super::pattern_matching::match_pattern;
+use crate::expression::arithmetic::{compare, described, duration, equal, instant, with_unit};
+use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, Relation};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::Library;
+use apex_model::monitor::Test;
+use apex_model::pattern::Pattern;
+use apex_model::quantity::{Dimension, Unit, unit_named};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::cmp::Ordering;
+
+/// How the right side of a comparison is read.
+#[derive(Clone, Copy)]
+pub(super) enum Reading {
+    /// As it is; a bare number is in this unit.
+    Value(Option<&'static Unit>),
+    /// As an instant.
+    Instant,
+    /// As a duration.
+    Span,
+}
+
+/// The unit that samples of `attribute` are declared with.
+pub(super) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
+    let declared = library.state_variables.get(attribute)?.unit.as_ref()?;
+    unit_named(declared.printed())
+}
+
+/// Prepares value constraints: comparisons with what can never change are evaluated once.
+///
+/// # Errors
+/// When a right side that never changes cannot be evaluated.
+pub(super) fn prepare(
+    constraints: &[Constraint],
+    unit: Option<&'static Unit>,
+    surroundings: &dyn Surroundings,
+) -> Result<Vec<Test>, EvaluationError> {
+    constraints
+        .iter()
+        .map(|constraint| match constraint {
+            Constraint::Compare { relation, right, tolerance: None }
+                if never_changes(right, surroundings.library(), 8) =>
+            {
+                let right = read(evaluate(right, surroundings)?, Reading::Value(unit), right.place)?;
+                Ok(Test::Fixed { relation: *relation, right })
+            }
+            other => Ok(Test::General(other.clone())),
+        })
+        .collect()
+}
+
+/// Does the expression have the same value whenever it is evaluated?
+fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
+    let Some(depth) = depth.checked_sub(1) else { return false };
+    match &expr.kind {
+        ExprKind::Constant(_) => true,
+        ExprKind::Indexical(name) => match name.folded() {
+            "pos-infinity" => true,
+            _ => library.indexicals.get(name).is_some_and(|definition| never_changes(definition, library, depth)),
+        },
+        ExprKind::Call { function, arguments } => {
+            matches!(function.folded(), "+" | "-" | "*" | "/" | "quantity")
+                && arguments.iter().all(|argument| never_changes(argument, library, depth))
+        }
+        _ => false,
+    }
+}
+
+/// Does `value` satisfy all `tests`? Patterns may bind.
+///
+/// # Errors
+/// When a right side cannot be evaluated or compared.
+pub(super) fn satisfies_all(
+    tests: &[Test],
+    value: &Value,
+    attribute: &Symbol,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<bool, EvaluationError> {
+    for test in tests {
+        let holds = match test {
+            Test::Fixed { relation, right } => match value.order(right) {
+                Some(order) => ordered(*relation, order),
+                None => related(*relation, value, right, place)?,
+            },
+            Test::General(constraint) => {
+                let unit = unit_of(attribute, surroundings.library());
+                satisfies(constraint, value, Reading::Value(unit), bindings, surroundings, place)?
+            }
+        };
+        if !holds {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Does `value` satisfy all `constraints`, whose right sides are read as `reading` says?
+///
+/// # Errors
+/// When a right side cannot be evaluated or compared.
+pub(super) fn all(
+    constraints: &[Constraint],
+    value: &Value,
+    reading: Reading,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<bool, EvaluationError> {
+    for constraint in constraints {
+        if !satisfies(constraint, value, reading, bindings, surroundings, place)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+fn satisfies(
+    constraint: &Constraint,
+    value: &Value,
+    reading: Reading,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<bool, EvaluationError> {
+    match constraint {
+        Constraint::Compare { relation, right, tolerance } => {
+            if let (Relation::Equal, None, ExprKind::Variable { name, must_be_bound: false }) =
+                (relation, tolerance, &right.kind)
+                && bindings.get(name).is_none()
+                && surroundings.variable(name).is_none()
+            {
+                bindings.set(name.clone(), value.clone());
+                return Ok(true);
+            }
+            let side = |expr: &Expr| {
+                let value = evaluate(expr, &WithBindings { below: surroundings, bindings })?;
+                read(value, reading, expr.place)
+            };
+            let right_value = side(right)?;
+            match (relation, tolerance) {
+                (Relation::Equal | Relation::Different, Some(tolerance)) => {
+                    let near = within(value, &right_value, &side(tolerance)?, right.place)?;
+                    Ok(near == (*relation == Relation::Equal))
+                }
+                _ => related(*relation, value, &right_value, right.place),
+            }
+        }
+        Constraint::Matches(Pattern::Literal(literal)) if literal.as_number().is_some() => {
+            related(Relation::Equal, value, &read(literal.clone(), reading, place)?, place)
+        }
+        Constraint::Matches(pattern) => match_pattern(pattern, value, bindings, surroundings, place),
+        Constraint::Predicate(predicate, arguments) => {
+            let constant = Expr { kind: ExprKind::Constant(value.clone()), place };
+            let arguments = std::iter::once(constant).chain(arguments.iter().cloned()).collect();
+            let call = Expr { kind: ExprKind::Call { function: predicate.clone(), arguments }, place };
+            evaluate(&call, &WithBindings { below: surroundings, bindings }).map(|value| value.is_true())
+        }
+        Constraint::Range(least, most) => {
+            for (bound, relation) in [(least, Relation::GreaterOrEqual), (most, Relation::LessOrEqual)] {
+                let Some(bound) = bound else { continue };
+                let right = evaluate(bound, &WithBindings { below: surroundings, bindings })?;
+                if !related(relation, value, &read(right, reading, bound.place)?, bound.place)? {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        }
+    }
+}
+
+/// `right` in the sense of `reading`.
+fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
+    let error = |message| EvaluationError { message, place };
+    match (reading, right.as_number()) {
+        (Reading::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {
+            Ok(with_unit(number, unit))
+        }
+        (Reading::Value(_), _) => Ok(right),
+        (Reading::Instant, _) => instant(&right).map(Value::Time).map_err(error),
+        (Reading::Span, _) => duration(&right).map(Value::Duration).map_err(error),
+    }
+}
+
+fn related(relation: Relation, value: &Value, right: &Value, place: Place) -> Result<bool, EvaluationError> {
+    let error = |message| EvaluationError { message, place };
+    match relation {
+        Relation::Equal => equal(value, right).map_err(error),
+        Relation::Different => equal(value, right).map(|equal| !equal).map_err(error),
+        other => Ok(compare(value, right).map_err(error)?.is_some_and(|order| ordered(other, order))),
+    }
+}
+
+fn ordered(relation: Relation, order: Ordering) -> bool {
+    match relation {
+        Relation::Equal => order.is_eq(),
+        Relation::Different => order.is_ne(),
+        Relation::Less => order.is_lt(),
+        Relation::LessOrEqual => order.is_le(),
+        Relation::Greater => order.is_gt(),
+        Relation::GreaterOrEqual => order.is_ge(),
+    }
+}
+
+fn within(value: &Value, right: &Value, tolerance: &Value, place: Place) -> Result<bool, EvaluationError> {
+    if let (Value::Time(a), Value::Time(b)) = (value, right) {
+        let tolerance = duration(tolerance).map_err(|message| EvaluationError { message, place })?;
+        return Ok((*a - *b).0.abs() <= tolerance.0);
+    }
+    match (value.as_number(), right.as_number(), tolerance.as_number()) {
+        (Some((a, da)), Some((b, db)), Some((t, dt))) if da == db && db == dt => Ok(a == b || libm::fabs(a - b) <= t),
+        _ => Err(EvaluationError {
+            message: format!(
+                "cannot compare {} with {} +/- {}",
+                described(value),
+                described(right),
+                described(tolerance)
+            ),
+            place,
+        }),
+    }
+}
+
+/// Is the constraint a lower bound, which stays satisfied as the value grows?
+pub(super) fn is_lower_bound(constraint: &Constraint) -> bool {
+    match constraint {
+        Constraint::Compare { relation: Relation::Greater | Relation::GreaterOrEqual, tolerance: None, .. } => true,
+        Constraint::Range(Some(_), None) => true,
+        Constraint::Compare { .. } | Constraint::Range(..) | Constraint::Matches(_) | Constraint::Predicate(..) => {
+            false
+        }
+    }
+}

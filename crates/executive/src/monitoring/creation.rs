@@ -1,0 +1,206 @@
+//! Monitor creation (M&I)
+//! What: makes the monitor of a condition: a tree of parts, each with its window and what it must remember.
+//! Runs: when a task is created or a clause becomes active.
+//! Reads: the condition, histories, surroundings.
+//! Writes: a new monitor.
+//! Bound: linear in the condition and in the remembered evidence within its window.
+//! PDL: all conditions.
+//! Paper: section IV, creating monitors from PDL specifications.
+
+use super::pattern_matching::variables;
+use super::{Troubles, episode, event, measurement, task_state, time_conditions};
+use crate::expression::{EvaluationError, Surroundings};
+use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
+use apex_model::support::unsupported_condition;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// How a part stands within the whole.
+#[derive(Clone, Copy)]
+struct Role {
+    window: Window,
+    keep: Keep,
+    any_pair: bool,
+}
+
+/// The tree for `condition`, not yet looked back.
+///
+/// # Errors
+/// When an expression that must be known now cannot be evaluated, or the construct is not supported.
+pub(super) fn tree(
+    condition: &Condition,
+    window: Window,
+    surroundings: &dyn Surroundings,
+) -> Result<Part, EvaluationError> {
+    part(condition, Role { window, keep: Keep::First, any_pair: false }, surroundings)
+}
+
+fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
+    let mut window = role.window;
+    let whole_past = Window { start: Time::BEGINNING, ..role.window };
+    let kind = match &condition.kind {
+        ConditionKind::Measurement(measurement) => {
+            if !measurement.timestamp.is_empty() {
+                window = whole_past;
+            }
+            PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?))
+        }
+        ConditionKind::Episode(episode) => {
+            if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
+                window = whole_past;
+            }
+            PartKind::Episode(Box::new(episode::create(episode, role.any_pair, surroundings)?))
+        }
+        ConditionKind::Event { pattern, timing } => {
+            if !timing.start.is_empty() || !timing.end.is_empty() {
+                window = whole_past;
+            }
+            let (pattern, timing) = (Arc::new(pattern.clone()), Arc::new(timing.clone()));
+            PartKind::Event(Box::new(EventPart { pattern, timing, blind: false, settled: Vec::new() }))
+        }
+        ConditionKind::TaskEnded(variable) => {
+            PartKind::TaskEnded(TaskEndedPart { variable: variable.clone(), task: None, ended: None })
+        }
+        ConditionKind::TaskState { task, state } => PartKind::TaskState(Box::new(TaskStatePart {
+            expression: task.clone(),
+            state: state.clone(),
+            task: None,
+            settled: Vec::new(),
+        })),
+        ConditionKind::And(parts, constraints) => {
+            PartKind::And(composite(parts, constraints, role, false, surroundings)?)
+        }
+        ConditionKind::Or(parts, constraints) => PartKind::Or(alternatives(parts, constraints, role, surroundings)?),
+        ConditionKind::InOrder(parts, constraints) => {
+            PartKind::InOrder(composite(parts, constraints, role, true, surroundings)?)
+        }
+        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, surroundings)?)),
+        ConditionKind::Timestamp(from, to) => PartKind::Timestamp(time_part(from, to.as_ref())),
+        ConditionKind::Delay(from, to) => PartKind::Delay(time_part(from, to.as_ref())),
+        ConditionKind::Absent(..)
+        | ConditionKind::Allen { .. }
+        | ConditionKind::Function(_)
+        | ConditionKind::Probing { .. }
+        | ConditionKind::Cyclic { .. } => {
+            let name = unsupported_condition(condition).unwrap_or("this condition");
+            return Err(EvaluationError { message: format!("{name} is not supported yet"), place: condition.place });
+        }
+    };
+    Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
+}
+
+fn time_part(from: &Expr, to: Option<&Expr>) -> TimePart {
+    TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None }
+}
+
+fn composite(
+    parts: &[Condition],
+    constraints: &[Expr],
+    role: Role,
+    ordered: bool,
+    surroundings: &dyn Surroundings,
+) -> Result<Composite, EvaluationError> {
+    let combines = ordered || !constraints.is_empty() || share_variables(parts, surroundings);
+    let keep = if combines { Keep::Every } else { role.keep };
+    let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
+    let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
+    let parts = parts.iter().map(|each| part(each, role, surroundings)).collect::<Result<_, _>>()?;
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines })
+}
+
+fn alternatives(
+    parts: &[Condition],
+    constraints: &[Expr],
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<Composite, EvaluationError> {
+    let combines = !constraints.is_empty();
+    let keep = if combines { Keep::Every } else { role.keep };
+    let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, surroundings)).collect::<Result<_, _>>()?;
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines })
+}
+
+/// Does any variable that is not bound yet occur in more than one part?
+fn share_variables(parts: &[Condition], surroundings: &dyn Surroundings) -> bool {
+    let mut seen: BTreeSet<&Symbol> = BTreeSet::new();
+    parts.iter().any(|part| {
+        let mut own = BTreeSet::new();
+        collect(part, &mut own);
+        own.retain(|name| surroundings.variable(name).is_none());
+        let shared = own.iter().any(|name| seen.contains(name));
+        seen.extend(own);
+        shared
+    })
+}
+
+fn collect<'a>(condition: &'a Condition, names: &mut BTreeSet<&'a Symbol>) {
+    match &condition.kind {
+        ConditionKind::Measurement(measurement) => {
+            of_variable(&measurement.variable, names);
+            for constraints in [&measurement.value, &measurement.object, &measurement.timestamp] {
+                of_constraints(constraints, names);
+            }
+        }
+        ConditionKind::Episode(episode) => {
+            of_variable(&episode.variable, names);
+            for constraints in [&episode.value, &episode.first_value, &episode.last_value, &episode.object] {
+                of_constraints(constraints, names);
+            }
+        }
+        ConditionKind::Event { pattern, .. } => names.extend(variables(pattern)),
+        ConditionKind::TaskState { state, .. } => names.extend(variables(state)),
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
+            parts.iter().for_each(|part| collect(part, names));
+        }
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => collect(part, names),
+        ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, names)),
+        ConditionKind::Probing { condition, .. } => collect(condition, names),
+        ConditionKind::Cyclic { variable, .. } => of_variable(variable, names),
+        ConditionKind::Delay(..)
+        | ConditionKind::Timestamp(..)
+        | ConditionKind::TaskEnded(_)
+        | ConditionKind::Function(_) => {}
+    }
+}
+
+fn of_variable<'a>(variable: &'a VariablePattern, names: &mut BTreeSet<&'a Symbol>) {
+    names.extend(variables(&variable.object));
+}
+
+fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Symbol>) {
+    for constraint in constraints {
+        match constraint {
+            Constraint::Matches(pattern) => names.extend(variables(pattern)),
+            Constraint::Compare { relation: Relation::Equal, right, tolerance: None } => {
+                if let ExprKind::Variable { name, must_be_bound: false } = &right.kind {
+                    names.insert(name);
+                }
+            }
+            Constraint::Compare { .. } | Constraint::Predicate(..) | Constraint::Range(..) => {}
+        }
+    }
+}
+
+/// Looks back, in every part, over what is remembered since its window's start.
+pub(super) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = super::site(part);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => measurement::look_back(leaf, site, surroundings, troubles),
+        PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
+        PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, site, surroundings),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
+        PartKind::Timestamp(leaf) => {
+            time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, surroundings)
+        }
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Delay, site, surroundings),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => look_back(inner, surroundings, troubles),
+    }
+}

@@ -1,0 +1,280 @@
+//! Logic and order (M&I)
+//! What: combines the results of parts: all, one, none, one after the other.
+//! Runs: whenever the verdict is asked.
+//! Reads: the monitor's tree, surroundings.
+//! Writes: nothing.
+//! Bound: O(parts) where parts share nothing; else `MONITOR_COMBINATIONS_MAX` combinations.
+//! PDL: `:and`, `:or`, `:not`, `:in-order`, `:delay`, `:constraint`.
+//! Paper: Table 1, rows 11 and 12; Appendix B.
+
+use super::time_conditions::{Kind, delays};
+use super::{Asking, Truth, episode, measurement, task_state, time_conditions};
+use crate::expression::{WithBindings, evaluate};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::expression::Expr;
+use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
+use apex_model::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Is the part true now?
+pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
+    let site = super::site(part);
+    match &part.kind {
+        PartKind::Measurement(leaf) => Truth::of(measurement::any(leaf), leaf.blind),
+        PartKind::Episode(leaf) => episode::truth(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
+        PartKind::Event(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.blind),
+        PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
+        PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
+        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => Truth::of(leaf.reached.is_some(), leaf.span.is_none()),
+        PartKind::Not(inner) => truth(inner, asking).negated(),
+        PartKind::And(composite) => {
+            let all = composite
+                .parts
+                .iter()
+                // What a shared variable must not be is known only in combination.
+                .filter(|part| !(composite.combines && matches!(part.kind, PartKind::Not(_))))
+                .fold(Truth::True, |all, part| all.min(truth(part, asking)));
+            combined(part, composite, all, asking)
+        }
+        PartKind::InOrder(composite) => {
+            let all = composite
+                .parts
+                .iter()
+                .filter(|part| !matches!(part.kind, PartKind::Delay(_)))
+                .fold(Truth::True, |all, part| all.min(truth(part, asking)));
+            combined(part, composite, all, asking)
+        }
+        PartKind::Or(composite) => {
+            let one = composite.parts.iter().fold(Truth::False, |one, part| one.max(truth(part, asking)));
+            combined(part, composite, one, asking)
+        }
+    }
+}
+
+fn combined(part: &Part, composite: &Composite, separately: Truth, asking: &mut Asking<'_>) -> Truth {
+    let needed = composite.combines && separately == Truth::True;
+    if needed && results(part, asking).is_empty() { Truth::False } else { separately }
+}
+
+/// All results of the part up to now, earliest recognised first, with the part's tag bound.
+pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let site = super::site(part);
+    let mut results = match &part.kind {
+        PartKind::Measurement(leaf) => measurement::results(leaf),
+        PartKind::Episode(leaf) => episode::results(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
+        PartKind::Event(leaf) => leaf.settled.clone(),
+        PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
+        PartKind::TaskState(leaf) => leaf.settled.clone(),
+        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => time_conditions::result(leaf).into_iter().collect(),
+        PartKind::Not(inner) => match truth(inner, asking) {
+            Truth::False => vec![nothing_until(asking.now)],
+            Truth::True | Truth::Unknown => Vec::new(),
+        },
+        PartKind::And(composite) => Combination::new(part, composite, false).run(asking),
+        PartKind::InOrder(composite) => Combination::new(part, composite, true).run(asking),
+        PartKind::Or(composite) => alternatives(part, composite, asking),
+    };
+    if let Some(tag) = &part.tag {
+        for result in &mut results {
+            result.bindings.set(tag.clone(), Value::Interval(result.interval.0, result.interval.1));
+        }
+    }
+    results.sort_by_key(|result| result.recognised_at);
+    results
+}
+
+fn nothing_until(now: Time) -> Satisfaction {
+    Satisfaction { interval: (now, now), recognised_at: now, bindings: Bindings::new(), evidence: Vec::new() }
+}
+
+fn alternatives(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let mut all: Vec<Satisfaction> = composite.parts.iter().flat_map(|part| results(part, asking)).collect();
+    all.retain(|result| constraints_hold(part, &composite.constraints, result.interval, &result.bindings, asking));
+    all
+}
+
+fn constraints_hold(
+    part: &Part,
+    constraints: &[Expr],
+    interval: (Time, Time),
+    bindings: &Bindings,
+    asking: &mut Asking<'_>,
+) -> bool {
+    if constraints.is_empty() {
+        return true;
+    }
+    let mut bindings = bindings.clone();
+    if let Some(tag) = &part.tag {
+        bindings.set(tag.clone(), Value::Interval(interval.0, interval.1));
+    }
+    let seen = WithBindings { below: asking.surroundings, bindings: &bindings };
+    for constraint in constraints {
+        match evaluate(constraint, &seen) {
+            Ok(value) if value.is_true() => {}
+            Ok(_) => return false,
+            Err(error) => {
+                asking.troubles.add(error);
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// The search for combinations of results that agree.
+struct Combination<'a> {
+    part: &'a Part,
+    composite: &'a Composite,
+    ordered: bool,
+    combinations: u64,
+    found: Vec<Satisfaction>,
+}
+
+/// A combination of the results of the first parts.
+#[derive(Clone)]
+struct Partial {
+    hull: Option<(Time, Time)>,
+    /// End of the last part, or the window's start: what the next part must come after.
+    end: Time,
+    recognised_at: Time,
+    bindings: Bindings,
+    evidence: Vec<Evidence>,
+}
+
+/// A part with the results to choose from, and the delay before it.
+struct Step {
+    results: Vec<Satisfaction>,
+    delay: Option<(Duration, Duration)>,
+}
+
+impl<'a> Combination<'a> {
+    fn new(part: &'a Part, composite: &'a Composite, ordered: bool) -> Combination<'a> {
+        Combination { part, composite, ordered, combinations: 0, found: Vec::new() }
+    }
+
+    fn run(mut self, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+        let mut steps = Vec::new();
+        let mut nots = Vec::new();
+        let mut delay = None;
+        for part in &self.composite.parts {
+            match &part.kind {
+                PartKind::Delay(leaf) if self.ordered => match delays(leaf, asking.surroundings) {
+                    Ok(span) => delay = Some(span),
+                    Err(error) => {
+                        asking.troubles.add(error);
+                        return Vec::new();
+                    }
+                },
+                PartKind::Not(inner) if !self.ordered && self.composite.combines => nots.push(results(inner, asking)),
+                PartKind::Not(inner) if !self.ordered => match truth(inner, asking) {
+                    Truth::False => nots.push(Vec::new()),
+                    Truth::True | Truth::Unknown => return Vec::new(),
+                },
+                _ => steps.push(Step { results: results(part, asking), delay: delay.take() }),
+            }
+        }
+        let start = Partial {
+            hull: None,
+            end: self.part.window.start,
+            recognised_at: self.part.window.start,
+            bindings: Bindings::new(),
+            evidence: Vec::new(),
+        };
+        self.extend(&steps, &nots, delay, start, asking);
+        self.found.sort_by_key(|result| result.recognised_at);
+        self.found
+    }
+
+    fn extend(
+        &mut self,
+        steps: &[Step],
+        nots: &[Vec<Satisfaction>],
+        last_delay: Option<(Duration, Duration)>,
+        partial: Partial,
+        asking: &mut Asking<'_>,
+    ) {
+        let Some((step, rest)) = steps.split_first() else {
+            self.complete(nots, last_delay, partial, asking);
+            return;
+        };
+        for result in &step.results {
+            self.combinations += 1;
+            if self.combinations > MONITOR_COMBINATIONS_MAX {
+                asking.troubles.limit("MONITOR_COMBINATIONS_MAX", MONITOR_COMBINATIONS_MAX as usize, self.part.place);
+                return;
+            }
+            if self.ordered && !self.follows(&partial, step, result) {
+                continue;
+            }
+            let Some(bindings) = joined(&partial.bindings, &result.bindings) else { continue };
+            let hull = partial
+                .hull
+                .map_or(result.interval, |(start, end)| (start.min(result.interval.0), end.max(result.interval.1)));
+            let next = Partial {
+                hull: Some(hull),
+                end: result.interval.1,
+                recognised_at: partial.recognised_at.max(result.recognised_at),
+                bindings,
+                evidence: partial.evidence.iter().chain(&result.evidence).cloned().collect(),
+            };
+            self.extend(rest, nots, last_delay, next, asking);
+            // Without choices further on the first combination is the earliest.
+            if self.part.keep == Keep::First && !self.composite.combines && !self.found.is_empty() {
+                return;
+            }
+        }
+    }
+
+    fn follows(&self, partial: &Partial, step: &Step, result: &Satisfaction) -> bool {
+        let between = result.interval.0 - partial.end;
+        match (step.delay, partial.hull) {
+            (Some((least, most)), _) => between >= least && between <= most,
+            (None, Some(_)) => between > Duration::ZERO,
+            (None, None) => true,
+        }
+    }
+
+    fn complete(
+        &mut self,
+        nots: &[Vec<Satisfaction>],
+        last_delay: Option<(Duration, Duration)>,
+        mut partial: Partial,
+        asking: &mut Asking<'_>,
+    ) {
+        let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
+        let interval = partial.hull.unwrap_or((asking.now, asking.now));
+        if excluded || !constraints_hold(self.part, &self.composite.constraints, interval, &partial.bindings, asking) {
+            return;
+        }
+        if !nots.is_empty() || partial.hull.is_none() {
+            partial.recognised_at = asking.now;
+        }
+        if let Some((least, _)) = last_delay {
+            let over = partial.end + least;
+            partial.recognised_at = partial.recognised_at.max(over);
+            if over > asking.now {
+                asking.wake_at(over);
+                return;
+            }
+        }
+        if self.found.len() < MONITOR_RESULTS_MAX {
+            let Partial { recognised_at, bindings, evidence, .. } = partial;
+            self.found.push(Satisfaction { interval, recognised_at, bindings, evidence });
+        }
+    }
+}
+
+/// The bindings of both, if they agree where both bind.
+fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
+    let mut all = left.clone();
+    for (name, value) in right.iter() {
+        match all.get(name) {
+            Some(bound) if !bound.matches(value) => return None,
+            Some(_) => {}
+            None => all.set(name.clone(), value.clone()),
+        }
+    }
+    Some(all)
+}

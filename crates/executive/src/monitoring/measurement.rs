@@ -1,0 +1,211 @@
+//! Measurement (M&I)
+//! What: is there one sample whose value, object and time satisfy the constraints?
+//! Runs: on every sample of the watched variable; once over the remembered samples.
+//! Reads: histories, surroundings.
+//! Writes: the measurement part of a monitor.
+//! Bound: O(1) per sample and object; a late sample looks back over the window again.
+//! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`, `:estimation :persist`.
+//! Paper: Table 1, rows 1 to 5.
+
+use super::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::{Site, Troubles, remember};
+use crate::expression::arithmetic::duration;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Estimation, MeasurementCondition};
+use apex_model::limits::MONITOR_OBJECTS_MAX;
+use apex_model::monitor::{Keep, MeasurementPart, NewestSample, Satisfaction};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The part for `condition`, not yet looked back.
+///
+/// # Errors
+/// When a timeout or a value that never changes cannot be evaluated.
+pub(super) fn create(
+    condition: &MeasurementCondition,
+    surroundings: &dyn Surroundings,
+) -> Result<MeasurementPart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let persistence = match &condition.estimation {
+        Some(Estimation::Persist(Some(timeout))) => {
+            let value = evaluate(timeout, surroundings)?;
+            Some(duration(&value).map_err(|message| EvaluationError { message, place: timeout.place })?)
+        }
+        Some(Estimation::Persist(None)) => Some(Duration::MAX),
+        Some(Estimation::LinearRegression(_)) | None => None,
+    };
+    Ok(MeasurementPart {
+        tests: prepare(&condition.value, unit, surroundings)?,
+        variable: known_variable(&condition.variable, surroundings),
+        condition: Arc::new(condition.clone()),
+        persistence,
+        blind: false,
+        settled: Vec::new(),
+        newest: BTreeMap::new(),
+    })
+}
+
+/// Starts again from what is remembered.
+pub(super) fn look_back(
+    part: &mut MeasurementPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.settled.clear();
+    part.newest.clear();
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    carry_into_window(part, site, surroundings, troubles);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    part.blind = blind;
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// Under persistence the last sample before the window may still be valid at its start.
+fn carry_into_window(part: &mut MeasurementPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let (Some(timeout), None) = (part.persistence, site.window.after_sequence) else { return };
+    let condition = Arc::clone(&part.condition);
+    let start = site.window.start;
+    for (variable, history) in surroundings.histories().of_attribute(&condition.variable.attribute) {
+        if !concerns(part.variable.as_ref(), &condition.variable.attribute, variable) {
+            continue;
+        }
+        let Some(sample) = history.before(start).filter(|sample| sample.at + timeout >= start) else { continue };
+        let seen = Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence };
+        if let Some(mut result) = judge(part, site, seen, surroundings, troubles) {
+            result.recognised_at = start;
+            let rank = part.newest.len() as u64;
+            part.newest.insert(variable.object.clone(), NewestSample { rank, at: start, result: Some(result) });
+        }
+    }
+}
+
+/// A sample has arrived.
+pub(super) fn notice(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    let late = part.newest.get(&sample.variable.object).is_some_and(|newest| sample.at < newest.at);
+    if late && sample.at >= site.window.start {
+        let kept =
+            surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
+        if kept {
+            look_back(part, site, surroundings, troubles);
+        }
+    } else if site.window.contains(sample.at, sample.sequence) {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+fn feed(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    if let Some(newest) = part.newest.get_mut(&sample.variable.object)
+        && sample.at > newest.at
+        && let Some(result) = newest.result.take()
+    {
+        remember(&mut part.settled, result);
+        if site.keep == Keep::First {
+            return;
+        }
+    }
+    let result = judge(part, site, sample, surroundings, troubles);
+    let objects = part.newest.len();
+    match part.newest.get_mut(&sample.variable.object) {
+        Some(newest) => {
+            newest.at = sample.at;
+            newest.result = result;
+        }
+        None if objects >= MONITOR_OBJECTS_MAX => {
+            troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place)
+        }
+        None => {
+            let newest = NewestSample { rank: objects as u64, at: sample.at, result };
+            part.newest.insert(sample.variable.object.clone(), newest);
+        }
+    }
+}
+
+fn judge(
+    part: &MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Satisfaction> {
+    let mut bindings = Bindings::new();
+    match holds(part, site, sample, &mut bindings, surroundings) {
+        Ok(true) => Some(Satisfaction {
+            interval: (sample.at, sample.at),
+            recognised_at: sample.at,
+            bindings,
+            evidence: vec![Evidence::Sample {
+                variable: sample.variable.to_string(),
+                value: sample.value.clone(),
+                at: sample.at,
+            }],
+        }),
+        Ok(false) => None,
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    }
+}
+
+fn holds(
+    part: &MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    let condition = &part.condition;
+    let Seen { variable, value, at, .. } = sample;
+    let known = part.variable.is_some();
+    let stamp = Value::Time(at);
+    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
+        && satisfies_all(&part.tests, value, &variable.attribute, bindings, surroundings, site.place)?
+        && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
+}
+
+/// All results up to now, earliest first.
+pub(super) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
+    let mut pending: Vec<&NewestSample> = part.newest.values().filter(|newest| newest.result.is_some()).collect();
+    pending.sort_by_key(|newest| newest.rank);
+    let mut all: Vec<Satisfaction> =
+        part.settled.iter().chain(pending.into_iter().filter_map(|newest| newest.result.as_ref())).cloned().collect();
+    all.sort_by_key(|result| result.recognised_at);
+    all
+}
+
+/// Is there any result?
+pub(super) fn any(part: &MeasurementPart) -> bool {
+    !part.settled.is_empty() || part.newest.values().any(|newest| newest.result.is_some())
+}
+
+/// The newest sample that was seen, for explanations.
+pub(super) fn last_seen(part: &MeasurementPart) -> Option<Time> {
+    part.newest.values().map(|newest| newest.at).max()
+}

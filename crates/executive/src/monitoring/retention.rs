@@ -1,0 +1,272 @@
+//! Retention (M&I)
+//! What: how far back conditions and queries of a library look, so that histories are long enough by construction.
+//! Runs: once, when an agent is loaded.
+//! Reads: library.
+//! Writes: histories.
+//! Bound: linear in the library.
+//! PDL: `:timestamp`, `:timing`, `value-at`, `mean-over`, .., `:lateness`.
+//! Paper: section IV, policies on logged data quantity.
+
+use crate::expression::history_queries::QUERIES;
+use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::history::Histories;
+use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions};
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// Prepares `histories` for `library`: how far back its conditions and queries look, and how late samples may come.
+pub(crate) fn prepare(histories: &mut Histories, library: &Library) {
+    for (attribute, declaration) in &library.state_variables {
+        let late = |value: &Value| !matches!(value, Value::Integer(0)) && *value != Value::Duration(Duration::ZERO);
+        // A late sample makes monitors look back over their whole window.
+        if declaration.lateness.as_ref().is_some_and(late) {
+            histories.require_lookback(attribute, Duration::MAX);
+        }
+    }
+    let mut survey = Survey { histories };
+    library.procedures.iter().for_each(|procedure| survey.procedure(procedure));
+    library.primitives.iter().for_each(|primitive| survey.primitive(primitive));
+    library.indexicals.values().for_each(|expr| survey.expr(expr));
+    library.functions.values().for_each(|function| survey.exprs(&function.body));
+}
+
+/// Prepares `histories` for a procedure that was added to the library later.
+pub(crate) fn prepare_procedure(histories: &mut Histories, procedure: &Procedure) {
+    Survey { histories }.procedure(procedure);
+}
+
+/// Walks through definitions and notes what looks back.
+struct Survey<'a> {
+    histories: &'a mut Histories,
+}
+
+impl Survey<'_> {
+    fn procedure(&mut self, procedure: &Procedure) {
+        self.pattern(&procedure.index);
+        self.all(procedure.expected_duration.iter().chain(&procedure.interrupt_cost));
+        self.transitions(&procedure.transitions);
+        self.hooks(&procedure.hooks);
+        procedure.profile.iter().for_each(|need| {
+            self.template(&need.resource);
+            self.all(&need.amount);
+        });
+        procedure.steps.iter().for_each(|step| self.step(step));
+    }
+
+    fn primitive(&mut self, primitive: &Primitive) {
+        self.pattern(&primitive.index);
+        primitive.locals.iter().for_each(|(_, expr)| self.expr(expr));
+        self.all(primitive.duration.iter().chain(&primitive.returns));
+        if let Some((interval, forms)) = &primitive.update {
+            self.all(interval);
+            self.exprs(forms);
+        }
+        self.hooks(&primitive.hooks);
+        self.exprs(&primitive.on_completion);
+    }
+
+    fn step(&mut self, step: &Step) {
+        self.activity(&step.activity);
+        step.on_failure.iter().for_each(|activity| self.activity(activity));
+        step.waitfor.iter().for_each(|condition| self.condition(condition));
+        step.select.iter().chain(&step.forall).for_each(|(_, expr)| self.expr(expr));
+        for clause in &step.priority {
+            match clause {
+                PriorityClause::Number(number) => self.expr(number),
+                PriorityClause::UrgencyImportance(urgency, importance) => self.all([urgency, importance]),
+            }
+        }
+        self.all(step.rank.iter().chain(&step.interrupt_cost));
+        for repetition in step.repeating.iter().chain(&step.responding) {
+            let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _ } = repetition;
+            self.all(while_true.iter().chain(until).chain(enabled).chain(recovery).chain(minimum_interval));
+        }
+        step.profile.iter().for_each(|need| {
+            self.template(&need.resource);
+            self.all(&need.amount);
+        });
+        self.transitions(&step.transitions);
+        self.hooks(&step.hooks);
+    }
+
+    fn activity(&mut self, activity: &Activity) {
+        match activity {
+            Activity::Goal(template) => self.template(template),
+            Activity::Terminate { task, outcome, value } => self.all(task.iter().chain(outcome).chain(value)),
+            Activity::BuiltIn(_, arguments) => self.exprs(arguments),
+        }
+    }
+
+    fn transitions(&mut self, transitions: &Transitions) {
+        let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = transitions;
+        let all = end_when.iter().chain(restart_when).chain(resume_when).chain(suspend_when).chain(suspend_until);
+        all.for_each(|condition| self.condition(condition));
+    }
+
+    fn hooks(&mut self, hooks: &Hooks) {
+        [&hooks.on_start, &hooks.on_end, &hooks.on_suspend, &hooks.on_resume]
+            .into_iter()
+            .for_each(|forms| self.exprs(forms));
+    }
+
+    fn condition(&mut self, condition: &Condition) {
+        match &condition.kind {
+            ConditionKind::Measurement(measurement) => {
+                if !measurement.timestamp.is_empty() {
+                    self.histories.require_lookback(&measurement.variable.attribute, Duration::MAX);
+                }
+                self.pattern(&measurement.variable.object);
+                [&measurement.value, &measurement.object, &measurement.timestamp].map(|each| self.constraints(each));
+                match &measurement.estimation {
+                    Some(Estimation::Persist(timeout)) => self.all(timeout),
+                    Some(Estimation::LinearRegression(options)) => options.iter().for_each(|(_, expr)| self.expr(expr)),
+                    None => {}
+                }
+            }
+            ConditionKind::Episode(episode) => {
+                if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
+                    self.histories.require_lookback(&episode.variable.attribute, Duration::MAX);
+                }
+                if let Quality::MaximumGap(gap) = &episode.quality {
+                    self.expr(gap);
+                }
+                self.pattern(&episode.variable.object);
+                [&episode.value, &episode.first_value, &episode.last_value, &episode.object]
+                    .map(|each| self.constraints(each));
+                self.timing(&episode.timing);
+                episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
+            }
+            ConditionKind::Event { pattern, timing } => {
+                if !timing.start.is_empty() || !timing.end.is_empty() {
+                    self.histories.require_event_lookback(Duration::MAX);
+                }
+                self.pattern(pattern);
+                self.timing(timing);
+            }
+            ConditionKind::And(parts, constraints)
+            | ConditionKind::Or(parts, constraints)
+            | ConditionKind::InOrder(parts, constraints)
+            | ConditionKind::Allen { parts, constraints, .. } => {
+                parts.iter().for_each(|part| self.condition(part));
+                self.exprs(constraints);
+            }
+            ConditionKind::Not(part) | ConditionKind::Absent(part, _) => self.condition(part),
+            ConditionKind::Probing { condition, .. } => self.condition(condition),
+            ConditionKind::Delay(from, to) | ConditionKind::Timestamp(from, to) => {
+                self.expr(from);
+                self.all(to);
+            }
+            ConditionKind::TaskEnded(_) => {}
+            ConditionKind::TaskState { task, state } => {
+                self.expr(task);
+                self.pattern(state);
+            }
+            ConditionKind::Function(expr) => self.expr(expr),
+            ConditionKind::Cyclic { variable, options } => {
+                self.histories.require_lookback(&variable.attribute, Duration::MAX);
+                options.iter().for_each(|(_, constraints)| self.constraints(constraints));
+            }
+        }
+    }
+
+    fn timing(&mut self, timing: &Timing) {
+        [&timing.start, &timing.end, &timing.duration].map(|each| self.constraints(each));
+    }
+
+    fn constraints(&mut self, constraints: &[Constraint]) {
+        for constraint in constraints {
+            match constraint {
+                Constraint::Compare { right, tolerance, .. } => {
+                    self.expr(right);
+                    self.all(tolerance);
+                }
+                Constraint::Matches(pattern) => self.pattern(pattern),
+                Constraint::Predicate(_, arguments) => self.exprs(arguments),
+                Constraint::Range(least, most) => self.all(least.iter().chain(most)),
+            }
+        }
+    }
+
+    fn pattern(&mut self, pattern: &Pattern) {
+        match pattern {
+            Pattern::Computed(expr) | Pattern::Guard(expr) => self.expr(expr),
+            Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+                parts.iter().for_each(|part| self.pattern(part));
+            }
+            Pattern::Not(part) => self.pattern(part),
+            Pattern::Literal(_)
+            | Pattern::Variable(_)
+            | Pattern::BoundVariable(_)
+            | Pattern::Anonymous
+            | Pattern::Segment { .. }
+            | Pattern::Is { .. } => {}
+        }
+    }
+
+    fn template(&mut self, template: &Template) {
+        match template {
+            Template::Constant(_) => {}
+            Template::Hole(expr) | Template::Splice(expr) => self.expr(expr),
+            Template::List(parts) => parts.iter().for_each(|part| self.template(part)),
+        }
+    }
+
+    fn exprs(&mut self, exprs: &[Expr]) {
+        self.all(exprs);
+    }
+
+    fn all<'e>(&mut self, exprs: impl IntoIterator<Item = &'e Expr>) {
+        exprs.into_iter().for_each(|expr| self.expr(expr));
+    }
+
+    fn expr(&mut self, expr: &Expr) {
+        match &expr.kind {
+            ExprKind::Call { function, arguments } => {
+                self.query(function, arguments);
+                self.exprs(arguments);
+            }
+            ExprKind::FunctionName(function) => self.query(function, &[]),
+            ExprKind::If(test, then, otherwise) => self.all([&**test, &**then].into_iter().chain(otherwise.as_deref())),
+            ExprKind::Cond(clauses) => clauses.iter().for_each(|(test, forms)| {
+                self.expr(test);
+                self.exprs(forms);
+            }),
+            ExprKind::Case(key, clauses) => {
+                self.expr(key);
+                clauses.iter().for_each(|(_, forms)| self.exprs(forms));
+            }
+            ExprKind::And(parts) | ExprKind::Or(parts) | ExprKind::Sequence(parts) => self.exprs(parts),
+            ExprKind::Let { bindings, body, .. } => {
+                bindings.iter().for_each(|(_, initial)| self.expr(initial));
+                self.exprs(body);
+            }
+            ExprKind::Lambda { body, .. } => self.exprs(body),
+            ExprKind::Assign { value, .. } => self.expr(value),
+            ExprKind::Template(template) => self.template(template),
+            ExprKind::Constant(_) | ExprKind::Variable { .. } | ExprKind::Local(_) | ExprKind::Indexical(_) => {}
+        }
+    }
+
+    /// A query of a history looks back as far as its window; as far as possible when that is not written out.
+    fn query(&mut self, function: &Symbol, arguments: &[Expr]) {
+        if !QUERIES.contains(&function.folded()) {
+            return;
+        }
+        let constant = |index: usize| match arguments.get(index).map(|argument| &argument.kind) {
+            Some(ExprKind::Constant(value)) => Some(value),
+            _ => None,
+        };
+        let lookback = match (constant(2), arguments.len()) {
+            (Some(Value::Duration(window)), 3) => *window,
+            _ => Duration::MAX,
+        };
+        match constant(0) {
+            Some(Value::Symbol(attribute)) => self.histories.require_lookback(attribute, lookback),
+            _ => self.histories.require_lookback_of_all(lookback),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Samples (M&I)
+//! What: what measurement and episode detection share: which samples concern a part, and looking back for them.
+//! Runs: when a monitor is created, and when a late sample makes one look back again.
+//! Reads: histories, surroundings.
+//! Writes: nothing.
+//! Bound: O(log n) per variable plus O(k log k) for the k samples found.
+//! PDL: `(ATTR OBJ)`.
+//! Paper: section III, histories.
+
+use super::Site;
+use super::constraints::{Reading, all};
+use super::pattern_matching::match_pattern;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, VariablePattern};
+use apex_model::event::StateVariable;
+use apex_model::history::History;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// A sample as a part sees it.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<'a> {
+    pub(super) variable: &'a StateVariable,
+    pub(super) value: &'a Value,
+    pub(super) at: Time,
+    pub(super) sequence: u64,
+}
+
+/// The state variable of a pattern whose object is known now.
+pub(super) fn known_variable(pattern: &VariablePattern, surroundings: &dyn Surroundings) -> Option<StateVariable> {
+    let object = ground(&pattern.object, surroundings)?;
+    Some(StateVariable::new(pattern.attribute.clone(), object))
+}
+
+fn ground(pattern: &Pattern, surroundings: &dyn Surroundings) -> Option<Value> {
+    match pattern {
+        Pattern::Literal(value) => Some(value.clone()),
+        Pattern::Variable(name) | Pattern::BoundVariable(name) => surroundings.variable(name),
+        Pattern::Computed(expr) => evaluate(expr, surroundings).ok(),
+        Pattern::List(parts) => {
+            parts.iter().map(|part| ground(part, surroundings)).collect::<Option<Vec<_>>>().map(Value::list)
+        }
+        Pattern::Anonymous
+        | Pattern::Segment { .. }
+        | Pattern::Guard(_)
+        | Pattern::Is { .. }
+        | Pattern::And(_)
+        | Pattern::Or(_)
+        | Pattern::Not(_) => None,
+    }
+}
+
+/// Could samples of `variable` concern a part that watches `attribute`, or just `known`?
+pub(super) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variable: &StateVariable) -> bool {
+    match known {
+        Some(known) => known == variable,
+        None => variable.attribute == *attribute,
+    }
+}
+
+/// Does the object of `variable` satisfy pattern and constraints? Adds what they bind.
+///
+/// # Errors
+/// When an expression in them cannot be evaluated.
+pub(super) fn object_holds(
+    pattern: &VariablePattern,
+    constraints: &[Constraint],
+    known: bool,
+    variable: &StateVariable,
+    bindings: &mut Bindings,
+    site: Site,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    if !known && !match_pattern(&pattern.object, &variable.object, bindings, surroundings, site.place)? {
+        return Ok(false);
+    }
+    all(constraints, &variable.object, Reading::Value(None), bindings, surroundings, site.place)
+}
+
+/// Samples within the window, in order of time and arrival, of all variables that may concern the part; and whether
+/// the window reaches before the oldest sample kept.
+pub(super) fn remembered<'a>(
+    known: Option<&'a StateVariable>,
+    attribute: &Symbol,
+    site: Site,
+    surroundings: &'a dyn Surroundings,
+) -> (Vec<Seen<'a>>, bool) {
+    let mut seen = Vec::new();
+    let mut blind = false;
+    let mut collect = |variable: &'a StateVariable, history: &'a History| {
+        blind |= !history.covers(site.window.start);
+        seen.extend(
+            history
+                .between(site.window.start, Time::END)
+                .filter(|sample| site.window.contains(sample.at, sample.sequence))
+                .map(|sample| Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence }),
+        );
+    };
+    match known {
+        Some(variable) => {
+            if let Some(history) = surroundings.histories().get(variable) {
+                collect(variable, history);
+            }
+        }
+        None => {
+            surroundings.histories().of_attribute(attribute).for_each(|(variable, history)| collect(variable, history))
+        }
+    }
+    seen.sort_by_key(|sample| (sample.at, sample.sequence));
+    (seen, blind)
+}

@@ -1,0 +1,115 @@
+//! Task conditions (M&I)
+//! What: has a task ended, or entered a state?
+//! Runs: on transitions of the task; once on the task as it is when the monitor is made.
+//! Reads: surroundings.
+//! Writes: the task parts of a monitor.
+//! Bound: O(1) per transition.
+//! PDL: `?s1`, `(end ?s1)`, `(state ?s1 = S)`.
+//! Paper: section III, monitors check events of internal mechanisms.
+
+use super::pattern_matching::match_pattern;
+use super::{Site, Troubles, remember};
+use crate::expression::{Surroundings, evaluate};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::monitor::{Interest, Keep, Satisfaction, TaskEndedPart, TaskStatePart};
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Learns which task is meant, and whether it has ended already. A repeated task waits for an end that comes after.
+pub(super) fn advance_ended(part: &mut TaskEndedPart, site: Site, surroundings: &dyn Surroundings) {
+    if let Some(Value::Task(task)) = surroundings.variable(&part.variable) {
+        if part.task != Some(task) {
+            part.task = Some(task);
+            part.ended = None;
+        }
+        if part.ended.is_none() && site.window.after_sequence.is_none() {
+            part.ended = surroundings.task_end(task);
+        }
+    }
+}
+
+/// A task ended.
+pub(super) fn notice_ended(part: &mut TaskEndedPart, task: TaskId, at: Time) {
+    if part.task == Some(task) && part.ended.is_none() {
+        part.ended = Some(at);
+    }
+}
+
+/// The result of a wait for a task's end.
+pub(super) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
+    let (task, at) = part.task.zip(part.ended)?;
+    let evidence = vec![Evidence::TaskEnd { task, at }];
+    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
+}
+
+/// Learns which task is meant; at the first time its present state counts, unless the task is repeated.
+pub(super) fn advance_state(
+    part: &mut TaskStatePart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if part.task.is_some() {
+        return;
+    }
+    let Ok(Value::Task(task)) = evaluate(&part.expression, surroundings) else { return };
+    part.task = Some(task);
+    if site.window.after_sequence.is_none()
+        && let Some(state) = surroundings.task_state(task)
+    {
+        note(part, site, task, state.word(), surroundings.now(), surroundings, troubles);
+    }
+}
+
+/// A task changed state.
+pub(super) fn notice_state(
+    part: &mut TaskStatePart,
+    site: Site,
+    (task, from, state, at): (TaskId, TaskState, TaskState, Time),
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if part.task != Some(task) || at < site.window.start {
+        return;
+    }
+    note(part, site, task, state.word(), at, surroundings, troubles);
+    if from == TaskState::Interrupted && state == TaskState::Ongoing {
+        note(part, site, task, "resumed", at, surroundings, troubles);
+    }
+}
+
+fn note(
+    part: &mut TaskStatePart,
+    site: Site,
+    task: TaskId,
+    word: &str,
+    at: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let (mut bindings, value) = (Bindings::new(), Value::symbol(word));
+    match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
+        Ok(true) => {
+            let evidence = vec![Evidence::Sample { variable: format!("(state {task})"), value, at }];
+            remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
+        }
+        Ok(false) => {}
+        Err(error) => troubles.add(error),
+    }
+}
+
+/// Whose transitions matter.
+pub(super) fn interest(task: Option<TaskId>) -> Interest {
+    task.map_or(Interest::AnyTask, Interest::Task)
+}
+
+/// The name by which a wait for a task's end is explained.
+pub(super) fn ended_words(variable: &Symbol) -> String {
+    format!("(end ?{variable})")
+}

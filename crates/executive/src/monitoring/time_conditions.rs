@@ -1,0 +1,96 @@
+//! Time conditions (M&I)
+//! What: has an instant come, or has so much time passed?
+//! Runs: whenever the verdict is asked; wakes the agent at the instant.
+//! Reads: surroundings.
+//! Writes: the time part of a monitor.
+//! Bound: O(1).
+//! PDL: `(:timestamp T1 [T2])`, `(:delay D1 [D2])`.
+//! Paper: Appendix B, timestamp constraints.
+
+use super::Site;
+use crate::expression::arithmetic::{duration, instant};
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::bindings::Bindings;
+use apex_model::expression::Expr;
+use apex_model::monitor::{Satisfaction, TimePart};
+use apex_model::time::{Duration, Time};
+
+/// Which of the two forms a part is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// `:timestamp`.
+    Timestamp,
+    /// `:delay` after the window's start.
+    Delay,
+}
+
+/// Evaluates the instants anew, until one of them was reached. An instant that cannot be told yet (the end of a task
+/// that goes on) is no error: it is not reached.
+pub(super) fn advance(part: &mut TimePart, kind: Kind, site: Site, surroundings: &dyn Surroundings) {
+    if part.reached.is_some() {
+        return;
+    }
+    part.span = span(part, kind, site.window.start, surroundings).ok();
+    let Some((from, to)) = part.span else { return };
+    let first = from.max(site.window.start);
+    if first <= to && first <= surroundings.now() {
+        part.reached = Some(first);
+    }
+}
+
+/// First and last instant that satisfy the part.
+///
+/// # Errors
+/// When an expression cannot be evaluated.
+pub(super) fn span(
+    part: &TimePart,
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<(Time, Time), EvaluationError> {
+    match kind {
+        Kind::Timestamp => {
+            let at = |expr: &Expr| {
+                let value = evaluate(expr, surroundings)?;
+                instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
+            };
+            let from = at(&part.from)?;
+            Ok((from, part.to.as_ref().map_or(Ok(from), at)?))
+        }
+        Kind::Delay => {
+            let (least, most) = delays(part, surroundings)?;
+            Ok((start + least, start + most))
+        }
+    }
+}
+
+/// Least and greatest delay.
+///
+/// # Errors
+/// When an expression cannot be evaluated.
+pub(super) fn delays(
+    part: &TimePart,
+    surroundings: &dyn Surroundings,
+) -> Result<(Duration, Duration), EvaluationError> {
+    let length = |expr: &Expr| {
+        let value = evaluate(expr, surroundings)?;
+        duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
+    };
+    Ok((length(&part.from)?, part.to.as_ref().map_or(Ok(Duration::MAX), length)?))
+}
+
+/// The result, once the instant was reached.
+pub(super) fn result(part: &TimePart) -> Option<Satisfaction> {
+    let at = part.reached?;
+    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence: Vec::new() })
+}
+
+/// When the instant comes.
+pub(super) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, String)> {
+    let (from, to) = part.span.filter(|_| part.reached.is_none())?;
+    let what = match kind {
+        Kind::Timestamp => ":timestamp is reached",
+        Kind::Delay => ":delay is over",
+    };
+    (from > after && from <= to).then(|| (from, what.into()))
+}

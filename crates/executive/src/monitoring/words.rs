@@ -1,0 +1,213 @@
+//! Conditions in words: the PDL text of a condition or of one of its parts, for `apex why`.
+
+use apex_model::condition::{
+    Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
+    VariablePattern,
+};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::pattern::Pattern;
+use apex_model::value::Value;
+
+/// The text of an expression, close to what its author wrote.
+pub(super) fn expression(expr: &Expr) -> String {
+    match &expr.kind {
+        ExprKind::Constant(Value::List(items)) if !items.is_empty() => format!("'{}", Value::List(items.clone())),
+        ExprKind::Constant(value) => value.to_string(),
+        ExprKind::Variable { name, must_be_bound: false } => format!("?{name}"),
+        ExprKind::Variable { name, must_be_bound: true } => format!("<?{name}>"),
+        ExprKind::Local(name) => name.to_string(),
+        ExprKind::Indexical(name) => format!("+{name}+"),
+        ExprKind::Call { function, arguments } => list(function, arguments.iter().map(expression)),
+        ExprKind::And(parts) => list("and", parts.iter().map(expression)),
+        ExprKind::Or(parts) => list("or", parts.iter().map(expression)),
+        ExprKind::If(test, ..) => format!("(if {} ..)", expression(test)),
+        ExprKind::Cond(_) => "(cond ..)".into(),
+        ExprKind::Case(key, _) => format!("(case {} ..)", expression(key)),
+        ExprKind::Let { .. } => "(let ..)".into(),
+        ExprKind::Lambda { .. } => "(lambda ..)".into(),
+        ExprKind::FunctionName(name) => format!("#'{name}"),
+        ExprKind::Assign { name, .. } => format!("(setq {name} ..)"),
+        ExprKind::Sequence(_) => "(progn ..)".into(),
+        ExprKind::Template(template) => format!("`{}", template_text(template)),
+    }
+}
+
+fn template_text(template: &Template) -> String {
+    match template {
+        Template::Constant(value) => value.to_string(),
+        Template::Hole(expr) => expression(expr),
+        Template::Splice(expr) => format!(",@{}", expression(expr)),
+        Template::List(parts) => parenthesised(parts.iter().map(template_text)),
+    }
+}
+
+/// The text of a pattern.
+pub(super) fn pattern(pattern_to_tell: &Pattern) -> String {
+    match pattern_to_tell {
+        Pattern::Literal(value) => value.to_string(),
+        Pattern::Variable(name) => format!("?{name}"),
+        Pattern::BoundVariable(name) => format!("<?{name}>"),
+        Pattern::Anonymous => "?".into(),
+        Pattern::Computed(expr) => expression(expr),
+        Pattern::List(parts) => parenthesised(parts.iter().map(pattern)),
+        Pattern::Segment { variable, minimum, maximum } => {
+            let sign = match (minimum, maximum) {
+                (0, Some(1)) => "??",
+                (0, _) => "?*",
+                _ => "?+",
+            };
+            match variable {
+                Some(name) => format!("({sign} ?{name})"),
+                None => format!("({sign})"),
+            }
+        }
+        Pattern::Guard(expr) => format!("(?if {})", expression(expr)),
+        Pattern::Is { variable, predicate } => format!("(?is ?{variable} {predicate})"),
+        Pattern::And(parts) => list("?and", parts.iter().map(pattern)),
+        Pattern::Or(parts) => list("?or", parts.iter().map(pattern)),
+        Pattern::Not(part) => format!("(?not {})", pattern(part)),
+    }
+}
+
+/// The text of a state variable with its pattern.
+fn variable(variable: &VariablePattern) -> String {
+    match &variable.object {
+        Pattern::Literal(Value::List(items)) if items.is_empty() => variable.attribute.to_string(),
+        Pattern::List(parts) => std::iter::once(variable.attribute.to_string())
+            .chain(parts.iter().map(pattern))
+            .collect::<Vec<_>>()
+            .join(" "),
+        object => format!("{} {}", variable.attribute, pattern(object)),
+    }
+}
+
+/// The text of a measurement condition.
+pub(super) fn measurement(condition: &MeasurementCondition) -> String {
+    let short = condition.object.is_empty() && condition.timestamp.is_empty() && condition.estimation.is_none();
+    if let (true, [only]) = (short, condition.value.as_slice()) {
+        return format!("({} {})", variable(&condition.variable), bare(only));
+    }
+    format!(
+        "(:measurement ({}){}{}{}{})",
+        variable(&condition.variable),
+        option(":value", &condition.value),
+        option(":object", &condition.object),
+        option(":timestamp", &condition.timestamp),
+        if condition.estimation.is_some() { " :estimation :persist" } else { "" }
+    )
+}
+
+/// The text of an episode condition.
+pub(super) fn episode(condition: &EpisodeCondition) -> String {
+    let quality = match &condition.quality {
+        Quality::NoConstraints => ":no-constraints".into(),
+        Quality::MaximumGap(gap) => format!("(:max-gap {})", expression(gap)),
+    };
+    format!(
+        "(:episode ({}) :quality {quality}{}{}{}{}{})",
+        variable(&condition.variable),
+        option(":value", &condition.value),
+        option(":first-value", &condition.first_value),
+        option(":last-value", &condition.last_value),
+        option(":object", &condition.object),
+        timing(&condition.timing)
+    )
+}
+
+fn timing(timing: &Timing) -> String {
+    let parts: Vec<String> = [(":start", &timing.start), (":end", &timing.end), (":duration", &timing.duration)]
+        .into_iter()
+        .filter(|(_, constraints)| !constraints.is_empty())
+        .map(|(name, constraints)| list(name, constraints.iter().map(constraint)))
+        .collect();
+    if parts.is_empty() { String::new() } else { format!(" :timing {}", parts.join(" ")) }
+}
+
+/// The text of an event condition.
+pub(super) fn event(form: &Pattern, when: &Timing) -> String {
+    match timing(when) {
+        none if none.is_empty() => pattern(form),
+        some => format!("(:atomic-episode {}{some})", pattern(form)),
+    }
+}
+
+fn option(name: &str, constraints: &[Constraint]) -> String {
+    if constraints.is_empty() {
+        return String::new();
+    }
+    format!(" {name} {}", constraints.iter().map(constraint).collect::<Vec<_>>().join(" "))
+}
+
+fn constraint(constraint: &Constraint) -> String {
+    match constraint {
+        Constraint::Predicate(..) | Constraint::Range(..) => bare(constraint),
+        other => format!("({})", bare(other)),
+    }
+}
+
+fn bare(constraint: &Constraint) -> String {
+    match constraint {
+        Constraint::Compare { relation, right, tolerance } => {
+            let tolerance = tolerance.as_ref().map(|value| format!(" +/- {}", expression(value))).unwrap_or_default();
+            format!("{} {}{tolerance}", sign(*relation), expression(right))
+        }
+        Constraint::Matches(form) => format!("= {}", pattern(form)),
+        Constraint::Predicate(name, arguments) => list(name, arguments.iter().map(expression)),
+        Constraint::Range(Some(least), Some(most)) => format!("(:range {} {})", expression(least), expression(most)),
+        Constraint::Range(Some(least), None) => format!("(:min {})", expression(least)),
+        Constraint::Range(None, Some(most)) => format!("(:max {})", expression(most)),
+        Constraint::Range(None, None) => "(:range)".into(),
+    }
+}
+
+fn sign(relation: Relation) -> &'static str {
+    match relation {
+        Relation::Equal => "=",
+        Relation::Different => "/=",
+        Relation::Less => "<",
+        Relation::LessOrEqual => "<=",
+        Relation::Greater => ">",
+        Relation::GreaterOrEqual => ">=",
+    }
+}
+
+/// The text of a whole condition.
+pub(crate) fn condition(whole: &Condition) -> String {
+    let several = |name: &str, parts: &[Condition]| list(name, parts.iter().map(condition));
+    match &whole.kind {
+        ConditionKind::Measurement(part) => measurement(part),
+        ConditionKind::Episode(part) => episode(part),
+        ConditionKind::And(parts, _) => several(":and", parts),
+        ConditionKind::Or(parts, _) => several(":or", parts),
+        ConditionKind::InOrder(parts, _) => several(":in-order", parts),
+        ConditionKind::Not(part) => format!("(:not {})", condition(part)),
+        ConditionKind::Absent(part, span) => format!("(:absent {} :for {})", condition(part), expression(span)),
+        ConditionKind::Allen { relation, parts, .. } => several(&format!(":{relation:?}").to_lowercase(), parts),
+        ConditionKind::Delay(from, to) => span(":delay", from, to.as_ref()),
+        ConditionKind::Timestamp(from, to) => span(":timestamp", from, to.as_ref()),
+        ConditionKind::Event { pattern: form, timing } => event(form, timing),
+        ConditionKind::TaskEnded(name) => format!("?{name}"),
+        ConditionKind::TaskState { task, state } => task_state(task, state),
+        ConditionKind::Function(expr) => format!("(:function {})", expression(expr)),
+        ConditionKind::Probing { condition: part, .. } => format!("(:probing {} ..)", condition(part)),
+        ConditionKind::Cyclic { variable: each, .. } => format!("(:cyclic ({}) ..)", variable(each)),
+    }
+}
+
+/// The text of a wait for a task's state.
+pub(super) fn task_state(task: &Expr, state: &Pattern) -> String {
+    format!("(state {} = {})", expression(task), pattern(state))
+}
+
+/// The text of `:delay` and `:timestamp`.
+pub(super) fn span(name: &str, from: &Expr, to: Option<&Expr>) -> String {
+    list(name, std::iter::once(from).chain(to).map(expression))
+}
+
+fn list(head: impl std::fmt::Display, parts: impl Iterator<Item = String>) -> String {
+    parenthesised(std::iter::once(head.to_string()).chain(parts))
+}
+
+fn parenthesised(parts: impl Iterator<Item = String>) -> String {
+    format!("({})", parts.collect::<Vec<_>>().join(" "))
+}
