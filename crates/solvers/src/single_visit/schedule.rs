@@ -165,26 +165,12 @@ impl<'a> Schedule<'a> {
     }
 
     /// Are the manoeuvre's lines allowed while they are flown?
-    fn check_lines(&self, choice: Choice, begin_s: f64, end_s: f64) -> Result<(), Refusal> {
+    fn check_lines(&mut self, choice: Choice, begin_s: f64, end_s: f64) -> Result<(), Refusal> {
         if self.problem.zones.is_empty() && self.problem.landing_distance_m_max.is_none() {
             return Ok(());
         }
-        self.lines_trouble(choice, begin_s, end_s).map_or(Ok(()), |trouble| Err(Refusal::Impossible(trouble)))
-    }
-
-    /// Why the manoeuvre's lines are not allowed from `begin_s` to `end_s`.
-    pub(super) fn lines_trouble(&self, choice: Choice, begin_s: f64, end_s: f64) -> Option<String> {
-        let (entry, altitude_m) = self.travel.place(Node::Entry(choice.target, choice.manoeuvre));
-        let extent = Extent { altitude_m_min: altitude_m, altitude_m_max: altitude_m, from_s: begin_s, until_s: end_s };
-        let router = self.travel.router();
-        if let Some(trouble) = router.place_trouble(entry, extent) {
-            return Some(trouble.to_string());
-        }
-        let target = self.problem.targets.get(choice.target)?;
-        let lines = &target.manoeuvres.get(choice.manoeuvre)?.lines;
-        let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
-        let mut legs = lines.iter().copied().chain(turns);
-        legs.find_map(|(from, to)| router.leg_trouble(from, to, extent)).map(|trouble| trouble.to_string())
+        let trouble = self.travel.lines_trouble(choice.target, choice.manoeuvre, begin_s, end_s);
+        trouble.map_or(Ok(()), |trouble| Err(Refusal::Impossible(trouble)))
     }
 
     /// Time from `node` to the base; 0 where the problem has none.

@@ -8,6 +8,11 @@ use apex_model::solver::{Budget, Environment};
 /// Ruins in a row without a better plan after which the search ends by itself.
 pub(super) const STALE_ROUNDS_MAX: usize = 300;
 
+/// The search goes on from plans that are worse than the best by no more than this share.
+const DETOUR_SHARE: f64 = 0.03;
+/// Rounds without a better plan after which it returns to the best.
+const RETURN_ROUNDS: usize = 20;
+
 /// An order with its judgement.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
@@ -41,16 +46,23 @@ pub(super) fn run(
     tell(&mut search, &best, report);
     search.descend(&mut best);
     tell(&mut search, &best, report);
+    let mut current = best.clone();
     let mut stale = 0;
     while stale < STALE_ROUNDS_MAX && !search.budget.exhausted() {
         stale += 1;
-        let mut next = search.ruined(&best);
-        search.fill(&mut next, 0.3);
+        let mut next = search.ruined(&current);
+        search.fill(&mut next, 0.6);
         search.descend(&mut next);
         if next.judged.beats(&best.judged) {
-            best = next;
+            best = next.clone();
             stale = 0;
             tell(&mut search, &best, report);
+        }
+        // Go on from plans a little worse than the best, so that the search does not circle around one summit.
+        if next.judged.score >= best.judged.score - DETOUR_SHARE * best.judged.score.abs() {
+            current = next;
+        } else if stale % RETURN_ROUNDS == 0 {
+            current = best.clone();
         }
     }
     best
@@ -115,8 +127,8 @@ impl Search<'_, '_, '_> {
         loop {
             let mut best: Option<(f64, Candidate)> = None;
             for target in self.missing(&current.order) {
-                let blur = 1.0 - noise * self.random.unit();
                 for choice in self.choices(target) {
+                    let blur = 1.0 - noise * self.random.unit();
                     for at in 0..=current.order.len() {
                         let order = inserted(&current.order, at, choice);
                         let Some(judged) = self.judge(&order) else { continue };
@@ -233,7 +245,8 @@ impl Search<'_, '_, '_> {
     /// `best` without a few visits: a run of neighbours, or some at random.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
-        let take = 1 + self.random.below(count.div_ceil(3).max(1));
+        let most = if self.random.below(4) == 0 { count } else { count.div_ceil(3) };
+        let take = 1 + self.random.below(most.max(1));
         let mut order = best.order.clone();
         if self.random.below(2) == 0 {
             let from = self.random.below(count.saturating_sub(take) + 1);

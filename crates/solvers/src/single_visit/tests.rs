@@ -150,7 +150,7 @@ proptest! {
         for target in &mut problem.targets {
             target.timing.clear();
         }
-        if let Ok(plan) = solve(&problem, 60_000) {
+        if let Ok(plan) = solve(&problem, 40_000) {
             let best = exhaustive(&problem);
             prop_assert!(plan.score >= best - 1e-6, "{} of {best}", plan.score);
         }

@@ -47,6 +47,8 @@ pub(crate) struct Travel<'a> {
     problem: &'a SingleVisitProblem,
     router: Router,
     known: BTreeMap<Key, Result<Known, String>>,
+    lines: BTreeMap<(usize, usize, Vec<bool>), Option<String>>,
+    distances_m: BTreeMap<(Node, Node), f64>,
     steady_wind: bool,
     timed_zones: bool,
 }
@@ -70,6 +72,8 @@ impl<'a> Travel<'a> {
             problem,
             router: Router::new(airspace, problem.landing_places.clone(), problem.landing_distance_m_max),
             known: BTreeMap::new(),
+            lines: BTreeMap::new(),
+            distances_m: BTreeMap::new(),
             steady_wind: wind::is_steady(&problem.wind, problem.start_s, until_s),
             timed_zones: !problem.zones.iter().all(always),
         })
@@ -119,11 +123,11 @@ impl<'a> Travel<'a> {
     fn find(&mut self, from: Node, to: Node, depart_s: f64) -> Result<(Key, f64), String> {
         let (start, altitude_from_m) = self.place(from);
         let (end, altitude_to_m) = self.place(to);
-        let mut span_s = if self.timed_zones {
-            1.5 * geodesy::distance_m(start, end) / self.problem.vehicle.true_airspeed_mps + 600.0
-        } else {
-            0.0
-        };
+        let mut span_s = 0.0;
+        if self.timed_zones {
+            let distance_m = *self.distances_m.entry((from, to)).or_insert_with(|| geodesy::distance_m(start, end));
+            span_s = 1.5 * distance_m / self.problem.vehicle.true_airspeed_mps + 600.0;
+        }
         for _ in 0..ROUTE_ROUNDS_MAX {
             let extent = self.extent(altitude_from_m, altitude_to_m, depart_s, depart_s + span_s);
             let key = (from, to, self.active_zones(extent));
@@ -145,6 +149,31 @@ impl<'a> Travel<'a> {
             span_s = 1.5 * time_s;
         }
         Err("airspace changes faster than the way can be flown".to_string())
+    }
+
+    /// Why the lines of a manoeuvre are not allowed from `begin_s` to `end_s`; none where they are.
+    pub(crate) fn lines_trouble(
+        &mut self,
+        target: usize,
+        manoeuvre: usize,
+        begin_s: f64,
+        end_s: f64,
+    ) -> Option<String> {
+        let (entry, altitude_m) = self.place(Node::Entry(target, manoeuvre));
+        let extent = Extent { altitude_m_min: altitude_m, altitude_m_max: altitude_m, from_s: begin_s, until_s: end_s };
+        let key = (target, manoeuvre, self.active_zones(extent));
+        if let Some(known) = self.lines.get(&key) {
+            return known.clone();
+        }
+        let lines = self.problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
+        let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
+        let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
+        let mut legs = lines.iter().copied().chain(turns);
+        let trouble = self.router.place_trouble(entry, extent);
+        let trouble = trouble.or_else(|| legs.find_map(|(from, to)| self.router.leg_trouble(from, to, extent)));
+        let trouble = trouble.map(|trouble| trouble.to_string());
+        self.lines.insert(key, trouble.clone());
+        trouble
     }
 
     fn plot(&self, start: Position, end: Position, extent: Extent) -> Result<Known, String> {
