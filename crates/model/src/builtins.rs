@@ -155,7 +155,7 @@ pub const BUILT_INS: &[BuiltIn] = &[
     pure("set-difference", 2, 2, "list list -> items of the first that are not in the second"),
     pure("sin", 1, 1, "angle -> number"),
     any("some", 2, "function list.. -> the first true result for the items, else nil"),
-    pure("sort", 2, 3, "list function [:key function] -> the list in order of the function, stable"),
+    pure("sort", 2, 4, "list function [:key function] -> the list in order of the function, stable"),
     pure("sqrt", 1, 1, "number -> square root; dimensions halve"),
     pure("start-of", 1, 1, "task, interval, result or instant -> the instant of its start"),
     pure("string-downcase", 1, 1, "text -> lower case"),
