@@ -3,13 +3,16 @@
 //! A solver implements `apex_model::solver::Solver`: problem in, plan out, within a budget of work units. All are
 //! deterministic in seed and budget. A new planner is a folder and a row in [`solvers`].
 
+pub mod anytime;
 pub mod checker;
+pub mod features;
 pub mod nearest_neighbour;
 pub mod random;
 pub mod single_visit;
 pub mod surveillance;
 pub mod two_opt;
 pub mod validate;
+pub mod wam;
 
 use apex_model::solver::Solver;
 
