@@ -2,7 +2,7 @@ import { svelte } from '@sveltejs/vite-plugin-svelte';
 import { defineConfig } from 'vitest/config';
 
 /** The server that `npm run dev` asks for data: `apex serve FILE.apex`. */
-const api = process.env.APEX_URL ?? 'http://127.0.0.1:7070';
+const api = process.env.APEX_URL ?? 'http://127.0.0.1:8040';
 
 export default defineConfig({
   plugins: [svelte()],

@@ -8,6 +8,11 @@ import { applyColours } from './theme/colours';
 import './theme/theme.css';
 
 applyColours(document.documentElement);
+// Canvases do not redraw when a font arrives: wait for the two, which come from this server. Without them it goes too.
+await Promise.allSettled([
+  document.fonts.load('600 11px Inter'),
+  document.fonts.load('11px "JetBrains Mono"'),
+]);
 const target = document.getElementById('app');
 if (!target) throw new Error('index.html has no element #app');
 const player = new Player(new ServedRecord(window.location.origin));

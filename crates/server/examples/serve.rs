@@ -1,16 +1,17 @@
-//! Serves a flight record without the `apex` command: `cargo run -p apex-server --example serve -- FILE.apex [PORT]`.
+//! Serves a flight record without the `apex` command: `cargo run -p apex-server --example serve -- FILE.apex [--port PORT]`.
 
 use apex_server::{ServeOptions, serve};
 use std::net::{IpAddr, Ipv4Addr};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let mut arguments = std::env::args().skip(1);
-    let Some(record) = arguments.next() else {
-        eprintln!("usage: serve FILE.apex [PORT]");
+    // The words of `apex serve FILE --port N`, so that the page's tests can run either.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "serve" && word != "--port").collect();
+    let Some(record) = words.first() else {
+        eprintln!("usage: serve FILE.apex [--port PORT]");
         return ExitCode::from(2);
     };
-    let port = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(7070);
+    let port = words.get(1).and_then(|text| text.parse().ok()).unwrap_or(8040);
     let options = ServeOptions {
         record: record.into(),
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),

@@ -10,8 +10,9 @@ pub trait Explainer: Send + Sync {
     /// Why `task` is as it is at mission time `at_ns` (nanoseconds).
     ///
     /// The answer is an object. The page shows two of its members, both optional, and passes over all others:
-    /// `sentences`, a list of texts; and `unmet`, a list of objects with `text` and, where known, `place`
-    /// (`file:line:column`): the parts of conditions that do not hold yet.
+    /// `waiting`, a list of `{what, now, place}` (the part of a condition that does not hold yet, what is known about
+    /// it then, its `file:line:column`; the last two may be missing); and `blocked`,
+    /// `{by, goal, resource, winner_priority, loser_priority}`: who has the task's resource.
     ///
     /// # Errors
     /// One sentence for people, when the task is unknown or the instant cannot be restored.

@@ -1,6 +1,6 @@
 //! The states of all tasks over time, kept in memory and grown with the record.
 //!
-//! Bound: each effect row is read once; memory is one entry per state change (24 bytes).
+//! Bound: each effect row is read once; memory is one small entry per state change.
 
 use rusqlite::types::{FromSql, FromSqlError, FromSqlResult, ValueRef};
 use rusqlite::{Connection, Row};
@@ -39,16 +39,17 @@ pub(crate) struct Task {
     pub(crate) goal: String,
     pub(crate) method: Option<String>,
     pub(crate) place: Option<String>,
-    pub(crate) outcome: Option<String>,
     pub(crate) created_ns: i64,
     pub(crate) changes: Vec<Change>,
 }
 
 /// From `at_ns` on the task is in `state`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Change {
     pub(crate) at_ns: i64,
     pub(crate) state: State,
+    /// How it ended, when it did. A step that repeats leaves the ended state again.
+    pub(crate) outcome: Option<Box<str>>,
 }
 
 /// All tasks by number.
@@ -86,7 +87,7 @@ impl TaskIndex {
     pub(crate) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
         let mut touched = BTreeSet::new();
         let mut statement = connection.prepare_cached(
-            "SELECT id, t_ns, kind, task, to_state FROM effect WHERE id > ?1 AND task IS NOT NULL \
+            "SELECT id, t_ns, kind, task, to_state, outcome FROM effect WHERE id > ?1 AND task IS NOT NULL \
              AND kind IN ('created', 'transition', 'selected', 'bound') ORDER BY id",
         )?;
         let mut rows = statement.query([self.seen_effect])?;
@@ -97,9 +98,12 @@ impl TaskIndex {
             match kind.as_str() {
                 "created" => {
                     task.created_ns = at_ns;
-                    task.changes.push(Change { at_ns, state: State::Pending });
+                    task.changes.push(Change { at_ns, state: State::Pending, outcome: None });
                 }
-                "transition" => task.changes.push(Change { at_ns, state: row.get(4)? }),
+                "transition" => {
+                    let outcome = row.get::<_, Option<Box<str>>>(5)?.filter(|word| !word.is_empty());
+                    task.changes.push(Change { at_ns, state: row.get(4)?, outcome });
+                }
                 _ => {}
             }
             touched.insert(id);
@@ -113,7 +117,7 @@ impl TaskIndex {
 
     fn reread(&mut self, connection: &Connection, id: u64) -> Result<(), rusqlite::Error> {
         let mut statement =
-            connection.prepare_cached("SELECT parent, tag, goal, method, place, outcome FROM task WHERE id = ?1")?;
+            connection.prepare_cached("SELECT parent, tag, goal, method, place FROM task WHERE id = ?1")?;
         let mut rows = statement.query([id.cast_signed()])?;
         if let (Some(row), Some(task)) = (rows.next()?, self.tasks.get_mut(&id)) {
             task.parent = task_number(row, 0)?;
@@ -121,7 +125,6 @@ impl TaskIndex {
             task.goal = row.get::<_, Option<String>>(2)?.unwrap_or_default();
             task.method = row.get::<_, Option<String>>(3)?.filter(|method| !method.is_empty());
             task.place = row.get::<_, Option<String>>(4)?.filter(|place| !place.is_empty());
-            task.outcome = row.get(5)?;
         }
         Ok(())
     }
@@ -129,9 +132,9 @@ impl TaskIndex {
 
 impl Task {
     /// The state at `at_ns`, with the time it began; none before the task was created.
-    pub(crate) fn state_at(&self, at_ns: i64) -> Option<Change> {
+    pub(crate) fn state_at(&self, at_ns: i64) -> Option<&Change> {
         let later = self.changes.partition_point(|change| change.at_ns <= at_ns);
-        later.checked_sub(1).and_then(|last| self.changes.get(last)).copied()
+        later.checked_sub(1).and_then(|last| self.changes.get(last))
     }
 
     /// The stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
@@ -149,7 +152,7 @@ mod tests {
     use super::*;
 
     fn task(changes: &[(i64, State)]) -> Task {
-        let changes = changes.iter().map(|&(at_ns, state)| Change { at_ns, state }).collect();
+        let changes = changes.iter().map(|&(at_ns, state)| Change { at_ns, state, outcome: None }).collect();
         Task { changes, ..Task::default() }
     }
 

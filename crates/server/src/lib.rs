@@ -7,7 +7,7 @@
 
 mod answer;
 mod assets;
-mod explain;
+pub mod explain;
 mod guard;
 mod index;
 mod live;

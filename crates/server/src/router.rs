@@ -79,7 +79,7 @@ async fn events(State(hall): Hold, asked: Asked<events::EventsQuery>) -> Answer<
 
 async fn why(State(hall): Hold, asked: Asked<why::WhyQuery>) -> Answer<Response> {
     let query = checked(asked)?;
-    let explainer = hall.explainer.clone();
+    let explainer = hall.explainer.clone().filter(|_| query.explain.unwrap_or(true));
     let (task, at_ns) = (query.task, query.at);
     let mut answer = blocking(move || hall.record.read(|reader| why::why(reader, &query))).await?;
     if let Some(explainer) = explainer {

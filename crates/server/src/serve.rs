@@ -23,7 +23,7 @@ pub struct ServeOptions {
     pub port: u16,
     /// Answers `/api/why` beyond the rows of the record.
     pub explainer: Option<Arc<dyn Explainer>>,
-    /// Called once with the page's address (`http://127.0.0.1:7070/`) when requests are answered.
+    /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
     pub ready: Box<dyn FnOnce(&str) + Send>,
 }
 

@@ -18,7 +18,7 @@ struct Oracle;
 impl Explainer for Oracle {
     fn why(&self, task: u64, _at_ns: i64) -> Result<Value, String> {
         match task {
-            1 => Ok(json!({"sentences": ["it was told to"], "unmet": []})),
+            1 => Ok(json!({"waiting": [{"what": "(on camera-1)", "now": "off"}]})),
             _ => Err("the instant cannot be restored".into()),
         }
     }
@@ -153,8 +153,10 @@ fn why_gives_causes_in_order_and_the_explainers_answer() {
     let headings: Vec<&str> =
         why["because"].as_array().unwrap().iter().map(|cause| cause["heading"].as_str().unwrap()).collect();
     assert_eq!(headings, ["created", "enabled", "method selected", "started", "ended: success"]);
-    assert_eq!(why["now"], "T1 has ended; because all of its steps have ended");
-    assert_eq!(why["explainer"]["sentences"][0], "it was told to");
+    assert_eq!(why["now"], "T1 has ended (success) because all of its steps have ended");
+    assert_eq!(why["explainer"]["waiting"][0]["now"], "off");
+    let (_, quick) = get(server, &format!("/api/why?task=1&at={}&explain=false", story.end_ns()));
+    assert_eq!(quick["explainer"], Value::Null);
     let (_, other) = get(server, &format!("/api/why?task=2&at={}", story.end_ns()));
     assert_eq!(other["explainer_error"], "the instant cannot be restored");
     let (_, source) = get(server, "/api/source?place=western-states.pdl:6:3");

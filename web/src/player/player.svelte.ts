@@ -12,6 +12,8 @@ import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom }
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
 const REREAD_MS = 1500;
+/** A full explanation restores an instant: it is asked for when the cursor has rested this long. */
+const REST_MS = 250;
 
 export class Player {
   mission = $state.raw<Mission | null>(null);
@@ -40,10 +42,11 @@ export class Player {
   private growth: Growth | null = null;
   private readAt = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
+  private restTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
   private readonly taskQuestions: Latest<Parameters<RecordSource['tasks']>[0], Tasks>;
-  private readonly whyQuestions: Latest<{ task: number; atNs: number }, Why>;
+  private readonly whyQuestions: Latest<{ task: number; atNs: number; explain: boolean }, Why>;
 
   constructor(readonly source: RecordSource) {
     this.taskQuestions = new Latest(
@@ -55,7 +58,7 @@ export class Player {
       error => this.tell(error),
     );
     this.whyQuestions = new Latest(
-      question => source.why(question.task, question.atNs),
+      question => source.why(question.task, question.atNs, question.explain),
       (answer, question) => {
         if (question.task !== this.selectedTask) return;
         this.why = answer;
@@ -106,6 +109,7 @@ export class Player {
   close(): void {
     this.pause();
     clearTimeout(this.rereadTimer);
+    clearTimeout(this.restTimer);
     this.stopWatching?.();
   }
 
@@ -200,7 +204,12 @@ export class Player {
       find: this.find.trim(),
       with: this.selectedTask,
     });
-    if (this.selectedTask !== null) this.whyQuestions.put({ task: this.selectedTask, atNs: this.atNs });
+    const task = this.selectedTask;
+    clearTimeout(this.restTimer);
+    if (task === null) return;
+    this.whyQuestions.put({ task, atNs: this.atNs, explain: false });
+    const explain = () => this.whyQuestions.put({ task, atNs: this.atNs, explain: true });
+    this.restTimer = setTimeout(explain, REST_MS);
   }
 
   private reveal(): void {

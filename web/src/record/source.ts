@@ -10,7 +10,8 @@ export interface RecordSource {
   timeline(): Promise<Timeline>;
   targets(): Promise<Target[]>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
-  why(task: number, atNs: number): Promise<Why>;
+  /** `explain` asks for what is awaited too, for which the server restores the instant. */
+  why(task: number, atNs: number, explain: boolean): Promise<Why>;
   report(): Promise<Report>;
   source(place: string): Promise<Snippet>;
   /** Calls back on every growth until the record is complete; the answer stops it. */
@@ -38,7 +39,8 @@ export class ServedRecord implements RecordSource {
   timeline = (): Promise<Timeline> => this.get('timeline', { lanes: 60 });
   report = (): Promise<Report> => this.get('report', {});
   targets = async (): Promise<Target[]> => (await this.get<{ targets: Target[] }>('targets', {})).targets;
-  why = (task: number, atNs: number): Promise<Why> => this.get('why', { task, at: whole(atNs) });
+  why = (task: number, atNs: number, explain: boolean): Promise<Why> =>
+    this.get('why', { task, at: whole(atNs), explain });
   source = (place: string): Promise<Snippet> => this.get('source', { place });
 
   tasks: RecordSource['tasks'] = query =>

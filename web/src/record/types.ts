@@ -108,7 +108,7 @@ export interface Why {
   because: Cause[];
   left_out: boolean;
   children: Task[];
-  explainer: { sentences?: unknown; unmet?: unknown } | null;
+  explainer: { waiting?: unknown; blocked?: unknown } | null;
   explainer_error: string | null;
 }
 

@@ -40,6 +40,10 @@ const STATE_COLOURS: Record<string, string> = {
   skipped: COLOURS.skipped,
 };
 
+/** Fonts for canvases: family lists that follow a size. They are those of theme.css. */
+export const SANS = 'Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+export const MONO = '"JetBrains Mono", ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+
 /** The colour of a task's or a target's state; states unknown here are quiet. */
 export function stateColour(state: string | null | undefined): string {
   return STATE_COLOURS[state ?? ''] ?? COLOURS.faint;

@@ -63,7 +63,7 @@ impl TaskRow {
             tag: task.tag.clone(),
             goal: task.goal.clone(),
             state: now.state,
-            outcome: if now.state == State::Terminated { task.outcome.clone() } else { None },
+            outcome: now.outcome.as_deref().map(str::to_owned),
             since_ns: now.at_ns,
             created_ns: task.created_ns,
             method: task.method.clone(),

@@ -21,6 +21,8 @@ pub(crate) struct WhyQuery {
     pub(crate) task: u64,
     /// Mission time, nanoseconds.
     pub(crate) at: i64,
+    /// False leaves the command's explainer out: it restores an instant, the rows are there at once.
+    pub(crate) explain: Option<bool>,
 }
 
 /// The answer.
@@ -35,7 +37,7 @@ pub(crate) struct Why {
     /// Older causes that were left out.
     left_out: bool,
     children: Vec<TaskRow>,
-    /// What the command's explainer adds: `sentences`, `unmet`.
+    /// What the command's explainer adds; see [`crate::Explainer`].
     pub(crate) explainer: Option<Value>,
     /// Why the explainer could not.
     pub(crate) explainer_error: Option<String>,
@@ -118,20 +120,17 @@ fn now_sentence(row: &TaskRow, because: &[Cause]) -> String {
             .and_then(|event| event.text.as_deref())
     };
     let transition = last(|event| matches!(event.kind.as_str(), "transition" | "created"));
-    let reason = match row.state {
-        State::Enabled => last(|event| event.kind == "refused").or(transition),
-        State::Pending | State::Ongoing | State::Interrupted | State::Terminated => transition,
+    let (state, reason) = match row.state {
+        State::Pending => return format!("T{} is pending: it waits for its preconditions", row.id),
+        State::Enabled => ("waits for its resources", last(|event| event.kind == "refused").or(transition)),
+        State::Ongoing => ("is ongoing", transition),
+        State::Interrupted => ("is interrupted", transition),
+        State::Terminated => ("has ended", transition),
     };
-    let state = match row.state {
-        State::Pending => "is pending: it waits for its preconditions",
-        State::Enabled => "is enabled: it waits for its resources",
-        State::Ongoing => "is ongoing",
-        State::Interrupted => "is interrupted",
-        State::Terminated => "has ended",
-    };
+    let outcome = row.outcome.as_ref().map_or_else(String::new, |word| format!(" ({word})"));
     match reason {
-        Some(reason) => format!("T{} {state}; {}{reason}", row.id, because_word(reason)),
-        None => format!("T{} {state}.", row.id),
+        Some(reason) => format!("T{} {state}{outcome} {}{reason}", row.id, because_word(reason)),
+        None => format!("T{} {state}{outcome}", row.id),
     }
 }
 

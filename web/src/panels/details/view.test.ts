@@ -51,16 +51,20 @@ describe('why', () => {
   });
 
   it('adds what the explainer says and passes over what it does not understand', () => {
-    const explainer = {
-      sentences: ['It waits for T3.', 7],
-      unmet: [{ text: '(on camera-1)', place: 'a.pdl:4:2' }, 'x', 3],
-    };
-    const view = whyView({ ...why, explainer }, '2007-09-08T01:00:00Z');
-    expect(view.sentences).toEqual([why.now, 'It waits for T3.']);
-    expect(view.unmet).toEqual([
-      { text: '(on camera-1)', place: 'a.pdl:4:2' },
-      { text: 'x', place: null },
+    const waiting = [
+      { what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' },
+      { what: 'x' },
+      3,
+      { now: 'y' },
+    ];
+    const blocked = { by: 'T9', goal: '(pan)', resource: 'camera', winner_priority: 7, loser_priority: 3 };
+    const view = whyView({ ...why, explainer: { waiting, blocked } }, '2007-09-08T01:00:00Z');
+    expect(view.sentences).toEqual([why.now, 'camera is with T9 (pan), priority 7 against 3']);
+    expect(view.waiting).toEqual([
+      { what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' },
+      { what: 'x', now: '', place: null },
     ]);
+    expect(whyView({ ...why, explainer: { waiting: 5, blocked: 'no' } }, null).sentences).toEqual([why.now]);
     expect(view.facts[0]?.value).toBe('T+0:00:05 · 2007-09-08 01:00:05Z');
   });
 });

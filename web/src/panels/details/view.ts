@@ -15,7 +15,7 @@ export interface CauseView {
 
 export interface WhyView {
   sentences: string[];
-  unmet: { text: string; place: string | null }[];
+  waiting: { what: string; now: string; place: string | null }[];
   /** The newest first: why it is as it is now stands at the top. */
   causes: CauseView[];
   facts: { name: string; value: string }[];
@@ -24,8 +24,8 @@ export interface WhyView {
 export function whyView(why: Why, epochUtc: string | null): WhyView {
   const { task } = why;
   return {
-    sentences: [why.now, ...texts(why.explainer?.sentences)],
-    unmet: unmetOf(why.explainer?.unmet),
+    sentences: [why.now, ...blockedOf(why.explainer?.blocked)],
+    waiting: waitingOf(why.explainer?.waiting),
     causes: why.because
       .map(cause => ({
         id: cause.id,
@@ -33,7 +33,9 @@ export function whyView(why: Why, epochUtc: string | null): WhyView {
         time: missionTime(cause.t_ns),
         heading: cause.heading,
         tone: toneOf(cause),
-        text: [subjectOf(cause), withoutPlace(cause.text, cause.place)].filter(Boolean).join(' — '),
+        text: [subjectOf(cause, task.goal), withoutPlace(cause.text, cause.place)]
+          .filter(Boolean)
+          .join(' — '),
         place: cause.place,
       }))
       .reverse(),
@@ -60,8 +62,9 @@ export function withoutPlace(text: string | null, place: string | null): string 
   return place && text.endsWith(`; from ${place}`) ? text.slice(0, -`; from ${place}`.length) : text;
 }
 
-function subjectOf(event: EventRow): string {
-  return event.kind === 'created' ? '' : (event.subject ?? '');
+/** What an event is about, unless that is said already. */
+function subjectOf(event: EventRow, said: string): string {
+  return event.subject === null || event.subject === said ? '' : event.subject;
 }
 
 /** The colour's name for an event. */
@@ -72,17 +75,27 @@ export function toneOf(event: EventRow): string {
   return event.kind === 'refused' ? 'interrupted' : 'planned';
 }
 
-function texts(value: unknown): string[] {
-  return Array.isArray(value) ? value.filter(item => typeof item === 'string') : [];
+/** The parts of conditions that do not hold yet, as the explainer names them; members of another shape are passed over. */
+function waitingOf(value: unknown): WhyView['waiting'] {
+  if (!Array.isArray(value)) return [];
+  return value.filter(isObject).flatMap(({ what, now, place }) => {
+    if (typeof what !== 'string') return [];
+    return { what, now: textOr(now, ''), place: typeof place === 'string' ? place : null };
+  });
 }
 
-function unmetOf(value: unknown): WhyView['unmet'] {
-  if (!Array.isArray(value)) return [];
-  return value.flatMap(item => {
-    if (typeof item === 'string') return { text: item, place: null };
-    const { text, place } = (item ?? {}) as { text?: unknown; place?: unknown };
-    return typeof text === 'string' ? { text, place: typeof place === 'string' ? place : null } : [];
-  });
+function blockedOf(value: unknown): string[] {
+  if (!isObject(value) || typeof value.by !== 'string') return [];
+  const { by, winner_priority: winner, loser_priority: loser } = value;
+  const priorities =
+    typeof winner === 'number' && typeof loser === 'number' ? `, priority ${winner} against ${loser}` : '';
+  return [
+    `${textOr(value.resource, 'Its resource')} is with ${by} ${textOr(value.goal, '')}${priorities}`.trim(),
+  ];
+}
+
+function textOr(value: unknown, otherwise: string): string {
+  return typeof value === 'string' ? value : otherwise;
 }
 
 /** The kinds of events that the log can be narrowed to. */
@@ -114,7 +127,7 @@ export function logLines(events: readonly EventRow[]): LogLine[] {
       time: missionTime(event.t_ns),
       task: event.task,
       what: event.kind === 'transition' ? (event.outcome ?? event.to_state ?? '') : event.kind,
-      text: [subjectOf(event), withoutPlace(event.text, event.place)].filter(Boolean).join(' — '),
+      text: [subjectOf(event, ''), withoutPlace(event.text, event.place)].filter(Boolean).join(' — '),
       tone: toneOf(event),
     }))
     .reverse();

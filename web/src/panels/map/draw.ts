@@ -1,6 +1,6 @@
 /** Draws what moves, and all words, on a canvas above the map. */
 
-import { COLOURS, stateColour } from '../../theme/colours';
+import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import {
   type Aircraft,
   type Box,
@@ -34,8 +34,10 @@ export interface Frame {
   north: number;
 }
 
-const LABEL_FONT = '600 11px Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
-const GRID_FONT = '10px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+const LABEL_FONT = `600 11.5px ${SANS}`;
+/** Room at the lower right for the scale bar and the credit. */
+const CORNER_PX = 190;
+const GRID_FONT = `10px ${MONO}`;
 
 export function draw(context: CanvasRenderingContext2D, scene: Scene, frame: Frame, project: Project): void {
   context.clearRect(0, 0, frame.width, frame.height);
@@ -57,7 +59,9 @@ function drawGraticule(context: CanvasRenderingContext2D, frame: Frame, project:
     const x = Math.round(project([count * step, frame.south]).x) + 0.5;
     context.moveTo(x, 0);
     context.lineTo(x, frame.height);
-    context.fillText(degreesText(count * step, step, 'E', 'W'), x + 3, frame.height - 5);
+    if (x < frame.width - CORNER_PX) {
+      context.fillText(degreesText(count * step, step, 'E', 'W'), x + 3, frame.height - 5);
+    }
   }
   for (let count = Math.ceil(frame.south / step); count * step <= frame.north; count += 1) {
     const y = Math.round(project([frame.west, count * step]).y) + 0.5;

@@ -1,7 +1,7 @@
 /** Draws the timeline on a canvas; the cursor lies above it as an element of its own, so that it moves for nothing. */
 
 import type { Range } from '../../player/clock';
-import { COLOURS, stateColour } from '../../theme/colours';
+import { COLOURS, MONO, SANS, stateColour } from '../../theme/colours';
 import { ticks } from '../../time/format';
 import {
   AXIS_PX,
@@ -30,8 +30,10 @@ export interface Picture {
   selected: number | null;
 }
 
-const FONT = '11px Inter, "Segoe UI", system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
-const MONO = '10px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+const FONT = `11px ${SANS}`;
+const BOLD = `600 10px ${SANS}`;
+const NUMBERS = `10px ${MONO}`;
+const SMALL = `9px ${MONO}`;
 
 /** Where the lanes begin below axis, visits and strips. */
 export function lanesTop(visits: number, strips: number): number {
@@ -42,6 +44,7 @@ export function draw(context: CanvasRenderingContext2D, picture: Picture): void 
   context.clearRect(0, 0, picture.width, picture.height);
   context.textBaseline = 'middle';
   const top = lanesTop(picture.visits.length, picture.strips.length);
+  drawGrid(context, picture);
   context.save();
   context.beginPath();
   context.rect(0, top, picture.width, picture.height - top);
@@ -72,23 +75,32 @@ function line(context: CanvasRenderingContext2D, x0: number, y0: number, x1: num
   context.stroke();
 }
 
-function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
-  const { visible, scale, width, height } = picture;
-  context.font = MONO;
-  for (const tick of ticks(visible.fromNs, visible.toNs, (width - NAMES_PX) / 90)) {
-    const x = Math.round(scale.x(tick.atNs)) + 0.5;
-    context.strokeStyle = COLOURS.line;
-    context.globalAlpha = 0.6;
-    context.beginPath();
+/** The lines of the time axis through all rows; below everything else. */
+function drawGrid(context: CanvasRenderingContext2D, picture: Picture): void {
+  context.strokeStyle = COLOURS.graticule;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (const tick of marks(picture)) {
+    const x = Math.round(picture.scale.x(tick.atNs)) + 0.5;
     context.moveTo(x, AXIS_PX - 5);
-    context.lineTo(x, height);
-    context.stroke();
-    context.globalAlpha = 1;
-    context.fillStyle = COLOURS.dim;
-    const room = Math.min(x + 4, width - context.measureText(tick.label).width - 3);
-    context.fillText(tick.label, room, AXIS_PX / 2);
+    context.lineTo(x, picture.height);
+  }
+  context.stroke();
+}
+
+function drawAxis(context: CanvasRenderingContext2D, picture: Picture): void {
+  const { scale, width } = picture;
+  context.font = NUMBERS;
+  context.fillStyle = COLOURS.dim;
+  for (const tick of marks(picture)) {
+    const end = width - context.measureText(tick.label).width - 3;
+    context.fillText(tick.label, Math.min(Math.round(scale.x(tick.atNs)) + 4, end), AXIS_PX / 2);
   }
   line(context, 0, AXIS_PX - 0.5, width, AXIS_PX - 0.5);
+}
+
+function marks({ visible, width }: Picture): { atNs: number; label: string }[] {
+  return ticks(visible.fromNs, visible.toNs, (width - NAMES_PX) / 90);
 }
 
 function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: number): void {
@@ -101,7 +113,7 @@ function drawVisits(context: CanvasRenderingContext2D, picture: Picture, y: numb
     const width = Math.max(scale.x(Math.min(visit.toNs, visible.toNs)) - x, 3);
     context.fillStyle = stateColour(visit.state);
     context.fillRect(x, y + 3, width, VISITS_PX - 6);
-    context.font = '600 10px Inter, system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+    context.font = BOLD;
     const text = context.measureText(visit.name).width;
     const inside = width >= text + 6;
     const at = inside ? x + 3 : Math.max(x + width + 3, free);
@@ -127,7 +139,7 @@ function drawStrip(context: CanvasRenderingContext2D, picture: Picture, strip: S
   context.stroke();
   context.restore();
   name(context, strip.name, 8, y + STRIP_PX / 2, COLOURS.dim);
-  context.font = '9px ui-monospace, "Liberation Mono", "DejaVu Sans Mono", monospace';
+  context.font = SMALL;
   context.fillStyle = COLOURS.faint;
   context.textAlign = 'right';
   context.fillText(strip.high.toFixed(strip.decimals), NAMES_PX - 5, y + 7);

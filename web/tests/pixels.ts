@@ -1,0 +1,39 @@
+/** Looks at what is really on the screen. */
+
+import type { Locator, Page } from '@playwright/test';
+
+/** How many pixels of an element have each of the colours (`#rrggbb`), within a few steps of each channel. */
+export async function countColours(
+  page: Page,
+  element: Locator,
+  colours: string[],
+): Promise<Record<string, number>> {
+  const png = (await element.screenshot()).toString('base64');
+  return page.evaluate(
+    async ({ png, colours }) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${png}`;
+      await image.decode();
+      const canvas = document.createElement('canvas');
+      canvas.width = image.width;
+      canvas.height = image.height;
+      const context = canvas.getContext('2d');
+      if (!context) throw new Error('there is no canvas');
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, image.width, image.height);
+      const near = 10;
+      return Object.fromEntries(
+        colours.map(colour => {
+          const wanted = [1, 3, 5].map(at => Number.parseInt(colour.slice(at, at + 2), 16));
+          let count = 0;
+          for (let at = 0; at < data.length; at += 4) {
+            if (wanted.every((value, channel) => Math.abs((data[at + channel] ?? 0) - value) <= near))
+              count += 1;
+          }
+          return [colour, count];
+        }),
+      );
+    },
+    { png, colours },
+  );
+}

@@ -1,0 +1,51 @@
+/**
+ * The server that the page tests ask: APEX_URL when one runs already, else `APEX_BIN serve APEX_RECORD` on a free port.
+ * APEX_BIN defaults to the release build of this repository.
+ */
+
+import { type ChildProcess, spawn } from 'node:child_process';
+import { fileURLToPath } from 'node:url';
+
+const START_MS = 20_000;
+const DEFAULT_BIN = fileURLToPath(new URL('../../target/release/apex', import.meta.url));
+
+export interface Server {
+  url: string;
+  stop(): void;
+}
+
+export async function startServer(): Promise<Server> {
+  const { APEX_URL, APEX_BIN, APEX_BINARY, APEX_RECORD } = process.env;
+  if (APEX_URL) return { url: APEX_URL.replace(/\/$/, ''), stop: () => undefined };
+  if (!APEX_RECORD) {
+    throw new Error('APEX_RECORD must name a flight record; `apex fly missions/first-picture` writes one');
+  }
+  const program = APEX_BIN ?? APEX_BINARY ?? DEFAULT_BIN;
+  const child = spawn(program, ['serve', APEX_RECORD, '--port', '0'], { stdio: ['ignore', 'pipe', 'pipe'] });
+  try {
+    return { url: await addressOf(child), stop: () => child.kill('SIGTERM') };
+  } catch (error) {
+    child.kill('SIGKILL');
+    throw error;
+  }
+}
+
+/** The address that the server prints when it answers. */
+function addressOf(child: ChildProcess): Promise<string> {
+  return new Promise((resolve, reject) => {
+    let said = '';
+    const fail = (why: string) => reject(new Error(`the server did not start: ${why}\n${said}`));
+    const timer = setTimeout(() => fail(`nothing after ${START_MS / 1000} s`), START_MS);
+    const hear = (data: Buffer) => {
+      said += data.toString();
+      const address = /https?:\/\/[^\s/]+/.exec(said);
+      if (!address) return;
+      clearTimeout(timer);
+      resolve(address[0]);
+    };
+    child.stdout?.on('data', hear);
+    child.stderr?.on('data', hear);
+    child.on('error', error => fail(error.message));
+    child.on('exit', code => fail(`it ended with ${code}`));
+  });
+}
