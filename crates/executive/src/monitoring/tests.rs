@@ -1,1 +1,0 @@
-//! Monitors against their definition.

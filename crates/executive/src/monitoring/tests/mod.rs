@@ -1,0 +1,145 @@
+//! Monitors against their definition: incremental detection must agree with a plain evaluation of the whole history.
+
+mod against_definition;
+mod combinations;
+mod stories;
+
+use super::*;
+use crate::test_support::View;
+use apex_model::condition::{
+    ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
+};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+
+/// An expression of a value.
+fn constant(value: Value) -> Expr {
+    Expr { kind: ExprKind::Constant(value), place: Place::default() }
+}
+
+fn int(number: i64) -> Expr {
+    constant(Value::Integer(number))
+}
+
+fn span(nanoseconds: i64) -> Expr {
+    constant(Value::Duration(Duration(nanoseconds)))
+}
+
+fn variable(name: &str) -> Expr {
+    Expr { kind: ExprKind::Variable { name: Symbol::new(name), must_be_bound: false }, place: Place::default() }
+}
+
+fn call(function: &str, arguments: Vec<Expr>) -> Expr {
+    Expr { kind: ExprKind::Call { function: Symbol::new(function), arguments }, place: Place::default() }
+}
+
+fn compare(relation: Relation, right: Expr) -> Constraint {
+    Constraint::Compare { relation, right, tolerance: None }
+}
+
+fn of(attribute: &str, object: Pattern) -> VariablePattern {
+    VariablePattern { attribute: Symbol::new(attribute), object }
+}
+
+fn uav(attribute: &str) -> VariablePattern {
+    of(attribute, Pattern::Literal(Value::symbol("uav")))
+}
+
+fn measurement(variable: VariablePattern, value: Vec<Constraint>) -> MeasurementCondition {
+    MeasurementCondition { variable, value, object: vec![], timestamp: vec![], estimation: None }
+}
+
+fn episode(
+    variable: VariablePattern,
+    value: Vec<Constraint>,
+    gap: Option<i64>,
+    duration: Vec<Constraint>,
+) -> EpisodeCondition {
+    EpisodeCondition {
+        variable,
+        quality: gap.map_or(Quality::NoConstraints, |gap| Quality::MaximumGap(span(gap))),
+        value,
+        first_value: vec![],
+        last_value: vec![],
+        object: vec![],
+        timing: Timing { duration, ..Timing::default() },
+        stats: vec![],
+        trend: vec![],
+    }
+}
+
+fn condition(kind: ConditionKind) -> Condition {
+    Condition { tag: None, kind, place: Place::default() }
+}
+
+fn tagged(tag: &str, kind: ConditionKind) -> Condition {
+    Condition { tag: Some(Symbol::new(tag)), kind, place: Place::default() }
+}
+
+fn event(parts: Vec<Pattern>) -> ConditionKind {
+    ConditionKind::Event { pattern: Pattern::List(parts), timing: Timing::default() }
+}
+
+fn word(name: &str) -> Pattern {
+    Pattern::Literal(Value::symbol(name))
+}
+
+fn free(name: &str) -> Pattern {
+    Pattern::Variable(Symbol::new(name))
+}
+
+/// A monitor with its world: time, histories, arrival numbers.
+struct World {
+    view: View,
+    monitor: Monitor,
+    sequence: u64,
+}
+
+impl World {
+    fn new(condition: &Condition) -> World {
+        World::in_view(condition, View::default())
+    }
+
+    fn in_view(condition: &Condition, view: View) -> World {
+        let monitor = create(condition, Window::from(view.now), &view).unwrap();
+        World { view, monitor, sequence: 0 }
+    }
+
+    /// Records a sample of `(attribute object)` and tells the monitor.
+    fn sample(&mut self, attribute: &str, object: &str, value: Value, at: i64) {
+        self.view.now = self.view.now.max(Time(at));
+        self.sequence += 1;
+        let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
+        let (histories, library) = (&mut self.view.histories, &self.view.library);
+        let recording = record_sample(histories, library, variable, value, Time(at), self.sequence);
+        if let Some(stimulus) = recording.stimulus {
+            notice(&mut self.monitor, &stimulus, &self.view);
+        }
+    }
+
+    fn event(&mut self, form: Value, at: i64) {
+        self.view.now = self.view.now.max(Time(at));
+        self.sequence += 1;
+        let stimulus = record_event(&mut self.view.histories, form, Time(at), self.sequence);
+        notice(&mut self.monitor, &stimulus, &self.view);
+    }
+
+    fn ask(&mut self, now: i64) -> Verdict {
+        self.view.now = Time(now);
+        verdict(&mut self.monitor, &self.view)
+    }
+
+    /// Interval and instant of recognition, when satisfied at `now`.
+    fn answer(&mut self, now: i64) -> Option<(i64, i64, i64)> {
+        match self.ask(now) {
+            Verdict::Satisfied(result) => Some((result.interval.0.0, result.interval.1.0, result.recognised_at.0)),
+            Verdict::NotSatisfied | Verdict::Unknown => None,
+        }
+    }
+}
+
+fn list(items: &[Value]) -> Value {
+    Value::list(items.iter().cloned())
+}
