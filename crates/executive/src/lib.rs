@@ -1,13 +1,23 @@
 //! The executive: one door in, one door out.
+//!
+//! [`load`] makes an agent, [`step`] advances it. Nothing else changes an agent; [`explanation`] reads it.
+//! The executive knows no syntax, no clock, no I/O and no randomness: the same inputs give the same effects.
 
+mod control;
+mod cycle;
+mod deliberation;
 mod expression;
 mod monitoring;
+mod step;
 #[cfg(test)]
 mod test_support;
+mod view;
+
+pub mod explanation;
 
 pub use apex_model::agent::Agent;
-use apex_model::effect::Effect;
-use apex_model::event::Batch;
+pub use step::step;
+
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
 use std::sync::Arc;
@@ -15,16 +25,23 @@ use std::sync::Arc;
 /// Makes the agent described by `declaration`. Its root task is created by the first [`step`].
 ///
 /// # Errors
-/// A message for people when the library cannot be executed (an undeclared host function without implementation, say).
+/// A message for people when the library cannot be executed: it declares a host function that the host did not register.
 pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFunctions) -> Result<Agent, String> {
-    let _ = declaration;
-    let mut agent = Agent::default();
+    for (name, function) in &library.host_functions {
+        if !function.command && host.get(name).is_none() {
+            let place = library.describe_place(function.place);
+            return Err(format!(
+                "{place}: the host function `{name}` is declared but not registered; register it before loading, or declare it with `:command t` if it is a command"
+            ));
+        }
+    }
+    let mut agent = Agent {
+        name: declaration.name.clone(),
+        initial_task: declaration.initial_task.clone(),
+        bundles: declaration.bundles.clone(),
+        ..Agent::default()
+    };
+    monitoring::prepare(&mut agent.histories, &library);
     agent.attach(library, host);
     Ok(agent)
-}
-
-/// Advances `agent` to `batch.now` with the batch's events; returns what it wants done, in order.
-pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
-    let _ = (agent, batch);
-    Vec::new()
 }

@@ -1,13 +1,13 @@
 //! The agent: all state that can influence behaviour, in one value that can be cloned, compared and stored.
 
-use crate::clause::{MonitorId, Watch};
+use crate::clause::Watch;
 use crate::controller::OpenCommand;
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::history::Histories;
 use crate::host::HostFunctions;
 use crate::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
+use crate::interests::Interests;
 use crate::library::Library;
-use crate::monitor::Interest;
 use crate::procedure::Procedure;
 use crate::resource::ResourceTable;
 use crate::symbol::Symbol;
@@ -52,7 +52,7 @@ pub struct Agent {
     /// Monitors of living tasks.
     pub watches: Table<Watch>,
     /// Which monitors must be told of what.
-    pub interests: BTreeMap<Interest, BTreeSet<MonitorId>>,
+    pub interests: Interests,
     /// What was measured and what happened.
     pub histories: Histories,
     /// Who holds what.
@@ -125,7 +125,7 @@ impl Default for Agent {
             finished: None,
             tasks: Table::default(),
             watches: Table::default(),
-            interests: BTreeMap::new(),
+            interests: Interests::default(),
             histories: Histories::default(),
             resources: ResourceTable::default(),
             generated: Table::default(),

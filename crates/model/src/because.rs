@@ -98,7 +98,16 @@ pub enum Cause {
         /// The loser's priority (or rank).
         loser_priority: f64,
     },
-    /// An ancestor was interrupted with its whole subtree, or resumed.
+    /// The resource can never give what is needed: it has less, or less of it is left.
+    ResourceExhausted {
+        /// The resource.
+        resource: Value,
+        /// The amount needed, in SI.
+        needed: f64,
+        /// What there is, in SI.
+        left: f64,
+    },
+    /// An ancestor was interrupted with its whole subtree, or resumed, or starts over.
     AncestorChanged {
         /// The ancestor.
         ancestor: TaskId,
@@ -272,6 +281,9 @@ impl Cause {
             Cause::ResourcesGranted { resources } => format!("it was granted {}", words(resources)),
             Cause::Outranked { by, resource, rule, winner_priority, loser_priority } => {
                 outranked_text(*by, resource, *rule, *winner_priority, *loser_priority)
+            }
+            Cause::ResourceExhausted { resource, needed, left } => {
+                format!("{resource} can never give the {needed} that it needs: there is {left}")
             }
             Cause::AncestorChanged { ancestor } => format!("{ancestor} above it changed"),
             Cause::Activity { by, activity } => format!("{by} did ({activity})"),

@@ -2,6 +2,7 @@
 
 use crate::monitor::{Interest, Monitor};
 use crate::task::TaskId;
+use crate::value::Value;
 use crate::wake::WakeKey;
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +63,8 @@ pub struct Watch {
     pub monitor: Monitor,
     /// Under what the monitor is filed in the agent's table of interests.
     pub interests: Vec<Interest>,
+    /// The second word of the message it waits for, where that is known.
+    pub second: Option<Value>,
     /// The wake that the monitor asked for.
     pub wake: Option<WakeKey>,
 }

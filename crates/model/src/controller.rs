@@ -22,6 +22,8 @@ pub struct Selection {
     pub needs: Vec<Need>,
     /// Added to the priority of the task while it is ongoing.
     pub interrupt_cost: f64,
+    /// How long it is expected to take, if somebody said.
+    pub expected: Option<Duration>,
 }
 
 /// Ways of pursuing a goal.
@@ -104,6 +106,8 @@ pub struct PrimitiveController {
     pub update_left: Duration,
     /// Commands without an answer.
     pub commands: Vec<CommandId>,
+    /// Commands taken back by an interruption, to be sent again, with their timeouts.
+    pub withdrawn: Vec<(Value, Duration)>,
     /// It sent commands: it ends with their answers unless it has a duration.
     pub commanded: bool,
     /// The last answer's value.
@@ -143,6 +147,8 @@ pub struct PlanningController {
     pub meanwhile: Option<TaskId>,
     /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
     pub pursue: bool,
+    /// The plan arrived while the task was interrupted.
+    pub arrived: Option<ProcedureRef>,
 }
 
 /// A failure that another goal handles.
@@ -174,6 +180,8 @@ pub struct OpenCommand {
     pub form: Value,
     /// When.
     pub sent_at: Time,
-    /// When it has failed.
+    /// How long to wait for the answer.
+    pub patience: Duration,
+    /// The end of that.
     pub timeout: WakeKey,
 }

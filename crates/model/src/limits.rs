@@ -44,3 +44,5 @@ pub const MONITOR_RESULTS_MAX: usize = 4_096;
 pub const MONITOR_COMBINATIONS_MAX: u64 = 100_000;
 /// Objects that one condition with an object variable follows.
 pub const MONITOR_OBJECTS_MAX: usize = 10_000;
+/// Milliseconds between updates of a primitive whose `update` names no interval: a pilot's hand, not a control loop.
+pub const UPDATE_INTERVAL_DEFAULT_MS: i64 = 100;

@@ -118,6 +118,19 @@ impl<T> Table<T> {
         self.slots.get_mut(slot)?.take()
     }
 
+    /// Lifts the entry with this number out for a moment: its place stays reserved for [`Table::put`].
+    pub fn lift(&mut self, number: u64) -> Option<T> {
+        let slot = self.slot(number)?;
+        self.slots.get_mut(slot)?.take()
+    }
+
+    /// Puts a lifted entry back.
+    pub fn put(&mut self, number: u64, entry: T) {
+        if let Some(place) = self.slot(number).and_then(|slot| self.slots.get_mut(slot)) {
+            *place = Some(entry);
+        }
+    }
+
     /// Entries in order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u64, &T)> {
         self.pages.iter().zip(0_u64..).filter_map(|(page, index)| page.as_ref().map(|page| (page, index))).flat_map(

@@ -3,7 +3,7 @@
 use crate::bindings::Bindings;
 use crate::clause::MonitorId;
 use crate::controller::{Controller, Selection};
-use crate::resource::Need;
+use crate::resource::{Need, ResourceId};
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use crate::wake::WakeKey;
@@ -181,10 +181,14 @@ pub struct Extras {
     pub instant: Time,
     /// Combinations of `:for-new` variables already answered.
     pub answered: BTreeSet<Vec<Value>>,
+    /// The step's repetition is over: it was ended for good.
+    pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,
-    /// The failure that an `on-failure` goal is handling.
-    pub handling: Option<TaskId>,
+    /// The resource it was last refused, and to whom it went: said once, not at every look.
+    pub refused: Option<(ResourceId, TaskId)>,
+    /// The wake at which its rising priority may win.
+    pub crossing: Option<WakeKey>,
 }
 
 impl Task {

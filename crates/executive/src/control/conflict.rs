@@ -1,0 +1,443 @@
+//! Resource conflict resolution (TC)
+//! What: decides which claimants get their resources, who loses them, and by which rule.
+//! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
+//! Bound: O(c log c) for c claimants of the resources concerned; O(c^2) where ranks are stated.
+//! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::{priority, resources};
+use crate::cycle::Cycle;
+use apex_model::agent::Agent;
+use apex_model::because::ConflictRule;
+use apex_model::resource::{Need, ResourceId};
+use apex_model::task::{Origin, TaskId, TaskState};
+use apex_model::time::Time;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What arbitration decides.
+#[derive(Default)]
+pub(crate) struct Arbitration {
+    /// Claimants that get all they need.
+    pub(crate) granted: Vec<TaskId>,
+    /// Holders that lose what they hold.
+    pub(crate) displaced: Vec<Loss>,
+    /// Claimants that get nothing.
+    pub(crate) refused: Vec<Loss>,
+    /// Claimants whose needs can never be met: resource, need, what there is.
+    pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
+}
+
+/// A conflict lost.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Loss {
+    /// The loser.
+    pub(crate) loser: TaskId,
+    /// Over what.
+    pub(crate) resource: ResourceId,
+    /// The winner.
+    pub(crate) winner: TaskId,
+    /// The rule that decided.
+    pub(crate) rule: ConflictRule,
+    /// The winner's priority or rank, with interrupt cost where it defends.
+    pub(crate) winner_priority: f64,
+    /// The loser's.
+    pub(crate) loser_priority: f64,
+    /// The winner holds the resource now; else it claims it too.
+    pub(crate) winner_holds: bool,
+}
+
+/// A task that wants to be ongoing.
+struct Claimant {
+    id: TaskId,
+    needs: Vec<Need>,
+    priority: f64,
+    order: (TaskId, u32, TaskId),
+}
+
+/// A share of a resource that counts against later claimants.
+struct Use {
+    task: TaskId,
+    amount: f64,
+    kind: UseKind,
+}
+
+#[derive(PartialEq)]
+enum UseKind {
+    /// Held by an ongoing task, which can lose it.
+    Held,
+    /// Granted in this arbitration.
+    Granted,
+    /// Claimed by an earlier claimant that is itself refused, which cannot go on before this instant if it is known.
+    Awaited(Option<Time>),
+}
+
+/// Are the tasks the same, or one the ancestor of the other?
+pub(crate) fn related(agent: &Agent, a: TaskId, b: TaskId) -> bool {
+    let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
+    let (mut low, high) = if depth(a) >= depth(b) { (a, b) } else { (b, a) };
+    while depth(low) > depth(high) {
+        match agent.task(low).and_then(|task| task.parent) {
+            Some(parent) => low = parent,
+            None => return false,
+        }
+    }
+    low == high
+}
+
+/// How the ranks of the two sibling ancestors compare, when both have one and they differ.
+pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Option<(Ordering, f64, f64)> {
+    let (mut a, mut b) = (agent.task(a)?, agent.task(b)?);
+    while a.depth > b.depth {
+        a = agent.task(a.parent?)?;
+    }
+    while b.depth > a.depth {
+        b = agent.task(b.parent?)?;
+    }
+    while a.parent != b.parent {
+        a = agent.task(a.parent?)?;
+        b = agent.task(b.parent?)?;
+    }
+    let (first, second) = (priority::rank(agent, a.id, now)?, priority::rank(agent, b.id, now)?);
+    let order = first.partial_cmp(&second).filter(|order| *order != Ordering::Equal)?;
+    Some((order, first, second))
+}
+
+/// May the task work at all? Not under a suspended ancestor; and no step of a task that does not work begins.
+pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
+    let Some(task) = agent.task(id) else { return false };
+    let starts = match task.state {
+        TaskState::Interrupted => true,
+        TaskState::Enabled => {
+            task.parent.is_none_or(|parent| agent.task(parent).is_some_and(|parent| parent.state == TaskState::Ongoing))
+        }
+        TaskState::Pending | TaskState::Ongoing | TaskState::Terminated => false,
+    };
+    let mut next = Some(id);
+    while let Some(task) = next.and_then(|id| agent.task(id)) {
+        if task.suspended {
+            return false;
+        }
+        next = task.parent;
+    }
+    starts
+}
+
+/// Arbitrates all resources in `dirty`, with everything their claimants need besides.
+pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
+    let mut remaining = claimants(cycle, dirty);
+    let ranked = remaining.iter().any(|claimant| has_rank(cycle, claimant.id));
+    let mut field = Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new() };
+    let mut result = Arbitration::default();
+    while !remaining.is_empty() {
+        let index = if ranked { first_by_rank(cycle, &remaining) } else { 0 };
+        let claimant = remaining.remove(index);
+        match field.place(&claimant) {
+            Placement::Granted(losses) => {
+                for loss in losses {
+                    insert_in_order(&mut remaining, as_claimant(cycle, loss.loser));
+                    result.displaced.push(loss);
+                }
+                result.granted.push(claimant.id);
+            }
+            Placement::Refused(loss) => result.refused.push(loss),
+            Placement::Impossible(need, total) => {
+                result.impossible.push((claimant.id, need.resource, need.amount, total));
+            }
+        }
+    }
+    // A holder that was displaced claims again at once; being refused then is the loss itself, not another one.
+    let displaced = field.displaced;
+    result.refused.retain(|loss| !displaced.contains(&loss.loser));
+    result
+}
+
+/// Eligible claimants of the resources in `dirty` and of all resources that these need besides, best first.
+fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<Claimant> {
+    let mut resources: Vec<ResourceId> = dirty.iter().copied().collect();
+    let mut seen: BTreeSet<ResourceId> = dirty.clone();
+    let mut tasks = BTreeSet::new();
+    let mut list = Vec::new();
+    while let Some(id) = resources.pop() {
+        let Some(resource) = cycle.agent.resources.get(id) else { continue };
+        for task in &resource.waiting {
+            if tasks.insert(*task) && is_eligible(cycle.agent, *task) {
+                let claimant = as_claimant(cycle, *task);
+                resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
+                list.push(claimant);
+            }
+        }
+    }
+    list.sort_by(compare);
+    list
+}
+
+fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
+    let priority = priority::priority(cycle.agent, id, cycle.now);
+    Claimant { id, needs: resources::needs_of(cycle, id), priority, order: order_of(cycle.agent, id) }
+}
+
+/// Written order among siblings, creation order among others.
+fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
+    let Some(task) = agent.task(id) else { return (id, 0, id) };
+    let step = match task.origin {
+        Origin::Step(step) => step.step,
+        Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) => 0,
+    };
+    (task.parent.unwrap_or(id), step, id)
+}
+
+fn compare(a: &Claimant, b: &Claimant) -> Ordering {
+    b.priority.total_cmp(&a.priority).then(a.order.cmp(&b.order))
+}
+
+fn insert_in_order(list: &mut Vec<Claimant>, claimant: Claimant) {
+    let index = list.partition_point(|each| compare(each, &claimant) == Ordering::Less);
+    list.insert(index, claimant);
+}
+
+fn has_rank(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let mut next = Some(id);
+    while let Some(task) = next.and_then(|id| cycle.task(id)) {
+        if priority::rank(cycle.agent, task.id, cycle.now).is_some() {
+            return true;
+        }
+        next = task.parent;
+    }
+    false
+}
+
+/// The first by priority, unless another comes before it by rank; then the first of those, and so on. Rank alone is a
+/// strict partial order, so this ends.
+fn first_by_rank(cycle: &Cycle<'_>, remaining: &[Claimant]) -> usize {
+    let mut best = 0;
+    loop {
+        let Some(current) = remaining.get(best) else { return 0 };
+        let before = |other: &Claimant| {
+            shares(&current.needs, &other.needs)
+                && !related(cycle.agent, current.id, other.id)
+                && rank_order(cycle.agent, other.id, current.id, cycle.now)
+                    .is_some_and(|(order, ..)| order == Ordering::Less)
+        };
+        match remaining.iter().position(before) {
+            Some(index) => best = index,
+            None => return best,
+        }
+    }
+}
+
+fn shares(a: &[Need], b: &[Need]) -> bool {
+    a.iter().any(|need| b.iter().any(|other| other.resource == need.resource))
+}
+
+/// What becomes of one claimant.
+enum Placement {
+    Granted(Vec<Loss>),
+    Refused(Loss),
+    Impossible(Need, f64),
+}
+
+/// Uses of resources while an arbitration goes on.
+struct Field<'a, 'c> {
+    cycle: &'a Cycle<'c>,
+    uses: BTreeMap<ResourceId, Vec<Use>>,
+    displaced: BTreeSet<TaskId>,
+}
+
+impl Field<'_, '_> {
+    fn load(&mut self, id: ResourceId) {
+        let Some(resource) = self.cycle.agent.resources.get(id) else { return };
+        self.uses.entry(id).or_insert_with(|| {
+            let held = |task, amount| Use { task, amount, kind: UseKind::Held };
+            resource.holders.iter().map(|holding| held(holding.task, holding.amount)).collect()
+        });
+    }
+
+    /// Gives the claimant all it needs, or notes what it waits for.
+    fn place(&mut self, claimant: &Claimant) -> Placement {
+        let mut losses: Vec<Loss> = Vec::new();
+        let mut refusal = None;
+        for need in &claimant.needs {
+            self.load(need.resource);
+            let total = self.cycle.agent.resources.get(need.resource).map_or(0.0, |resource| resource.total);
+            if need.amount > total {
+                return Placement::Impossible(*need, total);
+            }
+            match self.make_room(claimant, *need, &losses) {
+                Ok(more) => losses.extend(more),
+                Err(loss) => {
+                    refusal = Some(loss);
+                    break;
+                }
+            }
+        }
+        let kind = |refused: bool, earliest| if refused { UseKind::Awaited(earliest) } else { UseKind::Granted };
+        let earliest = refusal.as_ref().and_then(|loss: &Loss| self.expected_end(loss));
+        for need in &claimant.needs {
+            self.load(need.resource);
+            let kind = kind(refusal.is_some(), earliest);
+            self.uses.entry(need.resource).or_default().push(Use { task: claimant.id, amount: need.amount, kind });
+        }
+        if let Some(loss) = refusal {
+            return Placement::Refused(loss);
+        }
+        for loss in &losses {
+            self.displaced.insert(loss.loser);
+            for uses in self.uses.values_mut() {
+                uses.retain(|each| each.task != loss.loser || each.kind != UseKind::Held);
+            }
+        }
+        Placement::Granted(losses)
+    }
+
+    /// When the winner of a conflict is expected to be done with the resource, if somebody said.
+    fn expected_end(&self, loss: &Loss) -> Option<Time> {
+        let task = self.cycle.task(loss.winner).filter(|_| loss.winner_holds)?;
+        let expected = task.selection.as_ref()?.expected?;
+        Some(task.started_at? + expected)
+    }
+
+    /// Who must lose so that the claimant's need is met.
+    fn make_room(&self, claimant: &Claimant, need: Need, lost: &[Loss]) -> Result<Vec<Loss>, Loss> {
+        let mut losses: Vec<Loss> = Vec::new();
+        while let Some(rivals) = self.obstacles(claimant, need, lost, &losses) {
+            match self.weakest(claimant, need, &rivals)? {
+                Some(loss) => losses.push(loss),
+                None => break,
+            }
+        }
+        // The weakest may have lost in vain when a stronger one had to lose too.
+        for index in (0..losses.len()).rev() {
+            let spared = losses.remove(index);
+            if self.obstacles(claimant, need, lost, &losses).is_some() {
+                losses.insert(index, spared);
+            }
+        }
+        Ok(losses)
+    }
+
+    /// The rivals of the claimant when those in `lost` and `losses` are gone; none when there is room.
+    fn obstacles(&self, claimant: &Claimant, need: Need, lost: &[Loss], losses: &[Loss]) -> Option<Vec<&Use>> {
+        let gone =
+            |task: TaskId| self.displaced.contains(&task) || lost.iter().chain(losses).any(|loss| loss.loser == task);
+        let (pool, rivals) = self.rivals(claimant, need, &gone);
+        let used: f64 = rivals.iter().map(|each| each.amount).sum();
+        (pool - used + 1e-9 < need.amount).then_some(rivals)
+    }
+
+    /// The pool that the claimant draws from, and the uses in it that conflict with it. Inside an ancestor's share the
+    /// pool is that share; a use inside another use counts once.
+    fn rivals(&self, claimant: &Claimant, need: Need, gone: &dyn Fn(TaskId) -> bool) -> (f64, Vec<&Use>) {
+        let agent: &Agent = self.cycle.agent;
+        let uses = self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default();
+        let present: Vec<&Use> = uses.iter().filter(|each| each.kind != UseKind::Held || !gone(each.task)).collect();
+        let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
+        let above = present
+            .iter()
+            .filter(|each| !matches!(each.kind, UseKind::Awaited(_)))
+            .filter(|each| depth(each.task) < depth(claimant.id) && related(agent, each.task, claimant.id))
+            .max_by_key(|each| depth(each.task));
+        let share = above.filter(|each| each.amount + 1e-9 >= need.amount);
+        let total = agent.resources.get(need.resource).map_or(0.0, |resource| resource.total);
+        let inside = |each: &Use| {
+            share.is_none_or(|share| depth(each.task) > depth(share.task) && related(agent, share.task, each.task))
+        };
+        let strangers: Vec<&Use> = present
+            .iter()
+            .copied()
+            .filter(|each| {
+                !related(agent, each.task, claimant.id) && inside(each) && !self.leaves_a_gap(claimant, each)
+            })
+            .collect();
+        let topmost = |each: &&Use| {
+            !strangers.iter().any(|other| {
+                other.task != each.task && depth(other.task) < depth(each.task) && related(agent, other.task, each.task)
+            })
+        };
+        (share.map_or(total, |share| share.amount), strangers.iter().copied().filter(topmost).collect())
+    }
+
+    /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.
+    fn leaves_a_gap(&self, claimant: &Claimant, other: &Use) -> bool {
+        let expected = self.cycle.task(claimant.id).and_then(|task| task.selection.as_ref()?.expected);
+        match (&other.kind, expected) {
+            (UseKind::Awaited(Some(earliest)), Some(expected)) => self.cycle.now + expected <= *earliest,
+            _ => false,
+        }
+    }
+
+    /// The holder that is easiest to displace, among those that lose against the claimant.
+    ///
+    /// # Errors
+    /// The conflict that the claimant loses instead.
+    fn weakest(&self, claimant: &Claimant, need: Need, rivals: &[&Use]) -> Result<Option<Loss>, Loss> {
+        let mut beaten: Option<Loss> = None;
+        let mut unbeaten: Option<Loss> = None;
+        for rival in rivals {
+            match self.confront(claimant, need.resource, rival) {
+                Ok(loss) => {
+                    if beaten.as_ref().is_none_or(|before| loss.loser_priority <= before.loser_priority) {
+                        beaten = Some(loss);
+                    }
+                }
+                Err(loss) => {
+                    if unbeaten.as_ref().is_none_or(|before| loss.winner_priority > before.winner_priority) {
+                        unbeaten = Some(loss);
+                    }
+                }
+            }
+        }
+        match (beaten, unbeaten) {
+            (Some(loss), _) => Ok(Some(loss)),
+            (None, Some(loss)) => Err(loss),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// The outcome between the claimant and one use: the user's loss, or the claimant's.
+    fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
+        let (agent, now) = (&*self.cycle.agent, self.cycle.now);
+        let holds = rival.kind == UseKind::Held;
+        let loss = |rule, winner_priority, loser_priority| Loss {
+            loser: claimant.id,
+            resource,
+            winner: rival.task,
+            rule,
+            winner_priority,
+            loser_priority,
+            winner_holds: holds,
+        };
+        let win = |rule, winner_priority, loser_priority| Loss {
+            loser: rival.task,
+            resource,
+            winner: claimant.id,
+            rule,
+            winner_priority,
+            loser_priority,
+            winner_holds: false,
+        };
+        if let Some((order, own, other)) = rank_order(agent, claimant.id, rival.task, now) {
+            return match order {
+                Ordering::Less if holds => Ok(win(ConflictRule::Rank, own, other)),
+                _ => Err(loss(ConflictRule::Rank, other, own)),
+            };
+        }
+        let own = claimant.priority;
+        let other = priority::priority(agent, rival.task, now);
+        if holds {
+            let defence = priority::defence(agent, rival.task, now);
+            if own > defence {
+                return Ok(win(ConflictRule::Priority, own, defence));
+            }
+            let rule = if other > own { ConflictRule::Priority } else { ConflictRule::Incumbent };
+            return Err(loss(rule, defence, own));
+        }
+        let siblings = order_of(agent, claimant.id).0 == order_of(agent, rival.task).0;
+        let rule = match other.total_cmp(&own) {
+            Ordering::Greater => ConflictRule::Priority,
+            Ordering::Equal if siblings => ConflictRule::WrittenOrder,
+            Ordering::Equal => ConflictRule::CreationOrder,
+            Ordering::Less => ConflictRule::Capacity,
+        };
+        Err(loss(rule, other, own))
+    }
+}

@@ -1,0 +1,152 @@
+//! Contention (TC)
+//! What: lets claimants stand before the arbiter, and commits what it decides: losses first, then grants.
+//! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
+//! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
+
+use crate::control::conflict::{self, Arbitration, Loss};
+use crate::control::resources;
+use crate::control::transition::{Trigger, transition};
+use crate::control::{interruption, priority, termination};
+use crate::cycle::{Cycle, in_order};
+use apex_model::because::{Because, Cause};
+use apex_model::effect::DecisionKind;
+use apex_model::resource::ResourceId;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+
+/// The contend phase: what is to be committed.
+pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
+    let mut free = Vec::new();
+    for id in in_order(&mut cycle.work.claims) {
+        if !conflict::is_eligible(cycle.agent, id) {
+            continue;
+        }
+        let needs = resources::needs_of(cycle, id);
+        if needs.is_empty() {
+            free.push(id);
+        }
+        for need in needs {
+            if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
+                resource.waiting.insert(id);
+                cycle.work.dirty.insert(need.resource);
+            }
+        }
+    }
+    if std::mem::take(&mut cycle.work.priorities_changed) {
+        let contested = cycle.agent.resources.iter().filter(|(_, resource)| !resource.waiting.is_empty());
+        let contested: Vec<ResourceId> = contested.map(|(id, _)| id).collect();
+        cycle.work.dirty.extend(contested);
+    }
+    let dirty = std::mem::take(&mut cycle.work.dirty);
+    let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty) };
+    result.granted.extend(free);
+    // Interrupted tasks come first, leaves before their ancestors; then new ones in written order.
+    result.granted.sort_by_key(|id| {
+        let task = cycle.task(*id);
+        let depth = task.map_or(0, |task| task.depth);
+        match task.map(|task| task.state) {
+            Some(TaskState::Interrupted) => (0, u32::MAX - depth, *id),
+            _ => (1, 0, *id),
+        }
+    });
+    result
+}
+
+/// The commit phase: states change as arbitrated.
+pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
+    for loss in &arbitration.displaced {
+        let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
+        interruption::outrank(cycle, loss.loser, because);
+        remember_refusal(cycle, loss);
+    }
+    for (id, resource, needed, left) in arbitration.impossible {
+        let name = resource_name(cycle, resource);
+        let cause = Cause::ResourceExhausted { resource: name, needed, left };
+        let place = cycle.place_of(id);
+        termination::fail(cycle, id, Because::new(cause, place));
+    }
+    for id in arbitration.granted {
+        grant(cycle, id);
+    }
+    for loss in &arbitration.refused {
+        refuse(cycle, loss);
+    }
+}
+
+fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
+    cycle.agent.resources.get(id).map_or_else(Value::nil, |resource| resource.name.clone())
+}
+
+fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
+    Cause::Outranked {
+        by: loss.winner,
+        resource: resource_name(cycle, loss.resource),
+        rule: loss.rule,
+        winner_priority: loss.winner_priority,
+        loser_priority: loss.loser_priority,
+    }
+}
+
+fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
+    if !conflict::is_eligible(cycle.agent, id) {
+        return;
+    }
+    let needs = resources::needs_of(cycle, id);
+    resources::take(cycle, id, &needs);
+    cycle.agent.unsteady.remove(&id);
+    if let Some(extras) = cycle.agent.task_mut(id).and_then(|task| task.extras.as_mut()) {
+        extras.refused = None;
+        if let Some(wake) = extras.crossing.take() {
+            cycle.agent.wakes.cancel(wake);
+        }
+    }
+    let resources = needs.iter().map(|need| resource_name(cycle, need.resource)).collect();
+    let because = Because::new(Cause::ResourcesGranted { resources }, cycle.place_of(id));
+    if transition(cycle, id, Trigger::Granted, None, because) {
+        cycle.work.starting.push(id);
+    }
+}
+
+/// Says once that the task stays as it is, and when its rising priority could change that.
+fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
+    let known = cycle.task(loss.loser).and_then(|task| task.extras.as_ref()?.refused);
+    if known != Some((loss.resource, loss.winner)) {
+        let kind = DecisionKind::Refused { resource: resource_name(cycle, loss.resource), winner: loss.winner };
+        let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
+        cycle.decide(Some(loss.loser), kind, because);
+    }
+    remember_refusal(cycle, loss);
+}
+
+fn remember_refusal(cycle: &mut Cycle<'_>, loss: &Loss) {
+    let at = crossing_time(cycle, loss);
+    let moved =
+        priority::reads_histories(cycle.agent, loss.loser) || priority::reads_histories(cycle.agent, loss.winner);
+    if moved {
+        cycle.agent.unsteady.insert(loss.loser);
+    }
+    let Some(task) = cycle.agent.task_mut(loss.loser) else { return };
+    let extras = task.extras_mut();
+    extras.refused = Some((loss.resource, loss.winner));
+    let before = extras.crossing;
+    if before.map(|wake| wake.at) == at {
+        return;
+    }
+    if let Some(wake) = before {
+        cycle.agent.wakes.cancel(wake);
+    }
+    let wake = at.map(|at| cycle.agent.wakes.schedule(at, Wake::PriorityCrossing(loss.loser)));
+    if let Some(task) = cycle.agent.task_mut(loss.loser) {
+        task.extras_mut().crossing = wake;
+    }
+}
+
+fn crossing_time(cycle: &Cycle<'_>, loss: &Loss) -> Option<Time> {
+    let loser = priority::rises_until(cycle.agent, loss.loser, cycle.now);
+    let winner = priority::rises_until(cycle.agent, loss.winner, cycle.now);
+    let until = loser.max(winner)?;
+    let holds = loss.winner_holds || cycle.state(loss.winner) == TaskState::Ongoing;
+    priority::crossing(cycle, loss.loser, loss.winner, holds, until)
+}

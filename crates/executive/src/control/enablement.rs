@@ -1,0 +1,117 @@
+//! Task enablement (TC)
+//! What: acts on clauses that came true, and enables pending tasks that nothing holds back.
+//! Runs: enable phase.  Reads: firings, Task.  Writes: Task bindings and state, Decision.
+//! Bound: O(firings + ready tasks) per round.  PDL: `waitfor`, section 9.  Paper: section III, task enablement.
+
+use crate::control::transition::{Trigger, transition};
+use crate::control::{binding, instantiation, interruption, monitoring_clauses, repetition, restart, termination};
+use crate::cycle::{Cycle, Firing, in_order};
+use apex_model::because::{Because, Cause};
+use apex_model::clause::{Clause, Level};
+use apex_model::effect::DecisionKind;
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::value::Value;
+
+/// Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.
+fn order(clause: Clause) -> u8 {
+    match clause {
+        Clause::EndWhen => 0,
+        Clause::RestartWhen => 1,
+        Clause::SuspendWhen => 2,
+        Clause::SuspendUntil => 3,
+        Clause::ResumeWhen => 4,
+        Clause::Waitfor => 5,
+    }
+}
+
+/// The enable phase.
+pub(crate) fn enable(cycle: &mut Cycle<'_>) {
+    let mut firings = std::mem::take(&mut cycle.work.firings);
+    firings.sort_by_key(|firing| (order(firing.clause), firing.task, firing.monitor));
+    for firing in firings {
+        if cycle.agent.watches.contains(firing.monitor.0) {
+            fire(cycle, firing);
+            termination::settle(cycle);
+        }
+    }
+    for id in in_order(&mut cycle.work.ready) {
+        let free = cycle.task(id).is_some_and(|task| task.state == TaskState::Pending && task.held_back.is_free());
+        if free {
+            enable_task(cycle, id);
+            termination::settle(cycle);
+        }
+    }
+    cycle.work.evidence.clear();
+}
+
+fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
+    let Firing { task: id, clause, level, satisfaction, answered, place, .. } = firing;
+    let Some(task) = cycle.task(id) else { return };
+    let state = task.state;
+    if clause == Clause::Waitfor && repetition::is_known(cycle, id, &satisfaction.bindings) {
+        repetition::wait_for_new(cycle, id, answered);
+        return;
+    }
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.after_sequence = task.after_sequence.max(answered);
+    }
+    let cause = Cause::ConditionSatisfied { clause: clause.word().into() };
+    let because = Because { cause, place: Some(place), evidence: satisfaction.evidence.clone() };
+    let kind = DecisionKind::Satisfied { clause: clause.word().into(), interval: satisfaction.interval };
+    cycle.decide(Some(id), kind, because.clone());
+    monitoring_clauses::unwatch(cycle, id, |each, at| each == clause && at == level);
+    match clause {
+        Clause::Waitfor => {
+            for (name, value) in satisfaction.bindings.iter() {
+                binding::bind_locally(cycle, id, name, value.clone(), "waitfor", place);
+            }
+            cycle.work.evidence.insert(id, satisfaction.evidence);
+            if let Some(task) = cycle.agent.task_mut(id) {
+                task.held_back.by_condition = false;
+            }
+            instantiation::offer(cycle, id);
+        }
+        Clause::EndWhen => {
+            repetition::forbid(cycle, id, level);
+            termination::end(cycle, id, Outcome::Success(Value::nil()), because);
+        }
+        Clause::RestartWhen => match state {
+            TaskState::Ongoing | TaskState::Interrupted => restart::restart(cycle, id, because),
+            TaskState::Pending | TaskState::Enabled | TaskState::Terminated => {}
+        },
+        Clause::SuspendWhen => {
+            interruption::suspend(cycle, id, because);
+            interruption::watch_resumption(cycle, id, level);
+        }
+        Clause::SuspendUntil | Clause::ResumeWhen => {
+            interruption::resume(cycle, id, &because);
+            interruption::watch_suspension(cycle, id);
+        }
+    }
+}
+
+fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {
+    let waited = cycle.step_of(id).and_then(|handle| handle.get().map(|step| !step.waitfor.is_empty()));
+    let evidence = cycle.work.evidence.remove(&id).unwrap_or_default();
+    let cause = if waited == Some(true) { Cause::PreconditionsSatisfied } else { Cause::NoPreconditions };
+    let place = cycle.place_of(id);
+    transition(cycle, id, Trigger::Satisfied, None, Because { cause, place, evidence });
+    repetition::respond(cycle, id);
+    match binding::select(cycle, id) {
+        Ok(()) => cycle.work.enabled.push(id),
+        Err((message, place)) => {
+            termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
+        }
+    }
+}
+
+/// Monitors of a step's clauses that concern working tasks: made when the task starts.
+pub(crate) fn watch_working(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    if let Some(handle) = cycle.step_of(id)
+        && let Some(step) = handle.get()
+        && matches!(cycle.task(id).map(|task| task.origin), Some(apex_model::task::Origin::Step(_)))
+    {
+        interruption::watch_clauses(cycle, id, Level::Step, &step.transitions)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! Failure handling (TC)
+//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends.
+//! Runs: when a task fails, and when its handler ends.  Reads: Step.  Writes: Task, HandlingController, Decision.
+//! Bound: O(size of the failed subtree).  PDL: `on-failure`.  Paper: section III, off-nominal conditions.
+
+use crate::control::instantiation::{self, Seed};
+use crate::control::transition::{Trigger, transition};
+use crate::control::{monitoring_clauses, primitive, resources, termination};
+use crate::cycle::Cycle;
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::{Clause, Level};
+use apex_model::controller::{Controller, HandlingController};
+use apex_model::effect::DecisionKind;
+use apex_model::task::{Origin, Outcome, TaskId, TaskState};
+
+/// Starts the `on-failure` goal of the task's step. False when there is none, or it is at work already.
+pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bool {
+    let Some(task) = cycle.task(id) else { return false };
+    let Origin::Step(step) = task.origin else { return false };
+    if task.state == TaskState::Pending || matches!(task.controller.as_deref(), Some(Controller::Handling(_))) {
+        return false;
+    }
+    let handled = cycle.step_of(id).is_some_and(|handle| handle.get().is_some_and(|step| step.on_failure.is_some()));
+    if !handled {
+        return false;
+    }
+    let cut = Because::new(Cause::AncestorChanged { ancestor: id }, because.place);
+    termination::end_children(cycle, id, &cut);
+    primitive::withdraw_commands(cycle, id, "its task failed");
+    termination::dismantle(cycle, id, "its task failed");
+    monitoring_clauses::unwatch(cycle, id, |clause, level| !(clause == Clause::EndWhen && level == Level::Step));
+    let seed = Seed {
+        parent: Some(id),
+        origin: Origin::OnFailure(step),
+        bindings: Bindings::new(),
+        by_predecessor: false,
+        after_sequence: None,
+        cause: because.cause.clone(),
+    };
+    let Ok(handler) = instantiation::create(cycle, seed) else { return false };
+    let message = because.text(&cycle.library);
+    let handling = Because::new(Cause::FailureHandled { by: handler }, because.place);
+    cycle.decide(Some(id), DecisionKind::Trouble { message }, handling.clone());
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.controller = Some(Box::new(Controller::Handling(HandlingController { handler })));
+    }
+    if cycle.state(id) != TaskState::Ongoing {
+        resources::release(cycle, id, resources::Release::Unused);
+        if let Some(selection) = cycle.agent.task_mut(id).and_then(|task| task.selection.as_mut()) {
+            selection.needs.clear();
+        }
+        transition(cycle, id, Trigger::Granted, None, handling);
+    }
+    instantiation::arm(cycle, handler);
+    true
+}
+
+/// The handler ended: the step ends in the same way.
+pub(crate) fn handled(cycle: &mut Cycle<'_>, id: TaskId, handler: TaskId, outcome: &Outcome) {
+    let place = cycle.place_of(id);
+    match outcome {
+        Outcome::Failure => {
+            let because = Because::new(Cause::ChildFailed { child: handler }, place);
+            termination::end(cycle, id, Outcome::Failure, because);
+        }
+        Outcome::Success(_) | Outcome::Cut => {
+            let because = Because::new(Cause::FailureHandled { by: handler }, place);
+            termination::end(cycle, id, outcome.clone(), because);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Hooks (TC)
+//! What: runs the forms of `on-start`, `on-end` and the like, and does what they want done.
+//! Runs: act phase, at ends, interruptions and resumptions.  Reads: forms, variables.  Writes: effects, variables.
+//! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
+//! Paper: section III, code embedded in the `on-enablement` clause.
+
+use crate::control::{binding, termination};
+use crate::cycle::{Cycle, Said};
+use crate::expression::{Action, run};
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::controller::Controller;
+use apex_model::effect::{CommandId, Effect};
+use apex_model::expression::Expr;
+use apex_model::task::TaskId;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// What the forms of a primitive want for the primitive itself.
+#[derive(Default)]
+pub(crate) struct Wants {
+    /// `(complete [value])`.
+    pub(crate) completed: Option<Value>,
+    /// `(command FORM)`s in order, with their timeouts.
+    pub(crate) commands: Vec<(Value, Option<Duration>)>,
+}
+
+/// Runs a hook; its errors are troubles, its commands are sent without waiting for answers.
+pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: &[Expr]) {
+    if forms.is_empty() {
+        return;
+    }
+    match run_forms(cycle, id, level, forms) {
+        Ok(wants) => {
+            for (form, _) in wants.commands {
+                let command = CommandId(cycle.agent.next.command);
+                cycle.agent.next.command += 1;
+                cycle.effects.push(Effect::Command { command, task: id, form });
+            }
+        }
+        Err(because) => {
+            let message = because.cause.text();
+            cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
+        }
+    }
+}
+
+/// Runs forms, does what concerns others at once, and hands back what concerns the primitive itself.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated; what the forms before it wanted is done.
+pub(crate) fn run_forms(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: &[Expr]) -> Result<Wants, Because> {
+    if forms.is_empty() {
+        return Ok(Wants::default());
+    }
+    let mut locals = take_locals(cycle, id);
+    let mut actions = Vec::new();
+    let result = run(forms, &cycle.view(id, level), &mut locals, &mut actions);
+    put_locals(cycle, id, locals);
+    let mut wants = Wants::default();
+    let place = forms.first().map(|form| form.place).unwrap_or_default();
+    for action in actions {
+        match action {
+            Action::Inform(form) => inform(cycle, id, form),
+            Action::Print(text) => cycle.effects.push(Effect::Print { task: id, text }),
+            Action::Command { form, timeout } => wants.commands.push((form, timeout)),
+            Action::Publish(variable, value) => cycle.work.said.push(Said::Measurement(variable, value)),
+            Action::Complete(value) => wants.completed = Some(value),
+            Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),
+            Action::Cogevent(form, agent) => cogevent(cycle, id, form, agent.as_ref()),
+            Action::EndApplication(reason) => termination::end_application(cycle, id, reason),
+        }
+    }
+    match result {
+        Ok(_) => Ok(wants),
+        Err(error) => Err(Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place))),
+    }
+}
+
+fn primitive_locals<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Bindings> {
+    match cycle.agent.task_mut(id)?.controller.as_deref_mut()? {
+        Controller::Primitive(controller) => Some(&mut controller.locals),
+        _ => None,
+    }
+}
+
+fn take_locals(cycle: &mut Cycle<'_>, id: TaskId) -> Bindings {
+    primitive_locals(cycle, id).map(|locals| locals.clone()).unwrap_or_default()
+}
+
+fn put_locals(cycle: &mut Cycle<'_>, id: TaskId, locals: Bindings) {
+    if let Some(slot) = primitive_locals(cycle, id) {
+        *slot = locals;
+    }
+}
+
+/// `(inform FORM)`: for whoever listens outside, and for this agent.
+pub(crate) fn inform(cycle: &mut Cycle<'_>, id: TaskId, form: Value) {
+    cycle.effects.push(Effect::Inform { task: id, form: form.clone() });
+    cycle.work.said.push(Said::Occurrence(form));
+}
+
+/// `(cogevent FORM [agent])`: for this agent, or for another one outside.
+pub(crate) fn cogevent(cycle: &mut Cycle<'_>, id: TaskId, form: Value, agent: Option<&Value>) {
+    let own = agent.is_none_or(|agent| !agent.is_true() || agent.as_symbol() == Some(&cycle.agent.name));
+    if own {
+        cycle.work.said.push(Said::Occurrence(form));
+    } else {
+        cycle.effects.push(Effect::Inform { task: id, form });
+    }
+}

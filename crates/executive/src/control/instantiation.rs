@@ -1,0 +1,213 @@
+//! Subtask instantiation (TC)
+//! What: makes tasks from steps, items, failure handlers and the initial goal, and arms their preconditions.
+//! Runs: act phase, and when a step repeats or responds.  Reads: Procedure, context.  Writes: Task, Decision, monitors.
+//! Bound: O(1) per task besides looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
+
+use crate::control::monitoring_clauses;
+use crate::control::termination;
+use crate::cycle::Cycle;
+use crate::expression::{Surroundings, instantiate_partially};
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::{Clause, Level};
+use apex_model::effect::DecisionKind;
+use apex_model::limits::{TASK_DEPTH_MAX, TASKS_MAX};
+use apex_model::monitor::Window;
+use apex_model::procedure::{Activity, BuiltInActivity};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::task::{HeldBack, Origin, Task, TaskId, TaskState};
+use apex_model::value::Value;
+
+/// What a new task is made from.
+pub(crate) struct Seed {
+    /// Its parent; none for the root.
+    pub(crate) parent: Option<TaskId>,
+    /// Its template.
+    pub(crate) origin: Origin,
+    /// Its own variables.
+    pub(crate) bindings: Bindings,
+    /// The step before it in a sequence has not ended.
+    pub(crate) by_predecessor: bool,
+    /// Arrivals that it must not take for an answer.
+    pub(crate) after_sequence: Option<u64>,
+    /// Why.
+    pub(crate) cause: Cause,
+}
+
+/// Makes a task in state pending. Its preconditions are armed by [`arm`], when its siblings exist too.
+///
+/// # Errors
+/// The cause, when a limit on tasks is reached.
+pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause> {
+    let depth = seed.parent.and_then(|parent| cycle.task(parent)).map_or(0, |parent| parent.depth + 1);
+    if depth > TASK_DEPTH_MAX {
+        return Err(Cause::LimitReached { limit: "TASK_DEPTH_MAX".into(), value: u64::from(TASK_DEPTH_MAX) });
+    }
+    if cycle.agent.tasks.len() >= TASKS_MAX {
+        return Err(Cause::LimitReached { limit: "TASKS_MAX".into(), value: TASKS_MAX as u64 });
+    }
+    let id = TaskId(cycle.agent.next.task);
+    cycle.agent.next.task += 1;
+    let task = Task {
+        id,
+        parent: seed.parent,
+        origin: seed.origin,
+        state: TaskState::Pending,
+        depth,
+        held_back: HeldBack { by_predecessor: seed.by_predecessor, ..HeldBack::default() },
+        suspended: false,
+        created_at: cycle.now,
+        since: cycle.now,
+        started_at: None,
+        after_sequence: seed.after_sequence,
+        bindings: seed.bindings,
+        monitors: Vec::new(),
+        selection: None,
+        controller: None,
+        outcome: None,
+        extras: None,
+    };
+    let tag = cycle.agent.tag(&task);
+    cycle.agent.tasks.insert(id.0, task);
+    let (goal, place) = (goal_as_known(cycle, id), cycle.place_of(id));
+    let kind = DecisionKind::Created { parent: seed.parent, tag, goal, place };
+    cycle.decide(Some(id), kind, Because::new(seed.cause, place));
+    Ok(id)
+}
+
+/// The task's goal with what is bound now; unbound variables stay as they are written.
+pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
+    let Some(task) = cycle.task(id) else { return Value::nil() };
+    if let Some(selection) = &task.selection {
+        return selection.goal.clone();
+    }
+    match task.origin {
+        Origin::Initial => cycle.agent.initial_task.clone(),
+        Origin::Meanwhile(solver) => {
+            let declared = cycle.library.solvers.get(solver as usize).and_then(|solver| solver.meanwhile.as_ref());
+            let view = cycle.view(id, Level::Step);
+            declared.map_or_else(Value::nil, |goal| instantiate_partially(goal, &view))
+        }
+        Origin::Step(_) | Origin::Item(_) | Origin::OnFailure(_) => {
+            let Some(handle) = cycle.step_of(id) else { return Value::nil() };
+            let Some(step) = handle.get() else { return Value::nil() };
+            let activity = match (task.origin, &step.on_failure) {
+                (Origin::OnFailure(_), Some(activity)) => activity,
+                _ => &step.activity,
+            };
+            activity_as_value(activity, &cycle.view(id, Level::Step))
+        }
+    }
+}
+
+/// An activity as its author would read it.
+pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surroundings) -> Value {
+    match activity {
+        Activity::Goal(template) => instantiate_partially(template, surroundings),
+        Activity::Terminate { .. } => Value::list([Value::symbol("terminate")]),
+        Activity::BuiltIn(which, _) => Value::list([Value::symbol(built_in_word(*which))]),
+    }
+}
+
+/// The built-in activity's name in PDL.
+pub(crate) fn built_in_word(which: BuiltInActivity) -> &'static str {
+    match which {
+        BuiltInActivity::Reset => "reset",
+        BuiltInActivity::Suspend => "suspend",
+        BuiltInActivity::Resume => "resume",
+        BuiltInActivity::Reprioritize => "reprioritize",
+        BuiltInActivity::Cogevent => "cogevent",
+        BuiltInActivity::Inform => "inform",
+        BuiltInActivity::HoldResource => "hold-resource",
+        BuiltInActivity::ReleaseResource => "release-resource",
+        BuiltInActivity::Print => "print",
+        BuiltInActivity::EndApplication => "end-application",
+        BuiltInActivity::AskOperator => "ask",
+        BuiltInActivity::Plan => "plan",
+    }
+}
+
+/// The window of evidence that counts for the task's present instance.
+pub(crate) fn window(task: &Task) -> Window {
+    Window { start: task.created_at, after_sequence: task.after_sequence }
+}
+
+/// Arms the preconditions of a pending task. It becomes ready at once when there are none left.
+pub(crate) fn arm(cycle: &mut Cycle<'_>, id: TaskId) {
+    if let Some(Origin::Step(_)) = cycle.task(id).map(|task| task.origin) {
+        let unbound = awaited(cycle, id).is_some();
+        if let Some(task) = cycle.agent.task_mut(id) {
+            task.held_back.by_result = unbound;
+        }
+        let armed = watch_end(cycle, id).and_then(|()| if unbound { Ok(()) } else { watch_preconditions(cycle, id) });
+        if let Err((message, place)) = armed {
+            termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
+            return;
+        }
+    }
+    offer(cycle, id);
+}
+
+/// Puts a pending task that nothing holds back on the list of ready tasks.
+pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
+    if cycle.task(id).is_some_and(|task| task.state == TaskState::Pending && task.held_back.is_free()) {
+        cycle.work.ready.push(id);
+    }
+}
+
+/// The first result of another step that the task needs and that is not there yet.
+pub(crate) fn awaited(cycle: &Cycle<'_>, id: TaskId) -> Option<Symbol> {
+    let step = cycle.task(id)?.step()?;
+    let index = cycle.agent.procedure_index(step.procedure)?;
+    let awaits = &index.steps.get(step.step as usize)?.awaits;
+    if awaits.is_empty() {
+        return None;
+    }
+    let view = cycle.view(id, Level::Step);
+    awaits.iter().find(|name| view.variable(name).is_none()).cloned()
+}
+
+/// Makes the monitor of the task's `waitfor`.
+fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
+    let Some(task) = cycle.task(id) else { return Ok(()) };
+    let window = window(task);
+    let condition = task.step().and_then(|step| {
+        let index = cycle.agent.procedure_index(step.procedure)?;
+        index.steps.get(step.step as usize)?.waitfor.clone()
+    });
+    let Some(condition) = condition else { return Ok(()) };
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.held_back.by_condition = true;
+    }
+    monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window)
+        .map_err(|error| (error.message, error.place))
+}
+
+/// Makes the monitor of the step's own `end-when`, which can end the task in any state.
+fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
+    let Some(window) = cycle.task(id).map(window) else { return Ok(()) };
+    let Some(handle) = cycle.step_of(id) else { return Ok(()) };
+    let Some(condition) = handle.get().and_then(|step| step.transitions.end_when.as_ref()) else { return Ok(()) };
+    monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window)
+        .map_err(|error| (error.message, error.place))
+}
+
+/// A result arrived in the context of `parent`: steps that waited for it get their monitors.
+pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>) {
+    for id in waiting {
+        let held = cycle.task(id).is_some_and(|task| task.held_back.by_result && task.state == TaskState::Pending);
+        if !held || awaited(cycle, id).is_some() {
+            continue;
+        }
+        if let Some(task) = cycle.agent.task_mut(id) {
+            task.held_back.by_result = false;
+        }
+        match watch_preconditions(cycle, id) {
+            Ok(()) => offer(cycle, id),
+            Err((message, place)) => {
+                termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
+            }
+        }
+    }
+}

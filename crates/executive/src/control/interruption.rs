@@ -1,0 +1,223 @@
+//! Task interruption and resumption (TC)
+//! What: stops a task that lost a resource, suspends and resumes whole subtrees, watches the clauses that ask for it.
+//! Runs: enable, commit and act phases.  Reads: Transitions, Task.  Writes: Task state, ResourceTable, monitors.
+//! Bound: O(1) for a lost resource; O(size of the subtree) for a suspension.
+//! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
+
+use crate::control::transition::{Trigger, transition};
+use crate::control::{hooks, instantiation, monitoring_clauses, primitive, resources};
+use crate::cycle::Cycle;
+use apex_model::because::{Because, Cause};
+use apex_model::clause::{Clause, Level};
+use apex_model::condition::Condition;
+use apex_model::controller::{Controller, Way};
+use apex_model::monitor::Window;
+use apex_model::procedure::{Hooks, Transitions};
+use apex_model::task::{TaskId, TaskState};
+
+/// The task lost a resource: only it stops, and claims again.
+pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    stop(cycle, id, Trigger::Outranked, because);
+    cycle.work.claims.push(id);
+}
+
+fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
+    if cycle.state(id) != TaskState::Ongoing {
+        return;
+    }
+    resources::release(cycle, id, resources::Release::Unused);
+    primitive::pause(cycle, id);
+    transition(cycle, id, trigger, None, because);
+    run_hooks(cycle, id, |hooks| &hooks.on_suspend);
+    // What the task shared with others may decide differently now that it does not count among the ancestors.
+    cycle.work.priorities_changed = true;
+}
+
+/// Runs a hook of the task's procedure or primitive, then of its step.
+pub(crate) fn run_hooks(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
+    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| match &selection.way {
+        Way::Procedure(reference, _) => (cycle.agent.procedure(*reference).cloned(), None),
+        Way::Primitive(index, _) => (None, cycle.library.primitives.get(*index as usize).cloned()),
+        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => (None, None),
+    });
+    let (procedure, primitive) = way.unwrap_or_default();
+    if let Some(procedure) = procedure {
+        hooks::run_hook(cycle, id, Level::Procedure, which(&procedure.hooks));
+    }
+    if let Some(primitive) = primitive {
+        hooks::run_hook(cycle, id, Level::Procedure, which(&primitive.hooks));
+    }
+    run_step_hook(cycle, id, which);
+}
+
+/// Runs a hook of the task's step.
+pub(crate) fn run_step_hook(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(apex_model::task::Origin::Step(_)));
+    if let Some(handle) = cycle.step_of(id).filter(|_| is_step)
+        && let Some(step) = handle.get()
+    {
+        hooks::run_hook(cycle, id, Level::Step, which(&step.hooks));
+    }
+}
+
+/// The task and all tasks below it, ancestors first.
+pub(crate) fn subtree(cycle: &Cycle<'_>, id: TaskId) -> Vec<TaskId> {
+    let mut list = Vec::new();
+    let mut open = vec![id];
+    while let Some(next) = open.pop() {
+        list.push(next);
+        if let Some(controller) = cycle.task(next).and_then(|task| task.controller.as_deref()) {
+            open.extend(controller.children().into_iter().rev());
+        }
+    }
+    list
+}
+
+/// Suspends the task with its whole subtree: nothing below it works or begins until it is resumed.
+pub(crate) fn suspend(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if task.suspended || task.is_terminated() {
+        return;
+    }
+    task.suspended = true;
+    for each in subtree(cycle, id) {
+        if each == id {
+            stop(cycle, id, Trigger::Suspended, because.clone());
+        } else {
+            let cause = Cause::AncestorChanged { ancestor: id };
+            stop(cycle, each, Trigger::Suspended, Because::new(cause, because.place));
+        }
+        withdraw_claims(cycle, each);
+    }
+}
+
+fn withdraw_claims(cycle: &mut Cycle<'_>, id: TaskId) {
+    for need in resources::needs_of(cycle, id) {
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
+            && resource.waiting.remove(&id)
+        {
+            cycle.work.dirty.insert(need.resource);
+        }
+    }
+}
+
+/// Lifts the suspension: the subtree claims what it needs again.
+pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if !task.suspended {
+        return;
+    }
+    task.suspended = false;
+    let _ = because;
+    reclaim(cycle, id);
+}
+
+/// Everything of the subtree that could work claims again.
+pub(crate) fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) {
+    for each in subtree(cycle, id) {
+        if matches!(cycle.state(each), TaskState::Interrupted | TaskState::Enabled) {
+            cycle.work.claims.push(each);
+        }
+    }
+}
+
+/// Steps that were enabled while the task did not work claim now.
+pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
+    let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
+    for child in children.unwrap_or_default() {
+        if cycle.state(child) == TaskState::Enabled {
+            cycle.work.claims.push(child);
+        }
+    }
+}
+
+/// Makes the monitors of clauses at `level` that concern a working task.
+///
+/// # Errors
+/// The cause when an expression of a condition cannot be evaluated.
+pub(crate) fn watch_clauses(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    clauses: &Transitions,
+) -> Result<(), Because> {
+    // A step's own `end-when` is watched from the creation of the task on.
+    let end = clauses.end_when.as_ref().filter(|_| level == Level::Procedure);
+    watch(cycle, id, Clause::EndWhen, level, end)?;
+    watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_ref())?;
+    watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_ref())?;
+    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_ref())
+}
+
+fn watch(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: Clause,
+    level: Level,
+    condition: Option<&Condition>,
+) -> Result<(), Because> {
+    let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(()) };
+    let window = instantiation::window(task);
+    monitoring_clauses::watch(cycle, id, clause, level, condition, window)
+        .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
+}
+
+/// The clauses of the task at `level`.
+fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
+    match level {
+        Level::Step => cycle.step_of(id)?.get().map(|step| step.transitions.clone()),
+        Level::Procedure => match &cycle.task(id)?.selection.as_ref()?.way {
+            Way::Procedure(reference, _) => {
+                cycle.agent.procedure(*reference).map(|procedure| procedure.transitions.clone())
+            }
+            Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+        },
+    }
+}
+
+/// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
+fn window_from_here(cycle: &Cycle<'_>) -> Window {
+    Window { start: cycle.now, after_sequence: cycle.agent.next.arrival.checked_sub(1) }
+}
+
+/// After a suspension by `suspend-when`: watches its `until`, and `resume-when` anew.
+pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level) {
+    let Some(clauses) = clauses(cycle, id, level) else { return };
+    let window = window_from_here(cycle);
+    monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
+    let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
+    for (clause, condition) in wanted {
+        if let Some(condition) = condition
+            && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window)
+        {
+            cycle.trouble(Some(id), error.message, Some(error.place));
+        }
+    }
+}
+
+/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew.
+pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId) {
+    let window = window_from_here(cycle);
+    monitoring_clauses::unwatch(cycle, id, |clause, _| {
+        matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)
+    });
+    for level in [Level::Step, Level::Procedure] {
+        let Some(clauses) = clauses(cycle, id, level) else { continue };
+        let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
+        for (clause, condition) in wanted {
+            if let Some(condition) = condition
+                && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window)
+            {
+                cycle.trouble(Some(id), error.message, Some(error.place));
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Controller invocation (TC)
+//! What: lets every task that became ongoing begin its work, or go on with it.
+//! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
+//! Bound: O(1) per task besides what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
+
+use crate::control::{built_in, enablement, interruption, primitive, procedure, termination};
+use crate::cycle::Cycle;
+use crate::deliberation::{plan_adoption, planner_invocation};
+use apex_model::controller::{Controller, Way};
+use apex_model::task::{TaskId, TaskState};
+
+/// The act phase.
+pub(crate) fn act(cycle: &mut Cycle<'_>) {
+    for id in std::mem::take(&mut cycle.work.starting) {
+        let Some(task) = cycle.task(id) else { continue };
+        if task.state != TaskState::Ongoing {
+            continue;
+        }
+        if task.controller.is_some() {
+            go_on(cycle, id)
+        } else {
+            begin(cycle, id)
+        }
+        termination::settle(cycle);
+    }
+}
+
+fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
+    interruption::run_step_hook(cycle, id, |hooks| &hooks.on_start);
+    if let Err(because) = enablement::watch_working(cycle, id) {
+        return termination::fail(cycle, id, because);
+    }
+    if cycle.state(id) != TaskState::Ongoing {
+        return;
+    }
+    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| selection.way.clone());
+    match way {
+        Some(Way::Procedure(reference, context)) => procedure::start(cycle, id, reference, context),
+        Some(Way::Primitive(index, context)) => primitive::start(cycle, id, index, context),
+        Some(Way::Items(items)) => procedure::start_items(cycle, id, &items),
+        Some(Way::BuiltIn(which)) => built_in::start(cycle, id, which),
+        Some(Way::Terminate) => built_in::terminate(cycle, id),
+        Some(Way::Solver(solver)) => planner_invocation::start(cycle, id, solver),
+        None => {}
+    }
+}
+
+fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
+    let Some(controller) = cycle.task(id).and_then(|task| task.controller.as_deref()) else { return };
+    match controller {
+        Controller::Primitive(_) => {
+            primitive::resume(cycle, id);
+            interruption::run_step_hook(cycle, id, |hooks| &hooks.on_resume);
+        }
+        Controller::Planning(_) => {
+            interruption::run_hooks(cycle, id, |hooks| &hooks.on_resume);
+            plan_adoption::pursue_arrived(cycle, id);
+        }
+        Controller::Procedure(_)
+        | Controller::Items(_)
+        | Controller::Question(_)
+        | Controller::Handling(_)
+        | Controller::BuiltIn => interruption::run_hooks(cycle, id, |hooks| &hooks.on_resume),
+    }
+    interruption::offer_children(cycle, id);
+    cycle.work.priorities_changed = true;
+}

@@ -1,0 +1,198 @@
+//! Monitors of clauses (TC)
+//! What: makes, feeds, judges and removes the monitors of tasks' clauses, and files them by what they must be told.
+//! Runs: notice phase, and whenever a task gains or loses a clause.  Reads: Condition, histories, interests.
+//! Writes: Watch, Interests, wakes, firings.
+//! Bound: touches only the monitors interested in a stimulus; O(log n) to find them.
+//! PDL: `waitfor`, `end-when`, `restart-when`, `suspend-when`, `resume-when`.  Paper: section III, condition monitoring.
+
+use crate::cycle::{Cycle, Firing};
+use crate::expression::{EvaluationError, Surroundings};
+use crate::monitoring::{self, Stimulus};
+use crate::view::View;
+use apex_model::because::Evidence;
+use apex_model::clause::{Clause, Level, MonitorId, Watch};
+use apex_model::condition::Condition;
+use apex_model::expression::ExprKind;
+use apex_model::monitor::{Monitor, PartKind, Satisfaction, Verdict, Window};
+use apex_model::pattern::Pattern;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+
+/// Makes the monitor of a clause; it is judged in the next notice phase.
+///
+/// # Errors
+/// When an expression of the condition that must be known now cannot be evaluated.
+pub(crate) fn watch(
+    cycle: &mut Cycle<'_>,
+    task: TaskId,
+    clause: Clause,
+    level: Level,
+    condition: &Condition,
+    window: Window,
+) -> Result<(), EvaluationError> {
+    let (monitor, second) = {
+        let view = cycle.view(task, level);
+        let monitor = monitoring::create(condition, window, &view)?;
+        let second = second_word(&monitor, &view);
+        (monitor, second)
+    };
+    let id = MonitorId(cycle.agent.next.monitor);
+    cycle.agent.next.monitor += 1;
+    let interests = monitoring::interests(&monitor);
+    for interest in &interests {
+        cycle.agent.interests.insert(interest, second.as_ref(), id);
+    }
+    cycle.agent.watches.insert(id.0, Watch { task, clause, level, monitor, interests, second, wake: None });
+    if let Some(task) = cycle.agent.task_mut(task) {
+        task.monitors.push(id);
+    }
+    cycle.work.touched.push(id);
+    Ok(())
+}
+
+/// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
+/// that is bound already.
+fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
+    let PartKind::Event(event) = &monitor.root.kind else { return None };
+    match event.pattern.as_ref() {
+        Pattern::Literal(form) => form.as_list()?.get(1).cloned(),
+        Pattern::List(parts) => match (parts.first()?, parts.get(1)?) {
+            (Pattern::Segment { .. }, _) => None,
+            (_, Pattern::Literal(value)) => Some(value.clone()),
+            (_, Pattern::Variable(name) | Pattern::BoundVariable(name)) => view.variable(name),
+            (_, Pattern::Computed(expr)) => match &expr.kind {
+                ExprKind::Indexical(name) if name.is("self") => Some(Value::Symbol(view.agent_name().clone())),
+                _ => None,
+            },
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Removes all monitors of `task` that `unwanted` names.
+pub(crate) fn unwatch(cycle: &mut Cycle<'_>, task: TaskId, unwanted: impl Fn(Clause, Level) -> bool) {
+    let Some(list) = cycle.agent.task_mut(task).map(|task| std::mem::take(&mut task.monitors)) else { return };
+    let mut kept = Vec::new();
+    for id in list {
+        match cycle.agent.watches.get(id.0) {
+            Some(watch) if !unwanted(watch.clause, watch.level) => kept.push(id),
+            Some(_) => remove(cycle, id),
+            None => {}
+        }
+    }
+    if let Some(task) = cycle.agent.task_mut(task) {
+        task.monitors = kept;
+    }
+}
+
+fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
+    let Some(watch) = cycle.agent.watches.remove(id.0) else { return };
+    for interest in &watch.interests {
+        cycle.agent.interests.remove(interest, watch.second.as_ref(), id);
+    }
+    if let Some(wake) = watch.wake {
+        cycle.agent.wakes.cancel(wake);
+    }
+}
+
+/// The notice phase: tells monitors what was recorded, then judges all that were touched.
+pub(crate) fn notice(cycle: &mut Cycle<'_>) {
+    let stimuli = std::mem::take(&mut cycle.work.stimuli);
+    let mut found = Vec::new();
+    for stimulus in &stimuli {
+        found.clear();
+        match stimulus {
+            Stimulus::Sample { variable, .. } => {
+                cycle.agent.interests.of_sample(variable, &mut found);
+                cycle.work.priorities_changed |= !cycle.agent.unsteady.is_empty();
+            }
+            Stimulus::Event { form, .. } => cycle.agent.interests.of_event(form, &mut found),
+            Stimulus::TaskEnded { task, .. } | Stimulus::TaskState { task, .. } => {
+                cycle.agent.interests.of_task(*task, &mut found);
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        for id in &found {
+            tell(cycle, *id, stimulus);
+        }
+    }
+    let mut touched = std::mem::take(&mut cycle.work.touched);
+    touched.sort_unstable();
+    touched.dedup();
+    for id in touched {
+        judge(cycle, id);
+    }
+}
+
+fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
+    let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
+    let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
+    monitoring::notice(&mut watch.monitor, stimulus, &view);
+    let interests = monitoring::interests(&watch.monitor);
+    if interests != watch.interests {
+        for interest in &watch.interests {
+            cycle.agent.interests.remove(interest, watch.second.as_ref(), id);
+        }
+        for interest in &interests {
+            cycle.agent.interests.insert(interest, watch.second.as_ref(), id);
+        }
+        watch.interests = interests;
+    }
+    cycle.agent.watches.put(id.0, watch);
+    cycle.work.touched.push(id);
+}
+
+fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
+    let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
+    let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
+    let verdict = monitoring::verdict(&mut watch.monitor, &view);
+    let troubles = monitoring::take_troubles(&mut watch.monitor);
+    let wake_at = match &verdict {
+        Verdict::Satisfied(_) => None,
+        Verdict::NotSatisfied | Verdict::Unknown => monitoring::next_wake(&watch.monitor).map(|(at, _)| at),
+    };
+    if watch.wake.map(|wake| wake.at) != wake_at {
+        if let Some(wake) = watch.wake.take() {
+            cycle.agent.wakes.cancel(wake);
+        }
+        watch.wake = wake_at.map(|at| cycle.agent.wakes.schedule(at, Wake::Monitor(id)));
+    }
+    let (task, clause, level, place) = (watch.task, watch.clause, watch.level, watch.monitor.root.place);
+    let window = watch.monitor.window;
+    cycle.agent.watches.put(id.0, watch);
+    for trouble in troubles {
+        cycle.trouble(Some(task), trouble.message, Some(trouble.place));
+    }
+    if let Verdict::Satisfied(satisfaction) = verdict {
+        let answered = answered(cycle, &satisfaction, window);
+        cycle.work.firings.push(Firing { task, clause, level, monitor: id, satisfaction, answered, place });
+    }
+}
+
+/// A monitor's wake has come: it is judged again.
+pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
+    if let Some(watch) = cycle.agent.watches.get_mut(id.0) {
+        watch.wake = None;
+        cycle.work.touched.push(id);
+    }
+}
+
+/// The newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
+fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> Option<u64> {
+    let newest = cycle.agent.next.arrival.checked_sub(1);
+    let arrival = |evidence: &Evidence| match evidence {
+        Evidence::Event { form, at } => {
+            let mut events = cycle.agent.histories.events_from(*at).take_while(|event| event.at == *at);
+            events
+                .find(|event| event.form == *form && window.contains(event.at, event.sequence))
+                .map(|event| event.sequence)
+                .or(newest)
+        }
+        Evidence::Sample { at, .. } | Evidence::Run { end: at, .. } if *at == cycle.now => newest,
+        Evidence::Sample { .. } | Evidence::Run { .. } | Evidence::TaskEnd { .. } => None,
+    };
+    satisfaction.evidence.iter().filter_map(arrival).max()
+}

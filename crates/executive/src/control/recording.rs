@@ -1,0 +1,89 @@
+//! Recording (TC)
+//! What: puts what came in where it belongs: histories, answers to controllers, wakes that are due.
+//! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
+//! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
+
+use crate::control::{built_in, monitoring_clauses, primitive, repetition, termination};
+use crate::cycle::{Cycle, Said};
+use crate::deliberation::plan_adoption;
+use crate::monitoring;
+use apex_model::event::{Event, EventKind, StateVariable};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+
+fn arrival(cycle: &mut Cycle<'_>) -> u64 {
+    let number = cycle.agent.next.arrival;
+    cycle.agent.next.arrival += 1;
+    number
+}
+
+/// Records the events of the instant: first all that can be measured or heard, then the answers to controllers.
+pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
+    for event in events {
+        match &event.kind {
+            EventKind::Measurement(variable, value) => measurement(cycle, variable.clone(), value.clone(), event.at),
+            EventKind::Occurrence(form) => occurrence(cycle, form.clone(), event.at),
+            EventKind::CommandAcknowledged(..)
+            | EventKind::SolverReported(..)
+            | EventKind::OperatorAnswered(..)
+            | EventKind::Woken => {}
+        }
+    }
+    for event in events {
+        match &event.kind {
+            EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
+            EventKind::SolverReported(request, report) => plan_adoption::reported(cycle, *request, report),
+            EventKind::OperatorAnswered(question, answer) => built_in::answered(cycle, *question, Some(answer)),
+            EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Woken => {}
+        }
+        termination::settle(cycle);
+    }
+}
+
+/// Records what the agent said to itself in the round before.
+pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
+    let now = cycle.now;
+    for said in std::mem::take(&mut cycle.work.said) {
+        match said {
+            Said::Occurrence(form) => occurrence(cycle, form, now),
+            Said::Measurement(variable, value) => measurement(cycle, variable, value, now),
+        }
+    }
+}
+
+fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
+    let number = arrival(cycle);
+    let stimulus = monitoring::record_event(&mut cycle.agent.histories, form, at, number);
+    cycle.work.stimuli.push(stimulus);
+}
+
+fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
+    let number = arrival(cycle);
+    let recording = monitoring::record_sample(&mut cycle.agent.histories, &cycle.library, variable, value, at, number);
+    cycle.work.stimuli.extend(recording.stimulus);
+    if let Some(message) = recording.trouble {
+        cycle.trouble(None, message, None);
+    }
+}
+
+/// Lets everything happen that is due now.
+pub(crate) fn wake(cycle: &mut Cycle<'_>) {
+    while let Some(wake) = cycle.agent.wakes.take_due(cycle.now) {
+        match wake {
+            Wake::Duration(task) => primitive::duration_over(cycle, task),
+            Wake::Update(task) => primitive::update(cycle, task),
+            Wake::CommandTimeout(command) => primitive::timed_out(cycle, command),
+            Wake::Monitor(monitor) => monitoring_clauses::woken(cycle, monitor),
+            Wake::MinimumInterval(task) => repetition::interval_over(cycle, task),
+            Wake::PriorityCrossing(task) => {
+                if let Some(extras) = cycle.agent.task_mut(task).and_then(|task| task.extras.as_mut()) {
+                    extras.crossing = None;
+                }
+                cycle.work.priorities_changed = true;
+            }
+            Wake::Question(question) => built_in::answered(cycle, question, None),
+        }
+        termination::settle(cycle);
+    }
+}

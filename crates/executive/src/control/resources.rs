@@ -1,0 +1,145 @@
+//! Resource allocation (TC)
+//! What: turns profiles into needs, gives resources to tasks and takes them back.
+//! Runs: choose, commit, and at ends and interruptions.  Reads: profiles, declarations.  Writes: ResourceTable.
+//! Bound: O(profile length) per task.  PDL: `profile`, `resource`, `hold-resource`, `release-resource`.
+//! Paper: section III, resource allocation between contending tasks.
+
+use crate::cycle::Cycle;
+use crate::expression::{Surroundings, evaluate, instantiate};
+use apex_model::library::ResourceKind;
+use apex_model::procedure::ResourceNeed;
+use apex_model::quantity::Dimension;
+use apex_model::resource::{Holding, Need, ResourceId};
+use apex_model::source::Place;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+
+/// The needs that `profile` states.
+///
+/// # Errors
+/// Message and place when a name or an amount cannot be evaluated, or an amount makes no sense for its resource.
+pub(crate) fn needs(
+    cycle: &mut Cycle<'_>,
+    profile: &[ResourceNeed],
+    named: impl Fn(&Cycle<'_>, &ResourceNeed) -> Result<(Value, Option<Value>), (String, Place)>,
+    list: &mut Vec<Need>,
+) -> Result<(), (String, Place)> {
+    for need in profile {
+        let (name, amount) = named(cycle, need)?;
+        let resource = intern(cycle, &name);
+        let amount = amount_of(cycle, resource, amount.as_ref()).map_err(|message| (message, need.place))?;
+        add(list, Need { resource, amount });
+    }
+    Ok(())
+}
+
+/// Name and amount of one entry of a profile, as `surroundings` see them.
+///
+/// # Errors
+/// Message and place when one of them cannot be evaluated.
+pub(crate) fn evaluate_need(
+    need: &ResourceNeed,
+    surroundings: &dyn Surroundings,
+) -> Result<(Value, Option<Value>), (String, Place)> {
+    let name = instantiate(&need.resource, surroundings).map_err(|error| (error.message, error.place))?;
+    let amount = match &need.amount {
+        Some(expr) => Some(evaluate(expr, surroundings).map_err(|error| (error.message, error.place))?),
+        None => None,
+    };
+    Ok((name, amount))
+}
+
+/// The number of the resource called `name`; one without declaration is virtual and unitary.
+pub(crate) fn intern(cycle: &mut Cycle<'_>, name: &Value) -> ResourceId {
+    if let Some(id) = cycle.agent.resources.find(name) {
+        return id;
+    }
+    let declared = name.as_symbol().and_then(|symbol| cycle.library.resources.get(symbol));
+    let kind = declared.map_or(&ResourceKind::Unitary, |declaration| &declaration.kind);
+    cycle.agent.resources.intern(name, kind)
+}
+
+/// Adds a need; two needs of one resource are one of their sum.
+pub(crate) fn add(list: &mut Vec<Need>, need: Need) {
+    match list.iter_mut().find(|each| each.resource == need.resource) {
+        Some(each) => each.amount += need.amount,
+        None => list.push(need),
+    }
+}
+
+fn amount_of(cycle: &Cycle<'_>, id: ResourceId, amount: Option<&Value>) -> Result<f64, String> {
+    let Some(resource) = cycle.agent.resources.get(id) else { return Ok(1.0) };
+    let Some(amount) = amount else { return Ok(resource.total) };
+    let name = &resource.name;
+    match amount.as_number() {
+        Some((number, dimension)) if dimension == resource.dimension && number >= 0.0 => Ok(number),
+        Some((_, dimension)) if dimension != resource.dimension && dimension != Dimension::NONE => Err(format!(
+            "{amount} of {name} measures {dimension}, but {name} is declared as {}; write an amount of that kind",
+            resource.dimension
+        )),
+        _ => Err(format!("{amount} is no amount of {name}; write a number that is not negative, with {name}'s unit")),
+    }
+}
+
+/// Gives the task all it needs.
+pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
+    for need in needs {
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
+            debug_assert!(
+                resource.holders.iter().all(|holding| holding.task != id),
+                "{id} holds {} twice",
+                resource.name
+            );
+            resource.holders.push(Holding { task: id, amount: need.amount });
+            resource.waiting.remove(&id);
+        }
+    }
+}
+
+/// How a task lets go of what it holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Release {
+    /// It was used: amounts of depletable resources are gone.
+    Used,
+    /// It was not used up: amounts of depletable resources are there again.
+    Unused,
+}
+
+/// Takes everything back that the task holds and lets it claim nothing; others may claim it.
+pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
+    let Some(task) = cycle.task(id) else { return };
+    let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
+    if let Some(extras) = &task.extras {
+        extras.held.iter().for_each(|need| add(&mut needs, *need));
+    }
+    for need in needs {
+        release_one(cycle, id, need.resource, how);
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
+            resource.waiting.remove(&id);
+        }
+    }
+    cycle.agent.unsteady.remove(&id);
+}
+
+/// Takes one resource back.
+pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: ResourceId, how: Release) {
+    let Some(resource) = cycle.agent.resources.get_mut(resource_id) else { return };
+    let Some(index) = resource.holders.iter().position(|holding| holding.task == id) else { return };
+    let holding = resource.holders.remove(index);
+    if resource.depletable && how == Release::Used {
+        resource.total = (resource.total - holding.amount).max(0.0);
+    }
+    if !resource.waiting.is_empty() {
+        cycle.work.dirty.insert(resource_id);
+    }
+}
+
+/// What the task must have to be ongoing: its profile and what it holds for its steps.
+pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
+    let Some(task) = cycle.task(id) else { return Vec::new() };
+    let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
+    if let Some(extras) = &task.extras {
+        extras.held.iter().for_each(|need| add(&mut needs, *need));
+    }
+    needs
+}

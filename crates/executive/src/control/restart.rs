@@ -1,0 +1,41 @@
+//! Restart (TC)
+//! What: makes a task start over: its children end, its controller goes, its preconditions stay satisfied.
+//! Runs: enable phase (`restart-when`), act phase (`reset`).  Reads: Task.  Writes: Task, ResourceTable, monitors.
+//! Bound: O(size of the subtree).  PDL: `restart-when`, `(reset TASK)`, section 9.  Paper: section III, camera procedure.
+
+use crate::control::transition::{Trigger, transition};
+use crate::control::{monitoring_clauses, repetition, resources, termination};
+use crate::cycle::Cycle;
+use apex_model::because::{Because, Cause};
+use apex_model::clause::{Clause, Level};
+use apex_model::task::{TaskId, TaskState};
+
+/// Starts the task over. End actions do not run: the work has not ended.
+pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    if !matches!(cycle.state(id), TaskState::Ongoing | TaskState::Interrupted) {
+        return;
+    }
+    if let Err(cause) = repetition::count_instance(cycle, id) {
+        termination::fail(cycle, id, Because::new(cause, because.place));
+        return;
+    }
+    let cut = Because::new(Cause::AncestorChanged { ancestor: id }, because.place);
+    termination::end_children(cycle, id, &cut);
+    termination::dismantle(cycle, id, "its task starts over");
+    resources::release(cycle, id, resources::Release::Unused);
+    monitoring_clauses::unwatch(cycle, id, |clause, level| !(clause == Clause::EndWhen && level == Level::Step));
+    transition(cycle, id, Trigger::Restarted, None, because);
+    let now = cycle.now;
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.suspended = false;
+        task.started_at = None;
+        task.created_at = now;
+        task.selection = None;
+        task.held_back = apex_model::task::HeldBack::default();
+        if let Some(extras) = &mut task.extras {
+            extras.worked = apex_model::time::Duration::ZERO;
+            extras.held.clear();
+        }
+    }
+    cycle.work.ready.push(id);
+}

@@ -1,0 +1,139 @@
+//! Task state transition control (TC)
+//! What: the one table of states and causes, and the one place where a task's state changes.
+//! Runs: whenever another service moves a task.  Reads: Task.  Writes: Task state, Decision, stimuli for monitors.
+//! Bound: O(1) per transition, O(log n) in the number of watched tasks.  PDL: section 9.  Paper: section III.
+
+use crate::cycle::Cycle;
+use crate::monitoring::Stimulus;
+use apex_model::because::Because;
+use apex_model::effect::DecisionKind;
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::time::Duration;
+
+/// What moves a task from state to state: the causes of decisions, by what they do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trigger {
+    /// The preconditions hold.
+    Satisfied,
+    /// All resources are granted, or none is needed.
+    Granted,
+    /// A resource was lost to another task.
+    Outranked,
+    /// A clause, an activity or an ancestor suspends it.
+    Suspended,
+    /// A clause or an activity makes it start over.
+    Restarted,
+    /// Its step repeats.
+    Repeated,
+    /// It completes, fails, or is cut.
+    Ended,
+}
+
+/// A pair of state and trigger that never happens: a bug of Apex when it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Illegal;
+
+/// The table of `pdl.md` section 9. Every pair is listed.
+pub(crate) fn successor(state: TaskState, trigger: Trigger) -> Result<TaskState, Illegal> {
+    use TaskState::{Enabled, Interrupted, Ongoing, Pending, Terminated};
+    match (state, trigger) {
+        (Pending, Trigger::Satisfied) => Ok(Enabled),
+        (Enabled, Trigger::Granted) => Ok(Ongoing),
+        (Ongoing, Trigger::Outranked) => Ok(Interrupted),
+        (Ongoing, Trigger::Suspended) => Ok(Interrupted),
+        (Interrupted, Trigger::Granted) => Ok(Ongoing),
+        (Ongoing, Trigger::Restarted) => Ok(Pending),
+        (Interrupted, Trigger::Restarted) => Ok(Pending),
+        (Terminated, Trigger::Repeated) => Ok(Pending),
+        (Pending, Trigger::Ended) => Ok(Terminated),
+        (Enabled, Trigger::Ended) => Ok(Terminated),
+        (Ongoing, Trigger::Ended) => Ok(Terminated),
+        (Interrupted, Trigger::Ended) => Ok(Terminated),
+
+        (
+            Pending,
+            Trigger::Granted | Trigger::Outranked | Trigger::Suspended | Trigger::Restarted | Trigger::Repeated,
+        ) => Err(Illegal),
+        (
+            Enabled,
+            Trigger::Satisfied | Trigger::Outranked | Trigger::Suspended | Trigger::Restarted | Trigger::Repeated,
+        ) => Err(Illegal),
+        (Ongoing, Trigger::Satisfied | Trigger::Granted | Trigger::Repeated) => Err(Illegal),
+        (Interrupted, Trigger::Satisfied | Trigger::Outranked | Trigger::Suspended | Trigger::Repeated) => Err(Illegal),
+        (
+            Terminated,
+            Trigger::Satisfied
+            | Trigger::Granted
+            | Trigger::Outranked
+            | Trigger::Suspended
+            | Trigger::Restarted
+            | Trigger::Ended,
+        ) => Err(Illegal),
+    }
+}
+
+/// Moves `id` by `trigger` because of `because`. False when the task is gone or the pair is illegal.
+pub(crate) fn transition(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    trigger: Trigger,
+    outcome: Option<Outcome>,
+    because: Because,
+) -> bool {
+    let now = cycle.now;
+    let Some(task) = cycle.agent.task_mut(id) else { return false };
+    let from = task.state;
+    let Ok(to) = successor(from, trigger) else {
+        debug_assert!(false, "{id}: {trigger:?} in state {from}");
+        let message = format!("{id} is {from} and cannot take {trigger:?}: this is a fault of the executive");
+        cycle.trouble(Some(id), message, because.place);
+        return false;
+    };
+    let stretch = now - task.since;
+    if from == TaskState::Ongoing && stretch > Duration::ZERO {
+        let extras = task.extras_mut();
+        extras.worked = extras.worked + stretch;
+    }
+    if to == TaskState::Ongoing && task.started_at.is_none() {
+        task.started_at = Some(now);
+    }
+    task.state = to;
+    task.since = now;
+    task.outcome = outcome.clone().map(Box::new);
+    cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);
+    if !cycle.agent.interests.ignore_task(id) {
+        cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now });
+        if to == TaskState::Terminated {
+            cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: now });
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use TaskState::{Enabled, Interrupted, Ongoing, Pending, Terminated};
+
+    #[test]
+    fn twelve_pairs_are_legal_and_no_more() {
+        let states = [Pending, Enabled, Ongoing, Interrupted, Terminated];
+        let triggers = [
+            Trigger::Satisfied,
+            Trigger::Granted,
+            Trigger::Outranked,
+            Trigger::Suspended,
+            Trigger::Restarted,
+            Trigger::Repeated,
+            Trigger::Ended,
+        ];
+        let legal = states.iter().flat_map(|state| triggers.iter().map(move |trigger| successor(*state, *trigger)));
+        assert_eq!(legal.filter(Result::is_ok).count(), 12);
+    }
+
+    #[test]
+    fn an_ended_task_comes_back_only_by_repetition() {
+        assert_eq!(successor(Terminated, Trigger::Repeated), Ok(Pending));
+        assert_eq!(successor(Terminated, Trigger::Restarted), Err(Illegal));
+    }
+}

@@ -1,0 +1,113 @@
+//! Planner invocation (DM)
+//! What: asks a solver for a procedure, and keeps a safe goal going while the plan is late.
+//! Runs: act phase.  Reads: SolverDeclaration.  Writes: PlanningController, Effect::Solve.
+//! Bound: O(1); the solver itself runs outside.  PDL: `solver`, `(plan GOAL ..)`.  Paper: sections III and V, planner invocation.
+
+use crate::control::instantiation::{self, Seed};
+use crate::control::termination;
+use crate::cycle::Cycle;
+use crate::deliberation::solver_selection;
+use crate::expression::evaluate;
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::controller::{Controller, PlanningController};
+use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
+use apex_model::limits::SOLVE_REQUESTS_MAX;
+use apex_model::symbol::Symbol;
+use apex_model::task::{Origin, TaskId};
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// The task's goal has no procedure: a solver is asked for one, which is then pursued.
+pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
+    let Some(goal) = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| selection.goal.clone())
+    else {
+        return;
+    };
+    if let Err(because) = ask(cycle, id, solver, goal, None, None, true) {
+        termination::fail(cycle, id, because);
+    }
+}
+
+/// `(plan GOAL :with SOLVER :budget SPAN)`: a procedure for the goal is made and stored, and not pursued here.
+///
+/// # Errors
+/// The cause when no solver serves the goal.
+pub(crate) fn plan(cycle: &mut Cycle<'_>, id: TaskId, values: &[Value]) -> Result<(), Because> {
+    let goal = values.first().cloned().unwrap_or_else(Value::nil);
+    let named = values.get(1).and_then(Value::as_symbol).cloned();
+    let budget = match values.get(2) {
+        Some(Value::Duration(budget)) => Some(*budget),
+        _ => None,
+    };
+    let Some(solver) = solver_selection::select(cycle, id, &goal) else {
+        return Err(Because::new(Cause::NoMethod { goal }, cycle.place_of(id)));
+    };
+    ask(cycle, id, solver, goal, named, budget, false)
+}
+
+fn ask(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    solver: u32,
+    goal: Value,
+    named: Option<Symbol>,
+    budget: Option<Duration>,
+    pursue: bool,
+) -> Result<(), Because> {
+    if cycle.agent.requests.len() >= SOLVE_REQUESTS_MAX {
+        let cause = Cause::LimitReached { limit: "SOLVE_REQUESTS_MAX".into(), value: SOLVE_REQUESTS_MAX as u64 };
+        return Err(Because::new(cause, cycle.place_of(id)));
+    }
+    let Some(declaration) = cycle.library.solvers.get(solver as usize).cloned() else { return Ok(()) };
+    let budget = match (budget, &declaration.budget) {
+        (Some(budget), _) => Some(budget),
+        (None, Some(expr)) => declared_budget(cycle, id, expr)?,
+        (None, None) => None,
+    };
+    let request = SolveRequestId(cycle.agent.next.request);
+    cycle.agent.next.request += 1;
+    cycle.agent.requests.insert(request, id);
+    let controller = PlanningController { request, goal: goal.clone(), meanwhile: None, pursue, arrived: None };
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.controller = Some(Box::new(Controller::Planning(controller)));
+    }
+    let solver_name = named.unwrap_or(declaration.name);
+    cycle.effects.push(Effect::Solve(SolveRequest { request, task: id, goal, solver: solver_name, budget }));
+    if pursue && declaration.meanwhile.is_some() {
+        meanwhile(cycle, id, solver);
+    }
+    Ok(())
+}
+
+fn declared_budget(
+    cycle: &Cycle<'_>,
+    id: TaskId,
+    expr: &apex_model::expression::Expr,
+) -> Result<Option<Duration>, Because> {
+    let failed = |message, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
+    match evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))? {
+        Value::Duration(budget) => Ok(Some(budget)),
+        other => Err(failed(format!("{other} is no budget; write a duration such as 5s"), expr.place)),
+    }
+}
+
+/// Starts the goal that is pursued until the plan is there.
+fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
+    let seed = Seed {
+        parent: Some(id),
+        origin: Origin::Meanwhile(solver),
+        bindings: Bindings::new(),
+        by_predecessor: false,
+        after_sequence: None,
+        cause: Cause::NoProcedureMatched,
+    };
+    let Ok(child) = instantiation::create(cycle, seed) else { return };
+    if let Some(Controller::Planning(controller)) =
+        cycle.agent.task_mut(id).and_then(|task| task.controller.as_deref_mut())
+    {
+        controller.meanwhile = Some(child);
+    }
+    instantiation::arm(cycle, child);
+}

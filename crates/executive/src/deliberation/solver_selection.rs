@@ -1,0 +1,34 @@
+//! Solver selection (DM)
+//! What: finds the solver declaration that serves a goal which no procedure or primitive serves.
+//! Runs: choose phase.  Reads: Library.  Writes: troubles of guards.
+//! Bound: one pattern match per declaration that shares the goal's first word.
+//! PDL: `(solver NAME (index ..))`.  Paper: section V, solver selection.
+
+use crate::control::selection::{self, index_of, match_index};
+use crate::cycle::Cycle;
+use crate::monitoring::pattern_matching::specificity;
+use apex_model::bindings::Bindings;
+use apex_model::index::Candidate;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+
+/// The index of the most specific solver declaration that serves `goal`; the first of equals.
+pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Option<u32> {
+    let candidates: Vec<Candidate> = cycle.agent.index.solvers.candidates(selection::head(goal)).collect();
+    let mut best = None;
+    for candidate in candidates {
+        let Candidate::Solver(number) = candidate else { continue };
+        let Some((pattern, place)) = index_of(cycle, candidate) else { continue };
+        match match_index(cycle, id, &pattern, goal, &mut Bindings::new(), place) {
+            Ok(true) => {
+                let key = (specificity(pattern.get()), std::cmp::Reverse(number));
+                if best.is_none_or(|before| key > before) {
+                    best = Some(key);
+                }
+            }
+            Ok(false) => {}
+            Err(error) => cycle.trouble(Some(id), error.message, Some(error.place)),
+        }
+    }
+    best.map(|(_, number)| number.0)
+}

@@ -1,0 +1,132 @@
+//! The step: the one way in. What came in is worked through instant by instant, in phases of fixed order.
+//!
+//! Every instant at which something happens up to the batch's `now`, an event or a wake, is one cycle: record ->
+//! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
+//! do not depend on how events were divided into batches, nor on how often time was advanced.
+
+use crate::control::instantiation::{self, Seed};
+use crate::control::{
+    contention, enablement, invariants, invocation, monitoring_clauses, recording, selection, termination,
+};
+use crate::cycle::{Cycle, Work};
+use apex_model::agent::Agent;
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::effect::{DecisionKind, Effect};
+use apex_model::event::{Batch, Event};
+use apex_model::limits::CASCADE_ROUNDS_MAX;
+use apex_model::task::{Origin, TaskId};
+use apex_model::time::Time;
+
+/// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
+const RESTLESS_TASKS_MAX: u32 = 100;
+
+/// Advances `agent` to `batch.now` with the batch's events; returns what it wants done, in order.
+pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
+    if agent.is_finished() {
+        return Vec::new();
+    }
+    let library = agent.library.clone();
+    let before = agent.now;
+    let mut cycle = Cycle { agent, library, now: before, effects: Vec::new(), work: Work::default() };
+    let mut events = batch.events.as_slice();
+    while let Some(instant) = next_instant(&cycle, events, batch.now) {
+        let count = events.iter().take_while(|event| instant_of(event, &cycle, batch.now) <= instant).count();
+        let (present, later) = events.split_at_checked(count).unwrap_or((events, &[]));
+        events = later;
+        cycle.now = instant;
+        cycle.agent.now = instant;
+        work_through(&mut cycle, present);
+        if cycle.agent.is_finished() {
+            break;
+        }
+    }
+    let effects = cycle.effects;
+    agent.now = agent.now.max(batch.now);
+    effects
+}
+
+/// When an event takes effect: when it happened, but never in the past, nor after the batch.
+fn instant_of(event: &Event, cycle: &Cycle<'_>, now: Time) -> Time {
+    event.at.max(cycle.agent.now).min(now)
+}
+
+/// The next instant at which something happens, up to `now`; events are in order of arrival.
+fn next_instant(cycle: &Cycle<'_>, events: &[Event], now: Time) -> Option<Time> {
+    let event = events.first().map(|event| instant_of(event, cycle, now));
+    let begin = (!cycle.agent.started).then_some(now);
+    let wake = cycle.agent.wakes.first().map(|(key, _)| key.at.max(cycle.agent.now)).filter(|at| *at <= now);
+    [event, begin, wake].into_iter().flatten().min()
+}
+
+fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
+    if !cycle.agent.started {
+        cycle.agent.started = true;
+        begin(cycle);
+    }
+    recording::record(cycle, events);
+    recording::wake(cycle);
+    let mut restless = 0;
+    let mut rounds = 0;
+    while !cycle.work.is_done() && !cycle.agent.is_finished() {
+        rounds += 1;
+        if rounds > CASCADE_ROUNDS_MAX {
+            rounds = 0;
+            restless += 1;
+            end_restless(cycle, restless > RESTLESS_TASKS_MAX);
+            continue;
+        }
+        recording::record_said(cycle);
+        monitoring_clauses::notice(cycle);
+        enablement::enable(cycle);
+        selection::choose(cycle);
+        let arbitration = contention::contend(cycle);
+        contention::commit(cycle, arbitration);
+        termination::settle(cycle);
+        invocation::act(cycle);
+        recording::wake(cycle);
+    }
+    cycle.work = Work::default();
+    invariants::check(cycle.agent);
+}
+
+/// Makes the root task.
+fn begin(cycle: &mut Cycle<'_>) {
+    let seed = Seed {
+        parent: None,
+        origin: Origin::Initial,
+        bindings: Bindings::new(),
+        by_predecessor: false,
+        after_sequence: None,
+        cause: Cause::InitialTask,
+    };
+    if let Ok(root) = instantiation::create(cycle, seed) {
+        instantiation::arm(cycle, root);
+    }
+}
+
+/// The instant does not come to rest: a task that keeps it going is ended, and said so.
+fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
+    let work = &cycle.work;
+    let lists = [&work.starting, &work.claims, &work.enabled, &work.ready];
+    let task = lists.iter().find_map(|list| list.first().copied()).or_else(|| watched(cycle));
+    let cause = Cause::LimitReached { limit: "CASCADE_ROUNDS_MAX".into(), value: u64::from(CASCADE_ROUNDS_MAX) };
+    let place = task.and_then(|task| cycle.place_of(task));
+    let because = Because::new(cause, place);
+    let message = "this instant does not come to rest: tasks keep causing one another without time passing".to_string();
+    cycle.decide(task, DecisionKind::Trouble { message }, because.clone());
+    match task {
+        Some(task) if !everything => {
+            termination::fail(cycle, task, because);
+            termination::settle(cycle);
+        }
+        _ => cycle.work = Work::default(),
+    }
+}
+
+/// A task whose monitor is about to be judged or told something.
+fn watched(cycle: &Cycle<'_>) -> Option<TaskId> {
+    let firing = cycle.work.firings.first().map(|firing| firing.task);
+    let touched = || cycle.work.touched.first().and_then(|id| cycle.agent.watches.get(id.0)).map(|watch| watch.task);
+    firing.or_else(touched)
+}
