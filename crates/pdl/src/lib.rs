@@ -1,1 +1,22 @@
-//! apex-pdl
+//! The front end of PDL: text to a checked library, messages for authors, and the way back to text.
+//!
+//! Text becomes a lossless tree (total, never fails), the tree becomes data with places, the data become the nouns of
+//! `apex-model`. No I/O: texts come in as strings, required texts come through a callback.
+
+mod api;
+mod check;
+mod codes;
+mod diagnostic;
+mod lower;
+mod print;
+mod read;
+mod render;
+mod suggest;
+mod syntax;
+
+pub use api::{ParsedCondition, error_codes, parse_condition, read_value};
+pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check};
+pub use codes::ErrorCode;
+pub use diagnostic::{Diagnostic, Label, Severity, Span};
+pub use print::{print_condition, print_expression, print_plan, print_primitive, print_procedure};
+pub use render::render;

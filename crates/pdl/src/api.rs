@@ -1,0 +1,79 @@
+//! Small doors into the front end: one value, one condition, the table of codes.
+
+use crate::check::{CheckOptions, host_names};
+use crate::codes::{self, ErrorCode, TABLE};
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::lower::{Lowering, Scope};
+use crate::read::read_file;
+use apex_model::condition::Condition;
+use apex_model::value::Value;
+
+/// All codes of messages, in order.
+pub fn error_codes() -> &'static [ErrorCode] {
+    TABLE
+}
+
+/// Reads one datum, for example `(altitude ac-1)`, `35kt` or `(stop)`. Nothing is evaluated.
+///
+/// # Errors
+/// A message when the text is no PDL or holds no datum or several.
+pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
+    let read = read_file(0, text);
+    if let Some(diagnostic) = read.diagnostics.into_iter().next() {
+        return Err(diagnostic);
+    }
+    match read.data.as_slice() {
+        [one] => Ok(one.to_value()),
+        [] => {
+            let span = Span { line: 1, column: 1, ..Span::default() };
+            Err(Diagnostic::error(codes::NOT_ONE_DATUM, span, "there is no value here"))
+        }
+        [_, second, ..] => Err(Diagnostic::error(codes::NOT_ONE_DATUM, second.span, "a second value stands here")
+            .reason("exactly one value is expected")
+            .help("to hand over several values, put them into one list")),
+    }
+}
+
+/// A condition alone, with the messages about it.
+#[derive(Clone, Debug)]
+pub struct ParsedCondition {
+    /// The condition, if it could be understood.
+    pub condition: Option<Condition>,
+    /// Messages; their spans are in source 0.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Parses one condition. State variables are undeclared and no step is known, so this is for pieces of text: with
+/// `fragment`, undefined names and a stray `)` do not keep it from being understood.
+pub fn parse_condition(text: &str, options: CheckOptions<'_>) -> ParsedCondition {
+    let read = read_file(0, text);
+    let mut diagnostics = read.diagnostics;
+    for diagnostic in diagnostics.iter_mut().filter(|each| options.fragment && each.code == codes::UNMATCHED_CLOSE) {
+        diagnostic.severity = Severity::Warning;
+    }
+    if diagnostics.iter().any(|each| each.severity == Severity::Error) {
+        return ParsedCondition { condition: None, diagnostics };
+    }
+    let mut lowering = Lowering::new(host_names(options.host), options.fragment);
+    lowering.scope = Scope::of_tasks();
+    let conditions = lowering.conditions(&read.data);
+    let condition = match conditions.map(|mut all| (all.pop(), all.is_empty())) {
+        Some((Some(condition), true)) => {
+            let supported = read.data.first().and_then(|datum| lowering.check_condition_support(&condition, datum));
+            supported.map(|()| condition)
+        }
+        Some(_) => {
+            let span = read.data.get(1).map_or(Span { line: 1, column: 1, ..Span::default() }, |datum| datum.span);
+            lowering.report(Diagnostic::error(codes::NOT_ONE_DATUM, span, "exactly one condition is expected"));
+            None
+        }
+        None => None,
+    };
+    if !options.fragment {
+        lowering.finish_scope();
+    }
+    lowering.report_unknown_names();
+    diagnostics.append(&mut lowering.diagnostics);
+    diagnostics.sort_by_key(|each| (each.span.line, each.span.column, each.severity));
+    ParsedCondition { condition, diagnostics }
+}

@@ -1,0 +1,359 @@
+//! Source texts to a checked library: reading, following requirements, collecting names, lowering, cross checks.
+
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::lower::{Callable, Lowering, Names};
+use crate::read::{Datum, DatumKind, read_file};
+use crate::suggest::did_you_mean;
+use apex_model::library::Library;
+use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// A text to check and the name to print for it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SourceText {
+    /// A path as the user gave it, or another name that tells where the text is from.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// A function of the host program that PDL may call.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HostSignature {
+    /// Its name.
+    pub name: String,
+    /// At least so many arguments.
+    pub parameters_min: usize,
+    /// At most so many arguments; none is unlimited.
+    pub parameters_max: Option<usize>,
+    /// Has no effect: may stand in conditions.
+    pub pure: bool,
+}
+
+/// A text that another text needs.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Requirement {
+    /// `(require-apex-library "name")` or an entry of `:libraries`.
+    Library(String),
+    /// `(require-apex-file "name")` or an entry of `:files`.
+    File {
+        /// The name as written.
+        name: String,
+        /// The source that asks for it, as named in its [`SourceText`].
+        from: String,
+    },
+}
+
+/// How to check.
+pub struct CheckOptions<'a> {
+    /// The text is a piece of something larger: undefined names and missing libraries are notes, the library is
+    /// produced all the same.
+    pub fragment: bool,
+    /// Functions of the host program.
+    pub host: &'a [HostSignature],
+    /// Reads required texts; the error says in one line why a text cannot be had.
+    pub resolve: &'a mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+}
+
+/// What checking yields.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// Everything that could be understood. To be flown only if there are no errors.
+    pub library: Library,
+    /// Messages in order of place.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Checked {
+    /// True if any message is an error.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+}
+
+/// Top-level forms.
+const FORMS: &[&str] = &[
+    "agent",
+    "declare-function",
+    "defapplication",
+    "defconstant",
+    "defindexical",
+    "defun",
+    "in-apex-bundle",
+    "primitive",
+    "procedure",
+    "require-apex-file",
+    "require-apex-library",
+    "resource",
+    "solver",
+    "state-variable",
+];
+
+/// Texts loaded for one library; a cycle of requirements ends by loading each text once, this ends a growing chain.
+const SOURCES_MAX: usize = 1_000;
+
+/// Checks `sources` and everything that they require. Never fails: what is wrong is in the diagnostics.
+pub fn check(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
+    let mut loader = Loader {
+        library: Library::default(),
+        files: Vec::new(),
+        flawed: BTreeSet::new(),
+        diagnostics: Vec::new(),
+        requested: BTreeSet::new(),
+        incomplete: false,
+    };
+    let fragment = options.fragment;
+    let names = host_names(options.host);
+    for source in sources {
+        loader.load(source, fragment, options.resolve);
+    }
+    loader.finish(names, fragment)
+}
+
+/// The host program's functions as names that text may use.
+pub(crate) fn host_names(host: &[HostSignature]) -> Names {
+    let mut names = Names::default();
+    for signature in host {
+        let callable = Callable {
+            min: signature.parameters_min,
+            max: signature.parameters_max,
+            pure: signature.pure,
+            place: None,
+        };
+        match signature.name.strip_prefix('+').and_then(|name| name.strip_suffix('+')) {
+            Some(name) if !name.is_empty() => {
+                names.indexicals.insert(Symbol::new(name), Span::default());
+            }
+            _ => {
+                names.functions.insert(Symbol::new(&signature.name), callable);
+            }
+        }
+    }
+    names
+}
+
+struct Loader {
+    library: Library,
+    /// Top-level data of each file.
+    files: Vec<Vec<Datum>>,
+    /// Files with errors of syntax: further messages about them would be about the same error.
+    flawed: BTreeSet<u32>,
+    diagnostics: Vec<Diagnostic>,
+    requested: BTreeSet<Requirement>,
+    /// Something is missing that may define names.
+    incomplete: bool,
+}
+
+impl Loader {
+    /// Reads a text and, before it, the texts that it requires.
+    fn load(
+        &mut self,
+        source: SourceText,
+        fragment: bool,
+        resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+    ) {
+        let mut pending = vec![source];
+        while let Some(source) = pending.pop() {
+            if self.library.sources.iter().any(|known| *known.name == source.name) {
+                continue;
+            }
+            let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
+            let read = read_file(number, &source.text);
+            for mut diagnostic in read.diagnostics {
+                if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
+                    diagnostic.severity = Severity::Warning;
+                }
+                if diagnostic.severity == Severity::Error {
+                    self.flawed.insert(number);
+                    self.incomplete = true;
+                }
+                self.diagnostics.push(diagnostic);
+            }
+            let requirements = requirements(&read.data, &source.name);
+            self.library.sources.push(SourceFile { name: Arc::from(&*source.name), text: Arc::from(source.text) });
+            self.files.push(read.data);
+            for (requirement, span) in requirements.into_iter().rev() {
+                if !self.requested.insert(requirement.clone()) {
+                    continue;
+                }
+                match resolve(requirement.clone()) {
+                    Ok(text) if self.files.len() + pending.len() < SOURCES_MAX => pending.push(text),
+                    Ok(_) => self.missing(&requirement, span, "too many files are required", fragment),
+                    Err(reason) => self.missing(&requirement, span, &reason, fragment),
+                }
+            }
+        }
+    }
+
+    fn missing(&mut self, requirement: &Requirement, span: Span, reason: &str, fragment: bool) {
+        let what = match requirement {
+            Requirement::Library(name) => format!("library \"{name}\" cannot be loaded"),
+            Requirement::File { name, .. } => format!("file \"{name}\" cannot be loaded"),
+        };
+        self.incomplete = true;
+        let severity = if fragment { Severity::Note } else { Severity::Error };
+        self.diagnostics.push(Diagnostic::new(severity, codes::REQUIREMENT_MISSING, span, what).reason(reason));
+    }
+
+    fn finish(mut self, names: Names, fragment: bool) -> Checked {
+        let mut lowering = Lowering::new(names, fragment);
+        let files = std::mem::take(&mut self.files);
+        let mut refused = false;
+        for form in files.iter().flatten() {
+            refused |= lowering.collect(form, &mut self.library).is_none();
+        }
+        lower_functions(&mut lowering, &files, &mut self.library);
+        for file in &files {
+            self.lower_file(&mut lowering, file);
+        }
+        // What a refused definition would have defined is not missed a second time.
+        if !self.incomplete && !refused {
+            lowering.report_unknown_names();
+        }
+        if !self.incomplete && !lowering.refused_form {
+            let library = &self.library;
+            lowering.report_unserved_goals(&|span| library.describe_place(span.place()));
+        }
+        if !self.incomplete {
+            lowering.report_same_indexes();
+        }
+        let flawed = &self.flawed;
+        self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));
+        self.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
+        Checked { library: self.library, diagnostics: self.diagnostics }
+    }
+
+    fn lower_file(&mut self, lowering: &mut Lowering, forms: &[Datum]) {
+        lowering.bundle = None;
+        for form in forms {
+            let served = lowering.served.len();
+            match form.head_name() {
+                "procedure" => self.library.procedures.extend(lowering.procedure(form).map(Arc::new)),
+                "primitive" => self.library.primitives.extend(lowering.primitive(form).map(Arc::new)),
+                "solver" => self.library.solvers.extend(lowering.solver(form)),
+                "defindexical" => self.library.indexicals.extend(lowering.indexical_definition(form)),
+                "agent" => {
+                    let agent = lowering.agent(form, &self.library);
+                    self.library.agents.extend(agent);
+                }
+                "defapplication" => {
+                    lowering.application(form, &mut self.library);
+                }
+                "in-apex-bundle" => enter_bundle(lowering, form),
+                "defun"
+                | "declare-function"
+                | "defconstant"
+                | "state-variable"
+                | "resource"
+                | "require-apex-file"
+                | "require-apex-library" => {}
+                _ => unknown_form(lowering, form),
+            }
+            let serves = matches!(form.head_name(), "procedure" | "primitive" | "solver");
+            lowering.refused_form |= serves && lowering.served.len() == served;
+        }
+    }
+}
+
+/// Lowers all functions, then settles which of them have effects through what they call.
+fn lower_functions(lowering: &mut Lowering, files: &[Vec<Datum>], library: &mut Library) {
+    let mut callers: BTreeMap<Symbol, Vec<Symbol>> = BTreeMap::new();
+    let mut impure: Vec<Symbol> = Vec::new();
+    for form in files.iter().flatten().filter(|form| form.head_name() == "defun") {
+        let Some((name, function)) = lowering.function(form) else { continue };
+        for callee in std::mem::take(&mut lowering.called) {
+            callers.entry(callee).or_default().push(name.clone());
+        }
+        if !function.pure {
+            impure.push(name.clone());
+        }
+        library.functions.entry(name).or_insert(function);
+    }
+    let mut seen: BTreeSet<Symbol> = impure.iter().cloned().collect();
+    while let Some(name) = impure.pop() {
+        if let Some(callable) = lowering.names.functions.get_mut(&name) {
+            callable.pure = false;
+        }
+        if let Some(function) = library.functions.get_mut(&name) {
+            function.pure = false;
+        }
+        for caller in callers.get(&name).into_iter().flatten() {
+            if seen.insert(caller.clone()) {
+                impure.push(caller.clone());
+            }
+        }
+    }
+}
+
+/// What a file requires, in order.
+fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
+    let library = |name: String| Requirement::Library(name);
+    let file = |name: String| Requirement::File { name, from: from.to_string() };
+    let mut found = Vec::new();
+    for form in forms {
+        match form.head_name() {
+            "require-apex-library" => found.extend(names_of(form.tail()).map(|(name, span)| (library(name), span))),
+            "require-apex-file" => found.extend(names_of(form.tail()).map(|(name, span)| (file(name), span))),
+            "defapplication" => {
+                let items = form.tail();
+                let option = |name: &str| {
+                    let at = items.iter().position(|item| item.keyword() == Some(name));
+                    at.and_then(|at| items.get(at + 1)).map(std::slice::from_ref).unwrap_or_default()
+                };
+                found.extend(names_of(option("libraries")).map(|(name, span)| (library(name), span)));
+                found.extend(names_of(option("files")).map(|(name, span)| (file(name), span)));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Strings and symbols, alone or in lists.
+fn names_of(data: &[Datum]) -> impl Iterator<Item = (String, Span)> + '_ {
+    data.iter().flat_map(|datum| datum.as_list().unwrap_or(std::slice::from_ref(datum))).filter_map(
+        |datum| match &datum.kind {
+            DatumKind::Text(text) => Some((text.to_string(), datum.span)),
+            DatumKind::Symbol(name) if datum.keyword().is_none() => Some((name.to_string(), datum.span)),
+            _ => None,
+        },
+    )
+}
+
+/// `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.
+fn enter_bundle(lowering: &mut Lowering, form: &Datum) {
+    match form.tail() {
+        [Datum { kind: DatumKind::Symbol(name), .. }] => {
+            let name = name.printed().trim_start_matches(':');
+            lowering.bundle = (!name.eq_ignore_ascii_case("default")).then(|| Symbol::new(name));
+        }
+        _ => {
+            let diagnostic = Diagnostic::error(codes::MALFORMED, form.span, "this `in-apex-bundle` names no bundle")
+                .help("its shape is `(in-apex-bundle :name)`");
+            lowering.report(diagnostic);
+        }
+    }
+}
+
+fn unknown_form(lowering: &mut Lowering, form: &Datum) {
+    let diagnostic = match form.head() {
+        Some(head) => {
+            let message = format!("no top-level form is called `{head}`");
+            let diagnostic = Diagnostic::error(codes::UNKNOWN_FORM, form.span, message);
+            match did_you_mean(head.printed(), FORMS.iter().copied()) {
+                Some(help) => diagnostic.help(help),
+                None if head.is("step") => {
+                    diagnostic.help("a step stands inside of a procedure: is a `)` too many before it?")
+                }
+                None => diagnostic.help(format!("top-level forms are {}", FORMS.join(" "))),
+            }
+        }
+        None => Diagnostic::error(codes::UNKNOWN_FORM, form.span, "this is no top-level form")
+            .help("a file is a sequence of forms such as `(procedure ..)`"),
+    };
+    lowering.report(diagnostic);
+    lowering.refused_form = true;
+}

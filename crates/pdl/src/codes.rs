@@ -1,0 +1,78 @@
+//! Every code that a message can carry, with one line that explains it. Codes are stable: a retired one is not used again.
+
+/// A code and its explanation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ErrorCode {
+    /// `E0201`: E for errors, W for warnings, N for notes. In fragments some errors appear as notes under the same code.
+    pub code: &'static str,
+    /// What it means, in one line.
+    pub explanation: &'static str,
+}
+
+macro_rules! codes {
+    ($($name:ident $code:literal $explanation:literal;)*) => {
+        $(pub(crate) const $name: &str = $code;)*
+        /// All codes in order.
+        pub(crate) const TABLE: &[ErrorCode] = &[$(ErrorCode { code: $code, explanation: $explanation }),*];
+    };
+}
+
+codes! {
+    UNMATCHED_CLOSE "E0001" "A `)` closes nothing.";
+    UNCLOSED_LIST "E0002" "A `(` is never closed.";
+    UNCLOSED_STRING "E0003" "A string is never closed.";
+    UNCLOSED_COMMENT "E0004" "A `#|` comment is never closed.";
+    DANGLING_PREFIX "E0005" "A quote, backquote, comma or #' stands before nothing.";
+    TOO_DEEP "E0006" "Lists are nested deeper than the limit.";
+    TOO_LARGE "E0007" "A source text is larger than the limit.";
+    NUMBER_RANGE "E0008" "A number is too large to be represented.";
+    UNKNOWN_UNIT "E0009" "A number is followed by a word that is no unit.";
+    NOT_ONE_DATUM "E0010" "The text must hold exactly one datum.";
+    UNKNOWN_FORM "E0101" "No top-level form has this name.";
+    MALFORMED "E0102" "A form does not have the parts that it needs.";
+    MISSING_INDEX "E0103" "A procedure, primitive or solver does not say which goals it serves.";
+    DUPLICATE_INDEX "E0104" "Two procedures of one bundle serve exactly the same goals.";
+    DUPLICATE_DEFINITION "E0105" "A name is defined twice.";
+    UNKNOWN_CLAUSE "E0106" "A clause of this name does not exist here.";
+    CLAUSE_TWICE "E0107" "A clause or option that may stand once is given twice.";
+    UNKNOWN_OPTION "E0108" "A keyword of this name does not exist here.";
+    DUPLICATE_TAG "E0109" "Two steps of one procedure have the same tag.";
+    RESPONDING_WITHOUT_WAITFOR "E0110" "A responding step has nothing to respond to.";
+    ENDLESS_REPETITION "E0111" "A step repeats without end at one instant.";
+    REQUIREMENT_MISSING "E0112" "A required library or file could not be read.";
+    RESOURCE_AMOUNT "E0113" "An amount is asked of a resource that has none.";
+    UNKNOWN_FUNCTION "E0201" "No function has this name.";
+    UNKNOWN_INDEXICAL "E0202" "No indexical has this name.";
+    UNKNOWN_TAG "E0203" "No step of this procedure has this tag.";
+    UNBOUND_VARIABLE "E0204" "A variable is used where nothing binds it.";
+    NEVER_BOUND "E0205" "A variable that must be bound already cannot be.";
+    ARITY "E0206" "A function is called with too few or too many arguments.";
+    IMPURE "E0207" "A function with effects stands where only a value may be computed.";
+    UNSERVED_GOAL "E0208" "No procedure, primitive or solver serves a goal.";
+    MALFORMED_CONDITION "E0301" "A condition does not have the parts that it needs.";
+    MISSING_QUALITY "E0302" "An episode does not say how dense its samples must be.";
+    UNKNOWN_CONDITION "E0303" "No kind of condition has this name.";
+    MALFORMED_CONSTRAINT "E0304" "A constraint is neither a comparison, a range nor a predicate.";
+    DIMENSION "E0305" "Two values of different dimensions are compared or added.";
+    UNDECLARED_UNIT "E0306" "A quantity is compared with a state variable whose unit is not declared.";
+    VALUE_TYPE "E0307" "A value is compared with a state variable of another type.";
+    DURATION_EXPECTED "E0308" "Something other than a duration stands where a duration is needed.";
+    NOT_SUPPORTED "E0401" "The executive cannot do this yet.";
+    REAL_EQUALITY "W0501" "Real numbers are compared for equality without a tolerance.";
+    AMBIGUOUS_CHOICE "W0502" "Two procedures are equally specific for the same goal.";
+    SYMBOL_LIKE_QUANTITY "W0503" "A symbol looks like a quantity with a misspelt unit.";
+    NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TABLE;
+
+    #[test]
+    fn codes_are_sorted_within_letter_and_unique() {
+        for pair in TABLE.windows(2) {
+            assert!(pair[0].code != pair[1].code);
+            assert!(pair[0].code[..1] != pair[1].code[..1] || pair[0].code < pair[1].code);
+        }
+    }
+}

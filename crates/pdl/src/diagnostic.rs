@@ -1,0 +1,112 @@
+//! Messages for the authors of PDL: what is wrong, where, why, and what to do about it.
+
+use apex_model::source::Place;
+
+/// How bad it is. Only errors keep a library from being flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The text cannot be used.
+    Error,
+    /// The text can be used, but probably does not mean what its author wants.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// The word shown to people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        }
+    }
+}
+
+/// A stretch of one source text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Span {
+    /// Index into the sources of the library.
+    pub file: u32,
+    /// Byte offset of the first character.
+    pub start: u32,
+    /// Byte offset after the last character.
+    pub end: u32,
+    /// Line of the first character, from 1.
+    pub line: u32,
+    /// Column of the first character, from 1, in characters.
+    pub column: u32,
+}
+
+impl Span {
+    /// The start as a place of the model.
+    pub fn place(self) -> Place {
+        Place { file: self.file, line: self.line, column: self.column }
+    }
+
+    /// From the start of this to the end of `last`.
+    pub(crate) fn to(self, last: Span) -> Span {
+        Span { end: last.end.max(self.end), ..self }
+    }
+}
+
+/// A second place that matters, with what is to be seen there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Where.
+    pub span: Span,
+    /// What is to be seen there.
+    pub text: String,
+}
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Stable code, listed in [`crate::error_codes`].
+    pub code: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What is wrong, in one line.
+    pub message: String,
+    /// Where.
+    pub span: Span,
+    /// Other places that matter.
+    pub labels: Vec<Label>,
+    /// Why it is wrong, where that is not obvious.
+    pub reason: Option<String>,
+    /// What to do; one suggestion each.
+    pub help: Vec<String>,
+}
+
+impl Diagnostic {
+    /// A message without labels, reason and help.
+    pub(crate) fn new(severity: Severity, code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic { code, severity, message: message.into(), span, labels: Vec::new(), reason: None, help: Vec::new() }
+    }
+
+    pub(crate) fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(Severity::Error, code, span, message)
+    }
+
+    pub(crate) fn label(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label { span, text: text.into() });
+        self
+    }
+
+    pub(crate) fn reason(mut self, reason: impl Into<String>) -> Diagnostic {
+        self.reason = Some(reason.into());
+        self
+    }
+
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Diagnostic {
+        self.help.push(help.into());
+        self
+    }
+
+    /// Adds `help` if there is one.
+    pub(crate) fn help_maybe(mut self, help: Option<String>) -> Diagnostic {
+        self.help.extend(help);
+        self
+    }
+}

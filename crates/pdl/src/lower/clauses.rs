@@ -1,0 +1,99 @@
+//! Shapes that many forms share: keyword options, clauses that may stand once, single arguments.
+
+use super::Lowering;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::read::Datum;
+use crate::suggest::did_you_mean;
+
+/// `:name value..`: a keyword with the data up to the next keyword.
+#[derive(Clone, Copy)]
+pub(crate) struct Group<'d> {
+    /// The keyword, folded, without its colon.
+    pub(crate) name: &'d str,
+    pub(crate) span: Span,
+    pub(crate) values: &'d [Datum],
+}
+
+/// Options whose value may itself be a keyword.
+const KEYWORD_VALUED: &[&str] = &["quality", "estimation", "type", "use-bundles"];
+
+/// Splits `items` into keyword groups; the first part is what stands before the first keyword.
+pub(crate) fn groups(items: &[Datum]) -> (&[Datum], Vec<Group<'_>>) {
+    let first = items.iter().position(|item| item.keyword().is_some()).unwrap_or(items.len());
+    let (before, mut rest) = items.split_at_checked(first).unwrap_or((items, &[]));
+    let mut groups = Vec::new();
+    while let Some((head, after)) = rest.split_first() {
+        let name = head.keyword().unwrap_or("");
+        let least = usize::from(KEYWORD_VALUED.contains(&name));
+        let count = after
+            .iter()
+            .enumerate()
+            .position(|(index, item)| index >= least && item.keyword().is_some())
+            .unwrap_or(after.len());
+        let (values, next) = after.split_at_checked(count).unwrap_or((after, &[]));
+        groups.push(Group { name, span: head.span, values });
+        rest = next;
+    }
+    (before, groups)
+}
+
+impl Lowering {
+    /// Refuses options that do not exist here or are given twice.
+    pub(crate) fn check_groups(&mut self, groups: &[Group<'_>], known: &[&str], of: &str) -> Option<()> {
+        let mut fine = true;
+        for (index, group) in groups.iter().enumerate() {
+            let earlier = groups.iter().take(index).find(|earlier| earlier.name == group.name);
+            if !known.contains(&group.name) {
+                fine = false;
+                let message = format!("{of} has no option `:{}`", group.name);
+                let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message);
+                let list = known.iter().map(|name| format!(":{name}")).collect::<Vec<_>>().join(" ");
+                self.report(match did_you_mean(group.name, known.iter().copied()) {
+                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
+                    None => diagnostic.help(format!("it knows {list}")),
+                });
+            } else if let Some(earlier) = earlier {
+                fine = false;
+                self.report_twice(&format!("option `:{}`", group.name), earlier.span, group.span);
+            }
+        }
+        fine.then_some(())
+    }
+
+    /// Reports that `what` stands at `first` and again at `second`.
+    pub(crate) fn report_twice(&mut self, what: &str, first: Span, second: Span) {
+        let diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second, format!("{what} is given twice"))
+            .label(first, "first given here")
+            .help("keep one of them");
+        self.report(diagnostic);
+    }
+
+    /// The only value of an option or clause.
+    pub(crate) fn only<'d>(&mut self, name: &str, values: &'d [Datum], span: Span) -> Option<&'d Datum> {
+        match values {
+            [one] => Some(one),
+            _ => {
+                let message = format!("`{name}` takes one value, not {}", values.len());
+                self.refuse(Diagnostic::error(codes::MALFORMED, super::span_of(values, span), message))
+            }
+        }
+    }
+
+    /// `Some(None)` when there is no such group, `Some(Some(..))` when its value could be lowered.
+    pub(crate) fn optional<T>(
+        &mut self,
+        groups: &[Group<'_>],
+        name: &str,
+        lower: impl FnOnce(&mut Lowering, &Datum) -> Option<T>,
+    ) -> Option<Option<T>> {
+        let Some(group) = groups.iter().find(|group| group.name == name) else { return Some(None) };
+        let datum = self.only(&format!(":{name}"), group.values, group.span)?;
+        lower(self, datum).map(Some)
+    }
+}
+
+/// The values of the group called `name`, or nothing.
+pub(crate) fn values_of<'d>(groups: &[Group<'d>], name: &str) -> &'d [Datum] {
+    groups.iter().find(|group| group.name == name).map_or(&[], |group| group.values)
+}

@@ -1,0 +1,117 @@
+//! Conditions made of conditions: logic, order, Allen relations, absence (`monitoring.md` section 1).
+
+use super::Lowering;
+use super::clauses::groups;
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::read::{Datum, DatumKind};
+use apex_model::condition::{AllenRelation, Condition, ConditionKind};
+use apex_model::symbol::Symbol;
+
+/// Every spelling of an Allen relation; the first of each is the one printed.
+pub(crate) const ALLEN: &[(&str, AllenRelation)] = &[
+    ("before", AllenRelation::Before),
+    ("after", AllenRelation::After),
+    ("meets", AllenRelation::Meets),
+    ("met-by", AllenRelation::MetBy),
+    ("met", AllenRelation::MetBy),
+    ("overlaps", AllenRelation::Overlaps),
+    ("overlapped-by", AllenRelation::OverlappedBy),
+    ("overlapped", AllenRelation::OverlappedBy),
+    ("starts", AllenRelation::Starts),
+    ("started-by", AllenRelation::StartedBy),
+    ("started", AllenRelation::StartedBy),
+    ("finishes", AllenRelation::Finishes),
+    ("finished-by", AllenRelation::FinishedBy),
+    ("finished", AllenRelation::FinishedBy),
+    ("during", AllenRelation::During),
+    ("contains", AllenRelation::Contains),
+    ("cotemporal", AllenRelation::Cotemporal),
+];
+
+fn allen(keyword: &str) -> Option<AllenRelation> {
+    ALLEN.iter().find(|(name, _)| *name == keyword).map(|(_, relation)| *relation)
+}
+
+impl Lowering {
+    pub(crate) fn is_composite(&self, keyword: &str) -> bool {
+        matches!(keyword, "and" | "or" | "not" | "absent" | "in-order") || allen(keyword).is_some()
+    }
+
+    /// Lowers `(:and [tag] C.. [:constraint E..])` and its relatives.
+    pub(crate) fn composite(&mut self, datum: &Datum, keyword: &str, items: &[Datum]) -> Option<Condition> {
+        let (tag, items) = self.composite_tag(items);
+        // `:quality` after an episode belongs to the parts, every other keyword to the whole.
+        let split = items
+            .iter()
+            .enumerate()
+            .position(|(index, item)| {
+                item.keyword().is_some_and(|name| name != "quality")
+                    && !(index > 0 && items.get(index - 1).is_some_and(|before| before.is(":quality")))
+            })
+            .unwrap_or(items.len());
+        let (parts, options) = items.split_at_checked(split).unwrap_or((items, &[]));
+        let (_, options) = groups(options);
+        let known: &[&str] = match keyword {
+            "and" | "or" | "in-order" => &["constraint", "constraints"],
+            "not" => &[],
+            "absent" => &["for"],
+            _ => &["constraint", "constraints", "tolerance"],
+        };
+        self.check_groups(&options, known, &format!("`:{keyword}`"))?;
+        let parts = self.conditions(parts);
+        let mut constraints = Some(Vec::new());
+        for group in options.iter().filter(|group| group.name.starts_with("constraint")) {
+            let lowered = self.body(group.values);
+            constraints = constraints.zip(lowered).map(|(mut all, more)| {
+                all.extend(more);
+                all
+            });
+        }
+        let duration = |lowering: &mut Lowering, datum: &Datum| lowering.duration(datum);
+        let tolerance = self.optional(&options, "tolerance", duration);
+        let window = self.optional(&options, "for", duration);
+        let (parts, constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
+        let count = parts.len();
+        let single = match <[Condition; 1]>::try_from(parts.clone()) {
+            Ok([part]) => Some(Box::new(part)),
+            Err(_) => None,
+        };
+        let kind = match (keyword, single, window) {
+            ("and", ..) if count > 0 => ConditionKind::And(parts, constraints),
+            ("or", ..) if count > 0 => ConditionKind::Or(parts, constraints),
+            ("in-order", ..) if count > 0 => ConditionKind::InOrder(parts, constraints),
+            ("not", Some(part), _) => ConditionKind::Not(part),
+            ("absent", Some(part), Some(window)) => ConditionKind::Absent(part, window),
+            _ => match allen(keyword).filter(|_| count >= 2) {
+                Some(relation) => ConditionKind::Allen { relation, parts, tolerance, constraints },
+                None => return self.malformed_composite(datum, keyword),
+            },
+        };
+        Some(Condition { tag, kind, place: datum.span.place() })
+    }
+
+    /// A tag before composite parts is a plain symbol: a variable there is the end of a step.
+    fn composite_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
+        match items.split_first() {
+            Some((Datum { kind: DatumKind::Symbol(name), span }, rest)) if !name.folded().starts_with(':') => {
+                self.scope.bind(name, *span);
+                (Some(name.clone()), rest)
+            }
+            _ => (None, items),
+        }
+    }
+
+    fn malformed_composite<T>(&mut self, datum: &Datum, keyword: &str) -> Option<T> {
+        let shape = match keyword {
+            "and" | "or" | "in-order" => format!("(:{keyword} [tag] CONDITION.. [:constraint EXPR..])"),
+            "not" => "(:not CONDITION)".to_string(),
+            "absent" => "(:absent CONDITION :for DURATION)".to_string(),
+            _ => format!("(:{keyword} [tag] CONDITION CONDITION.. [:tolerance DURATION] [:constraint EXPR..])"),
+        };
+        let message = format!("this `:{keyword}` condition has the wrong parts");
+        let diagnostic =
+            Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, message).help(format!("its shape is `{shape}`"));
+        self.refuse(diagnostic)
+    }
+}

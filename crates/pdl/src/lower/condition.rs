@@ -1,0 +1,282 @@
+//! Conditions (`monitoring.md` section 1): which form is which.
+
+use super::Lowering;
+use super::constraint::relation_named;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::read::{Datum, DatumKind};
+use crate::suggest::did_you_mean;
+use apex_model::condition::{Condition, ConditionKind, Timing};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::symbol::Symbol;
+
+/// Every keyword that heads a condition.
+const CONDITION_KEYWORDS: &[&str] = &[
+    "absent",
+    "after",
+    "and",
+    "atomic-episode",
+    "before",
+    "contains",
+    "cotemporal",
+    "cyclic",
+    "delay",
+    "during",
+    "episode",
+    "finished-by",
+    "finishes",
+    "function",
+    "in-order",
+    "measurement",
+    "meets",
+    "met-by",
+    "not",
+    "or",
+    "overlapped-by",
+    "overlaps",
+    "started-by",
+    "starts",
+    "timestamp",
+];
+
+impl Lowering {
+    /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
+    pub(crate) fn conditions(&mut self, items: &[Datum]) -> Option<Vec<Condition>> {
+        let mut lowered = Vec::new();
+        let mut complete = true;
+        let mut rest = items;
+        while let Some((item, after)) = rest.split_first() {
+            let (quality, next) = match after {
+                [mark, quality, next @ ..] if mark.is(":quality") => (Some(quality), next),
+                _ => (None, after),
+            };
+            match self.condition_with(item, quality) {
+                Some(condition) => lowered.push(condition),
+                None => complete = false,
+            }
+            rest = next;
+        }
+        complete.then_some(lowered)
+    }
+
+    fn condition_with(&mut self, datum: &Datum, quality: Option<&Datum>) -> Option<Condition> {
+        let outer = std::mem::replace(&mut self.scope.in_condition, true);
+        let condition = self.pure("a condition", |lowering| lowering.condition_form(datum, quality));
+        self.scope.in_condition = outer;
+        condition
+    }
+
+    fn condition_form(&mut self, datum: &Datum, quality: Option<&Datum>) -> Option<Condition> {
+        if let Some(quality) = quality
+            && datum.head_name() != ":episode"
+        {
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED_CONDITION, quality.span, "`:quality` belongs to an episode")
+                    .label(datum.span, "this is none");
+            return self.refuse(diagnostic);
+        }
+        let plain = |kind| Some(Condition { tag: None, kind, place: datum.span.place() });
+        let items = match &datum.kind {
+            DatumKind::Variable(name) | DatumKind::Bound(name) => {
+                return self.task_ended(name, datum.span).and_then(plain);
+            }
+            DatumKind::List(items) if !items.is_empty() => items.as_slice(),
+            _ => return self.no_condition(datum),
+        };
+        if let Some(keyword) = items.first().and_then(Datum::keyword) {
+            return self.keyword_condition(datum, keyword, quality);
+        }
+        match (datum.head_name(), items) {
+            ("and" | "or" | "not", _) => {
+                let name = datum.head_name();
+                let diagnostic = Diagnostic::error(
+                    codes::UNKNOWN_CONDITION,
+                    datum.span,
+                    format!("`{name}` does not combine conditions"),
+                )
+                .help(format!("did you mean `:{name}`?"));
+                self.refuse(diagnostic)
+            }
+            ("end" | "end-of" | "end_of" | "terminated", [_, task]) if task.as_variable().is_some() => {
+                let name = task.as_variable()?;
+                self.task_ended(name, task.span).and_then(plain)
+            }
+            ("state" | "task-state", [_, task, relation, state]) if relation.is("=") && self.is_task(items, task) => {
+                self.task_state(task, state).and_then(plain)
+            }
+            _ if items.iter().skip(1).any(|item| relation_named(item).is_some()) => {
+                self.short_measurement(datum, items).and_then(plain)
+            }
+            _ => {
+                let pattern = self.pattern(datum)?;
+                plain(ConditionKind::Event { pattern, timing: Timing::default() })
+            }
+        }
+    }
+
+    fn no_condition<T>(&mut self, datum: &Datum) -> Option<T> {
+        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no condition");
+        diagnostic = match datum.as_symbol() {
+            Some(name) if self.scope.tags.contains_key(name) => diagnostic.help(format!("did you mean `?{name}`?")),
+            Some(name) => diagnostic.help(format!("an event is a list: `({name})`; the end of a step is `?tag`")),
+            None => {
+                diagnostic.help("a condition is a list such as `(ready camera-1)` or the variable of a step, `?s1`")
+            }
+        };
+        self.refuse(diagnostic)
+    }
+
+    fn keyword_condition(&mut self, datum: &Datum, keyword: &str, quality: Option<&Datum>) -> Option<Condition> {
+        let items = datum.tail();
+        match keyword {
+            "measurement" => self.measurement(datum, items),
+            "episode" => self.episode(datum, items, quality),
+            "atomic-episode" => self.atomic_episode(datum, items),
+            "cyclic" => self.cyclic(datum, items),
+            "delay" | "timestamp" | "function" => self.simple_condition(datum, keyword, items),
+            _ if self.is_composite(keyword) => self.composite(datum, keyword, items),
+            _ => {
+                let diagnostic = Diagnostic::error(
+                    codes::UNKNOWN_CONDITION,
+                    datum.span,
+                    format!("no condition is called `:{keyword}`"),
+                );
+                let suggestion = did_you_mean(keyword, CONDITION_KEYWORDS.iter().copied());
+                self.refuse(match suggestion {
+                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
+                    None => diagnostic.help(format!("conditions are :{}", CONDITION_KEYWORDS.join(" :"))),
+                })
+            }
+        }
+    }
+
+    fn simple_condition(&mut self, datum: &Datum, keyword: &str, items: &[Datum]) -> Option<Condition> {
+        let kind = match (keyword, items) {
+            ("delay", [least]) => ConditionKind::Delay(self.duration(least)?, None),
+            ("delay", [least, most]) => {
+                let (least, most) = (self.duration(least), self.duration(most));
+                ConditionKind::Delay(least?, Some(most?))
+            }
+            ("timestamp", [start]) => ConditionKind::Timestamp(self.instant(start)?, None),
+            ("timestamp", [start, end]) => {
+                let (start, end) = (self.instant(start), self.instant(end));
+                ConditionKind::Timestamp(start?, Some(end?))
+            }
+            ("function", [expression]) => ConditionKind::Function(self.expression(expression)?),
+            _ => {
+                let shape = match keyword {
+                    "delay" => "(:delay AT-LEAST [AT-MOST])",
+                    "timestamp" => "(:timestamp FROM [TO])",
+                    _ => "(:function EXPRESSION)",
+                };
+                let message = format!("this `:{keyword}` condition has the wrong parts");
+                let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, message)
+                    .help(format!("its shape is `{shape}`"));
+                return self.refuse(diagnostic);
+            }
+        };
+        Some(Condition { tag: None, kind, place: datum.span.place() })
+    }
+
+    fn instant(&mut self, datum: &Datum) -> Option<Expr> {
+        use super::expected::{Expected, ExpectedKind};
+        let expr = self.expression(datum)?;
+        self.conform(expr, datum.span, &Expected::plain("this instant", ExpectedKind::Instant))
+    }
+
+    /// The end of the task that variable `name` holds.
+    fn task_ended(&mut self, name: &Symbol, span: Span) -> Option<ConditionKind> {
+        let is_known = self.scope.tags.contains_key(name) || self.scope.is_bound_everywhere(name);
+        if !is_known {
+            let message = format!("no step of this procedure is tagged `{name}`");
+            let suggestion = did_you_mean(name.printed(), self.scope.tags.keys().map(Symbol::printed))
+                .map(|help| help.replacen('`', "`?", 1));
+            let mut diagnostic = Diagnostic::error(codes::UNKNOWN_TAG, span, message).help_maybe(suggestion);
+            if diagnostic.help.is_empty() {
+                let tags: Vec<String> = self.scope.tags.keys().take(12).map(|tag| format!("`?{tag}`")).collect();
+                if !tags.is_empty() {
+                    diagnostic = diagnostic.help(format!("its steps are {}", tags.join(" ")));
+                }
+            }
+            if self.fragment && self.scope.tags.is_empty() {
+                diagnostic.severity = self.undefined();
+                self.report(diagnostic);
+                return Some(ConditionKind::TaskEnded(name.clone()));
+            }
+            return self.refuse(diagnostic);
+        }
+        Some(ConditionKind::TaskEnded(name.clone()))
+    }
+
+    /// `task-state` is always about a task; `state` is when its object is a step or this task.
+    fn is_task(&self, items: &[Datum], task: &Datum) -> bool {
+        let always = items.first().is_some_and(|head| head.is("task-state"));
+        match &task.kind {
+            DatumKind::Variable(name) | DatumKind::Bound(name) => always || self.scope.tags.contains_key(name),
+            DatumKind::Indexical(name) => always || name.is("this-task"),
+            _ => false,
+        }
+    }
+
+    fn task_state(&mut self, task: &Datum, state: &Datum) -> Option<ConditionKind> {
+        let kind = match &task.kind {
+            DatumKind::Indexical(name) => self.indexical(name, task.span),
+            DatumKind::Variable(name) => self.variable(name, false, task.span)?,
+            DatumKind::Bound(name) => self.variable(name, true, task.span)?,
+            _ => return self.no_condition(task),
+        };
+        const STATES: &[&str] = &["pending", "enabled", "ongoing", "interrupted", "suspended", "terminated", "resumed"];
+        if let Some(name) = state.as_symbol()
+            && !STATES.contains(&name.folded())
+        {
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED_CONDITION, state.span, format!("a task is never in state `{name}`"));
+            return self.refuse(match did_you_mean(name.printed(), STATES.iter().copied()) {
+                Some(help) => diagnostic.help(help),
+                None => diagnostic.help(format!("its states are {}", STATES.join(" "))),
+            });
+        }
+        let task = Expr { kind, place: task.span.place() };
+        Some(ConditionKind::TaskState { task, state: self.pattern(state)? })
+    }
+
+    /// A tag that may stand before the rest of a condition, and the rest.
+    pub(crate) fn condition_tag<'d>(&mut self, items: &'d [Datum]) -> (Option<Symbol>, &'d [Datum]) {
+        match items {
+            [tag, second, ..] if second.as_list().is_some() => {
+                let name = match &tag.kind {
+                    DatumKind::Symbol(name) if tag.keyword().is_none() => name,
+                    DatumKind::Variable(name) => name,
+                    _ => return (None, items),
+                };
+                self.scope.bind(name, tag.span);
+                (Some(name.clone()), items.get(1..).unwrap_or_default())
+            }
+            _ => (None, items),
+        }
+    }
+
+    /// True for expressions that are tasks by their form; used where a clause accepts either.
+    pub(crate) fn is_task_expression(&self, datum: &Datum) -> bool {
+        match &datum.kind {
+            DatumKind::Variable(_) | DatumKind::Bound(_) => true,
+            DatumKind::Indexical(name) => name.is("this-task"),
+            _ => false,
+        }
+    }
+
+    /// Lowers a variable or indexical that holds a task.
+    pub(crate) fn task_expression(&mut self, datum: &Datum) -> Option<Expr> {
+        let expr = self.expression(datum)?;
+        match expr.kind {
+            ExprKind::Variable { .. } | ExprKind::Indexical(_) | ExprKind::Local(_) | ExprKind::Call { .. } => {
+                Some(expr)
+            }
+            _ => {
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "a task is needed here")
+                    .help("write the variable of a step, `?s1`, or `+this-task+`");
+                self.refuse(diagnostic)
+            }
+        }
+    }
+}

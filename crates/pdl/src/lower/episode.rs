@@ -1,0 +1,266 @@
+//! Episodes: quality, statistics, trends; atomic episodes; cyclic conditions (`monitoring.md` section 1).
+
+use super::Lowering;
+use super::clauses::{Group, groups, values_of};
+use super::expected::{Expected, ExpectedKind};
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::read::{Datum, DatumKind};
+use crate::suggest::did_you_mean;
+use apex_model::condition::{Condition, ConditionKind, Constraint, EpisodeCondition, Quality, Relation};
+use apex_model::quantity::Dimension;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+
+const OPTIONS: &[&str] =
+    &["quality", "value", "first-value", "last-value", "object", "timing", "stats", "trend", "probing"];
+const STATISTICS: &[&str] = &["mean", "count", "stddev", "variance", "sum", "difference", "min", "max", "median"];
+const TRENDS: &[&str] = &["rate", "step", "frequency", "custom", "significance"];
+
+/// Every word for the largest gap that is allowed between samples.
+const GAP_WORDS: &[&str] = &[
+    "max-gap",
+    "maximum-gap",
+    "msi",
+    "min-sample-interval",
+    "minimum-sample-interval",
+    "min-frequency",
+    "minimum-frequency",
+];
+
+impl Lowering {
+    /// `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
+    pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
+        let (tag, items) = self.condition_tag(items);
+        let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
+            let diagnostic = Diagnostic::error(
+                codes::MALFORMED_CONDITION,
+                datum.span,
+                "an `:episode` names a state variable",
+            )
+            .help(
+                "its shape is `(:episode [tag] (ATTRIBUTE OBJECT) :quality Q [:value CONSTRAINT..] [:timing ..] ..)`",
+            );
+            return self.refuse(diagnostic);
+        };
+        let (stray, options) = groups(options);
+        self.no_stray(stray)?;
+        self.check_groups(&options, OPTIONS, "`:episode`")?;
+        let quality = self.episode_quality(datum, &options, outer);
+        let variable = self.plain_state_variable(form)?;
+        let expected = Expected::values_of(self, &variable.attribute);
+        let value = self.constraints(values_of(&options, "value"), &expected);
+        let first_value = self.constraints(values_of(&options, "first-value"), &expected);
+        let last_value = self.constraints(values_of(&options, "last-value"), &expected);
+        let object = self.constraints(values_of(&options, "object"), &Expected::anything());
+        let timing = self.timing(values_of(&options, "timing"), false);
+        let stats = self.statistics(values_of(&options, "stats"), &expected);
+        let trend = self.trend(values_of(&options, "trend"), &expected);
+        let episode = EpisodeCondition {
+            variable,
+            quality: quality?,
+            value: value?,
+            first_value: first_value?,
+            last_value: last_value?,
+            object: object?,
+            timing: timing?,
+            stats: stats?,
+            trend: trend?,
+        };
+        let kind = ConditionKind::Episode(Box::new(episode));
+        self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
+    }
+
+    fn episode_quality(&mut self, datum: &Datum, options: &[Group<'_>], outer: Option<&Datum>) -> Option<Quality> {
+        let inner = options.iter().find(|group| group.name == "quality");
+        match (inner, outer) {
+            (Some(inner), Some(outer)) => {
+                self.report_twice("option `:quality`", inner.span, outer.span);
+                None
+            }
+            (Some(inner), None) => {
+                let quality = self.only(":quality", inner.values, inner.span)?;
+                self.quality(quality)
+            }
+            (None, Some(outer)) => self.quality(outer),
+            (None, None) => {
+                let diagnostic =
+                    Diagnostic::error(codes::MISSING_QUALITY, datum.span, "this episode does not state its `:quality`")
+                        .reason("samples may be sparse: between two samples far apart the value can have been anything")
+                        .help("to accept whatever samples arrive: `:quality :no-constraints`")
+                        .help("to require a sample at least every second: `:quality (:max-gap 1s)`");
+                self.refuse(diagnostic)
+            }
+        }
+    }
+
+    fn quality(&mut self, datum: &Datum) -> Option<Quality> {
+        if datum.is(":no-constraints") {
+            return Some(Quality::NoConstraints);
+        }
+        match datum.as_list() {
+            Some([word]) if word.is(":no-constraints") => Some(Quality::NoConstraints),
+            Some([word, gap]) if word.keyword().is_some_and(|word| GAP_WORDS.contains(&word)) => {
+                // A constraint form, `(:msi (<= 1s))`, names the same limit.
+                let gap = match gap.as_list() {
+                    Some([relation, limit]) if relation.is("<") || relation.is("<=") => limit,
+                    _ => gap,
+                };
+                self.interval_or_frequency(gap).map(Quality::MaximumGap)
+            }
+            _ => {
+                let diagnostic =
+                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no sampling quality")
+                        .help("write `:no-constraints` or `(:max-gap DURATION)`");
+                self.refuse(diagnostic)
+            }
+        }
+    }
+
+    fn statistics(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<(Symbol, Vec<Constraint>)>> {
+        self.all(items, |lowering, item| {
+            let (name, constraints) = lowering.named_group(item, STATISTICS, "statistic")?;
+            let expected = match name {
+                "count" => Expected::number("the count"),
+                "variance" => expected.square(),
+                _ => expected.clone(),
+            };
+            let constraints = lowering.constraints(constraints, &expected)?;
+            Some((Symbol::new(name), constraints))
+        })
+    }
+
+    fn trend(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<(Symbol, Vec<Constraint>)>> {
+        self.all(items, |lowering, item| {
+            let (name, constraints) = lowering.named_group(item, TRENDS, "trend")?;
+            let constraints = match name {
+                "rate" => lowering.trend_constraints(constraints, &expected.rate())?,
+                "step" => lowering.trend_constraints(constraints, expected)?,
+                "frequency" => {
+                    let kind = ExpectedKind::Measured(Dimension::FREQUENCY, None);
+                    lowering.constraints(constraints, &Expected::plain("the frequency", kind))?
+                }
+                "custom" => lowering.custom_trend(item, constraints)?,
+                _ => lowering.significance(item, constraints)?,
+            };
+            Some((Symbol::new(name), constraints))
+        })
+    }
+
+    /// `(:name C..)` with a known name.
+    fn named_group<'d>(
+        &mut self,
+        item: &'d Datum,
+        known: &[&'static str],
+        what: &str,
+    ) -> Option<(&'static str, &'d [Datum])> {
+        let name = item.as_list().and_then(<[Datum]>::first).and_then(Datum::keyword);
+        if let Some(found) = name.and_then(|name| known.iter().find(|known| **known == name))
+            && !item.tail().is_empty()
+        {
+            return Some((found, item.tail()));
+        }
+        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is no {what}"));
+        diagnostic = match name.and_then(|name| did_you_mean(name, known.iter().copied())) {
+            Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
+            None => diagnostic.help(format!("its shape is `(:NAME CONSTRAINT..)`; names are :{}", known.join(" :"))),
+        };
+        self.refuse(diagnostic)
+    }
+
+    /// Constraints or the words `:increasing`, `:decreasing`, `:non-increasing`, `:non-decreasing`.
+    fn trend_constraints(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<Constraint>> {
+        let groups = self.all(items, |lowering, item| {
+            let relation = match item.keyword() {
+                Some("increasing") => Relation::Greater,
+                Some("decreasing") => Relation::Less,
+                Some("non-increasing") => Relation::LessOrEqual,
+                Some("non-decreasing") => Relation::GreaterOrEqual,
+                _ => return lowering.constraints(std::slice::from_ref(item), expected),
+            };
+            let zero = super::expression::constant(Value::Integer(0), item.span);
+            let right = lowering.conform(zero, item.span, expected)?;
+            Some(vec![Constraint::Compare { relation, right, tolerance: None }])
+        })?;
+        Some(groups.into_iter().flatten().collect())
+    }
+
+    fn custom_trend(&mut self, item: &Datum, constraints: &[Datum]) -> Option<Vec<Constraint>> {
+        let datum = self.only(":custom", constraints, item.span)?;
+        let Some(name) = super::pattern::function_name(datum) else {
+            let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "`:custom` names a function");
+            return self.refuse(diagnostic);
+        };
+        let name = self.predicate(name, datum.span, 1)?;
+        Some(vec![Constraint::Predicate(name, Vec::new())])
+    }
+
+    fn significance(&mut self, item: &Datum, constraints: &[Datum]) -> Option<Vec<Constraint>> {
+        let datum = self.only(":significance", constraints, item.span)?;
+        let right = self.expression(datum)?;
+        Some(vec![Constraint::Compare { relation: Relation::Equal, right, tolerance: None }])
+    }
+
+    /// `(:atomic-episode [tag] FORM [:timing T..])`
+    pub(crate) fn atomic_episode(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
+        let (tag, items) = self.condition_tag(items);
+        let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
+            let diagnostic = Diagnostic::error(
+                codes::MALFORMED_CONDITION,
+                datum.span,
+                "an `:atomic-episode` has the form of an event",
+            )
+            .help("its shape is `(:atomic-episode [tag] FORM [:timing CONSTRAINT..])`");
+            return self.refuse(diagnostic);
+        };
+        let (stray, options) = groups(options);
+        self.no_stray(stray)?;
+        self.check_groups(&options, &["timing", "probing"], "`:atomic-episode`")?;
+        let pattern = self.pattern(form);
+        let timing = self.timing(values_of(&options, "timing"), true);
+        let kind = ConditionKind::Event { pattern: pattern?, timing: timing? };
+        self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
+    }
+
+    /// `(:cyclic [tag] (ATTR OBJ) :period C ..)`
+    pub(crate) fn cyclic(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
+        let (tag, items) = self.condition_tag(items);
+        let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
+            let diagnostic = Diagnostic::error(
+                codes::MALFORMED_CONDITION,
+                datum.span,
+                "a `:cyclic` condition names a state variable",
+            )
+            .help("its shape is `(:cyclic [tag] (ATTRIBUTE OBJECT) :period CONSTRAINT ..)`");
+            return self.refuse(diagnostic);
+        };
+        let (stray, groups) = groups(options);
+        self.no_stray(stray)?;
+        self.check_groups(&groups, &["period", "amplitude", "cycles"], "`:cyclic`")?;
+        let variable = self.plain_state_variable(form)?;
+        let values = Expected::values_of(self, &variable.attribute);
+        let mut options = Vec::new();
+        for group in groups {
+            let expected = match group.name {
+                "period" => Expected::plain("the period", ExpectedKind::Duration),
+                "cycles" => Expected::number("the number of cycles"),
+                _ => values.clone(),
+            };
+            options.push((Symbol::new(group.name), self.constraints(group.values, &expected)?));
+        }
+        if !options.iter().any(|(name, _)| name.is("period")) {
+            return self.missing_part(
+                datum.span,
+                "a `:cyclic` condition states its `:period`",
+                "(:cyclic (ATTR OBJ) :period C ..)",
+            );
+        }
+        let kind = ConditionKind::Cyclic { variable, options };
+        Some(Condition { tag, kind, place: datum.span.place() })
+    }
+
+    /// True for a list whose first item is a list: several groups in one pair of parentheses.
+    pub(crate) fn is_nested(datum: &Datum) -> bool {
+        matches!(&datum.kind, DatumKind::List(items) if items.first().is_some_and(|first| first.as_list().is_some()))
+    }
+}

@@ -1,0 +1,272 @@
+//! What the right side of a constraint may be: dimensions of literals, units of bare numbers.
+
+use super::Lowering;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// What a constraint is about.
+#[derive(Clone)]
+pub(crate) struct Expected {
+    /// For messages: `(altitude ..)` or `a duration`.
+    pub(crate) subject: String,
+    pub(crate) kind: ExpectedKind,
+    /// Where the dimension was declared.
+    pub(crate) declared: Option<Span>,
+    /// The declared type of the values.
+    pub(crate) value_type: Option<Symbol>,
+}
+
+/// How literals are treated.
+#[derive(Clone, Copy)]
+pub(crate) enum ExpectedKind {
+    /// Anything goes: objects, predicates' results.
+    Anything,
+    /// An instant: neither number nor duration.
+    Instant,
+    /// A duration; 0 is one.
+    Duration,
+    /// A state variable that nothing declares: pure numbers only.
+    Undeclared,
+    /// Of this dimension; bare numbers are in the unit, if there is one.
+    Measured(Dimension, Option<&'static Unit>),
+    /// Change per second of values of this dimension.
+    Rate(Dimension, Option<&'static Unit>),
+}
+
+impl Expected {
+    /// Nothing is known and nothing is checked.
+    pub(crate) fn anything() -> Expected {
+        Expected::plain("the object", ExpectedKind::Anything)
+    }
+
+    /// A pure number, such as a count.
+    pub(crate) fn number(subject: &str) -> Expected {
+        Expected::plain(subject, ExpectedKind::Measured(Dimension::NONE, None))
+    }
+
+    /// A constraint of this kind that no declaration is about.
+    pub(crate) fn plain(subject: &str, kind: ExpectedKind) -> Expected {
+        Expected { subject: subject.to_string(), kind, declared: None, value_type: None }
+    }
+
+    /// Values of the state variable with this attribute.
+    pub(crate) fn values_of(lowering: &Lowering, attribute: &Symbol) -> Expected {
+        let subject = format!("`({attribute} ..)`");
+        let Some((declaration, span)) = lowering.names.state_variables.get(attribute) else {
+            return Expected { subject, kind: ExpectedKind::Undeclared, declared: None, value_type: None };
+        };
+        let unit = declaration.unit.as_ref().and_then(|unit| unit_named(unit.printed()));
+        let is_number = declaration.unit.is_some() || declaration.value_type.as_ref().is_none_or(is_number_type);
+        let kind = if is_number { ExpectedKind::Measured(declaration.dimension, unit) } else { ExpectedKind::Anything };
+        Expected { subject, kind, declared: Some(*span), value_type: declaration.value_type.clone() }
+    }
+
+    /// The change per second of such values.
+    pub(crate) fn rate(&self) -> Expected {
+        let (dimension, unit) = match self.kind {
+            ExpectedKind::Measured(dimension, unit) => (dimension, unit),
+            _ => (Dimension::NONE, None),
+        };
+        Expected {
+            subject: format!("the rate of {}", self.subject),
+            kind: ExpectedKind::Rate(dimension, unit),
+            ..self.clone()
+        }
+    }
+
+    /// The square of such values; bare numbers are squares of the unit.
+    pub(crate) fn square(&self) -> Expected {
+        let kind = match self.kind {
+            ExpectedKind::Measured(dimension, None) => ExpectedKind::Measured(dimension.times(dimension), None),
+            ExpectedKind::Measured(dimension, Some(_)) if dimension == Dimension::NONE => self.kind,
+            // No unit of the table is a square of another: bare numbers stay as they are and only quantities are checked.
+            ExpectedKind::Measured(..) => ExpectedKind::Anything,
+            other => other,
+        };
+        Expected { subject: format!("the variance of {}", self.subject), kind, ..self.clone() }
+    }
+
+    fn dimension(&self) -> Option<Dimension> {
+        match self.kind {
+            ExpectedKind::Anything | ExpectedKind::Instant => None,
+            ExpectedKind::Duration => Some(Dimension::TIME),
+            ExpectedKind::Undeclared => Some(Dimension::NONE),
+            ExpectedKind::Measured(dimension, _) => Some(dimension),
+            ExpectedKind::Rate(dimension, _) => Some(dimension.over(Dimension::TIME)),
+        }
+    }
+
+    /// `number` without unit as a value of the expected kind.
+    fn bare(&self, number: f64) -> Option<Value> {
+        match self.kind {
+            ExpectedKind::Duration => (number == 0.0).then_some(Value::Duration(Duration::ZERO)),
+            ExpectedKind::Measured(dimension, unit) if dimension != Dimension::NONE => {
+                let unit = unit.or_else(|| si_unit(dimension))?;
+                Some(of_unit(number, unit))
+            }
+            ExpectedKind::Rate(dimension, unit) => {
+                let factor = unit.map_or(1.0, |unit| unit.factor);
+                Some(Value::measured(number * factor, dimension.over(Dimension::TIME)))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn is_number_type(name: &Symbol) -> bool {
+    matches!(name.folded(), "real" | "integer" | "number")
+}
+
+fn si_unit(dimension: Dimension) -> Option<&'static Unit> {
+    Quantity::si(0.0, dimension).unit()
+}
+
+/// `number` of `unit` as a value: a duration for units of time.
+pub(crate) fn of_unit(number: f64, unit: &'static Unit) -> Value {
+    if unit.dimension == Dimension::TIME {
+        Value::Duration(Duration::from_seconds(number * unit.factor))
+    } else {
+        Value::Quantity(Quantity::of(number, unit))
+    }
+}
+
+/// The dimension of an expression as far as its text tells; bare numbers have none.
+pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
+    match &expr.kind {
+        ExprKind::Constant(value) => value.as_number().map(|(_, dimension)| dimension),
+        ExprKind::Call { function, arguments } => match (function.folded(), arguments.as_slice()) {
+            ("+" | "-" | "max" | "min" | "mod" | "rem", all) => {
+                all.iter().filter_map(dimension_of).find(|dimension| *dimension != Dimension::NONE)
+            }
+            ("abs", [one]) => dimension_of(one),
+            ("*", all) => {
+                all.iter().try_fold(Dimension::NONE, |product, part| Some(product.times(dimension_of(part)?)))
+            }
+            ("/", [first, rest @ ..]) if !rest.is_empty() => {
+                rest.iter().try_fold(dimension_of(first)?, |quotient, part| Some(quotient.over(dimension_of(part)?)))
+            }
+            ("duration-of" | "elapsed", [_]) => Some(Dimension::TIME),
+            ("asin" | "acos" | "atan", _) => Some(Dimension::ANGLE),
+            ("length" | "in-unit" | "sin" | "cos" | "tan", _) => Some(Dimension::NONE),
+            _ => None,
+        },
+        ExprKind::Indexical(name) if name.is("tot") => Some(Dimension::TIME),
+        _ => None,
+    }
+}
+
+/// Zero of `dimension`, if the expression is the literal 0.
+pub(crate) fn zero_of(expr: &Expr, dimension: Dimension) -> Option<Value> {
+    match &expr.kind {
+        ExprKind::Constant(Value::Integer(0)) => Some(Value::measured(0.0, dimension)),
+        ExprKind::Constant(Value::Real(real)) if *real == 0.0 => Some(Value::measured(0.0, dimension)),
+        _ => None,
+    }
+}
+
+impl Lowering {
+    /// Checks the literals of `expr` against what is expected, and gives bare numbers their unit.
+    pub(crate) fn conform(&mut self, mut expr: Expr, span: Span, expected: &Expected) -> Option<Expr> {
+        self.conform_in_place(&mut expr, span, expected)?;
+        Some(expr)
+    }
+
+    fn conform_in_place(&mut self, expr: &mut Expr, span: Span, expected: &Expected) -> Option<()> {
+        if let ExprKind::Call { function, arguments } = &mut expr.kind
+            && matches!(function.folded(), "+" | "-" | "max" | "min" | "abs")
+            && !matches!(expected.kind, ExpectedKind::Instant)
+        {
+            for argument in arguments {
+                self.conform_in_place(argument, span, expected)?;
+            }
+            return Some(());
+        }
+        if let ExprKind::Constant(value) = &mut expr.kind {
+            if let Some((number, Dimension::NONE)) = value.as_number() {
+                if let Some(converted) = expected.bare(number) {
+                    *value = converted;
+                    return Some(());
+                }
+            } else if value.as_number().is_none() {
+                return self.check_type(value, span, expected);
+            }
+        }
+        self.check_dimension(expr, span, expected)
+    }
+
+    fn check_dimension(&mut self, expr: &Expr, span: Span, expected: &Expected) -> Option<()> {
+        let Some(found) = dimension_of(expr) else { return Some(()) };
+        if let ExpectedKind::Instant = expected.kind {
+            let diagnostic =
+                Diagnostic::error(codes::DIMENSION, span, format!("{found} stands where an instant is needed"))
+                    .reason("durations and numbers have no place on the time line")
+                    .help("add it to an instant: `(+ (start-of +this-task+) P10S)`");
+            return self.refuse(diagnostic);
+        }
+        let Some(wanted) = expected.dimension().filter(|wanted| *wanted != found) else { return Some(()) };
+        if let ExpectedKind::Undeclared = expected.kind {
+            let message = format!("{found} is compared with {}, whose unit is not declared", expected.subject);
+            let severity = self.undefined();
+            let diagnostic = Diagnostic::new(severity, codes::UNDECLARED_UNIT, span, message)
+                .reason("values of undeclared state variables are pure numbers")
+                .help(format!(
+                    "declare it: `(state-variable {} :unit ..)`",
+                    expected.subject.trim_matches('`').replace("..", "?object")
+                ));
+            self.report(diagnostic);
+            return self.fragment.then_some(());
+        }
+        if let ExpectedKind::Duration = expected.kind {
+            return self.duration_expected(span, found);
+        }
+        let message = format!("{} is {wanted}, but this is {found}", expected.subject);
+        let mut diagnostic = Diagnostic::error(codes::DIMENSION, span, message);
+        diagnostic = match expected.declared {
+            Some(declared) => diagnostic.label(declared, format!("declared as {wanted} here")),
+            None => diagnostic.reason("only values of one dimension can be compared"),
+        };
+        self.refuse(diagnostic)
+    }
+
+    /// Reports something of dimension `found` where a duration is needed.
+    pub(crate) fn duration_expected<T>(&mut self, span: Span, found: Dimension) -> Option<T> {
+        let diagnostic = Diagnostic::error(
+            codes::DURATION_EXPECTED,
+            span,
+            format!("a duration is needed here, but this is {found}"),
+        )
+        .help("write a duration with its unit: `5s`, `P1M30S`, `(1 hr 30 min)`");
+        self.refuse(diagnostic)
+    }
+
+    fn check_type(&mut self, value: &Value, span: Span, expected: &Expected) -> Option<()> {
+        let wrong = match (expected.value_type.as_ref().map(Symbol::folded), value) {
+            (Some("real" | "integer" | "number"), Value::Symbol(_) | Value::Text(_)) => true,
+            (Some("symbol"), Value::Text(_)) | (Some("string"), Value::Symbol(_)) => true,
+            _ => false,
+        };
+        let is_number = matches!(expected.kind, ExpectedKind::Duration | ExpectedKind::Rate(..))
+            && matches!(value, Value::Symbol(_) | Value::Text(_));
+        if !wrong && !is_number {
+            return Some(());
+        }
+        let type_name = expected.value_type.as_ref().map_or("number", Symbol::printed);
+        let message = format!("{} is of type {type_name}, but this is `{value}`", expected.subject);
+        let mut diagnostic = Diagnostic::error(codes::VALUE_TYPE, span, message);
+        if let Some(declared) = expected.declared {
+            diagnostic = diagnostic.label(declared, format!("declared as {type_name} here"));
+        }
+        self.refuse(diagnostic)
+    }
+
+    /// Lowers an expression that must yield a duration.
+    pub(crate) fn duration(&mut self, datum: &crate::read::Datum) -> Option<Expr> {
+        let expr = self.expression(datum)?;
+        self.conform(expr, datum.span, &Expected::plain("this duration", ExpectedKind::Duration))
+    }
+}

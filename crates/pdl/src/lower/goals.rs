@@ -1,0 +1,231 @@
+//! Who serves which goal: every goal of a step must have a procedure, primitive or solver that may match it.
+
+use super::Lowering;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::print::{pattern_text, template_text};
+use crate::read::Datum;
+use crate::suggest::did_you_mean;
+use apex_model::expression::Template;
+use apex_model::limits::MATCH_STEPS_MAX;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+
+/// A goal that some step, hook or agent pursues.
+pub(crate) struct Goal {
+    pub(crate) template: Template,
+    pub(crate) span: Span,
+}
+
+/// A class of goals that something serves.
+pub(crate) struct Served {
+    pub(crate) pattern: Pattern,
+    pub(crate) span: Span,
+    /// The bundle of the procedure or primitive; none is the default bundle.
+    pub(crate) bundle: Option<Symbol>,
+    /// A solver serves it: it is asked only where nothing else does.
+    pub(crate) by_solver: bool,
+}
+
+impl Lowering {
+    /// Lowers a goal and remembers that something must serve it.
+    pub(crate) fn goal(&mut self, datum: &Datum) -> Option<Template> {
+        if datum.as_list().is_none_or(<[Datum]>::is_empty) {
+            let mut diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "an activity is a list");
+            if let Some(name) = datum.as_symbol() {
+                diagnostic = diagnostic.help(format!("write `({name})`"));
+            }
+            return self.refuse(diagnostic);
+        }
+        let template = self.template(datum)?;
+        self.goals.push(Goal { template: template.clone(), span: datum.span });
+        Some(template)
+    }
+
+    /// Reports goals that nothing serves. `describe` names the place of a span for the reader.
+    pub(crate) fn report_unserved_goals(&mut self, describe: &dyn Fn(Span) -> String) {
+        let goals = std::mem::take(&mut self.goals);
+        let served = std::mem::take(&mut self.served);
+        let index = GoalIndex::new(&served);
+        let severity = self.undefined();
+        let mut reported: Vec<String> = Vec::new();
+        for goal in goals.iter().filter(|goal| !index.serves(&goal.template)) {
+            let text = template_text(&goal.template);
+            if reported.contains(&text) {
+                continue;
+            }
+            let message = format!("no procedure, primitive or solver serves `{text}`");
+            let mut diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, goal.span, message);
+            diagnostic = match index.nearest(&goal.template) {
+                Some(Near::Shape(other)) => diagnostic.help(format!(
+                    "`{}` is defined at {}, but has another shape",
+                    pattern_text(&other.pattern),
+                    describe(other.span)
+                )),
+                Some(Near::Name(help)) => diagnostic.help(help),
+                None => diagnostic.help(format!("write a procedure for it: `(procedure (index {text}) ..)`")),
+            };
+            self.report(diagnostic);
+            reported.push(text);
+            if reported.len() >= UNSERVED_MAX {
+                break;
+            }
+        }
+        self.served = served;
+    }
+}
+
+/// Unserved goals reported; each costs a search for what was meant.
+const UNSERVED_MAX: usize = 100;
+
+/// Served classes by the symbol that their goals begin with.
+struct GoalIndex<'s> {
+    by_head: BTreeMap<&'s Symbol, Vec<&'s Served>>,
+    open: Vec<&'s Served>,
+}
+
+enum Near<'s> {
+    Shape(&'s Served),
+    Name(String),
+}
+
+impl<'s> GoalIndex<'s> {
+    fn new(served: &'s [Served]) -> GoalIndex<'s> {
+        let mut index = GoalIndex { by_head: BTreeMap::new(), open: Vec::new() };
+        for each in served {
+            match pattern_head(&each.pattern) {
+                Some(head) => index.by_head.entry(head).or_default().push(each),
+                None => index.open.push(each),
+            }
+        }
+        index
+    }
+
+    /// May anything serve this goal?
+    fn serves(&self, goal: &Template) -> bool {
+        let view = View::Template(goal);
+        let Some(head) = view.head() else { return true };
+        let candidates = self.by_head.get(head).into_iter().flatten().chain(&self.open);
+        candidates.into_iter().any(|served| may_match(view, &served.pattern, &mut { MATCH_STEPS_MAX }))
+    }
+
+    fn nearest(&self, goal: &Template) -> Option<Near<'s>> {
+        let head = View::Template(goal).head()?;
+        if let Some(same) = self.by_head.get(head).and_then(|list| list.first()) {
+            return Some(Near::Shape(same));
+        }
+        let name = head.printed();
+        did_you_mean(name, self.by_head.keys().map(|head| head.printed())).map(Near::Name)
+    }
+}
+
+fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
+    match pattern {
+        Pattern::Literal(Value::List(items)) => items.first().and_then(Value::as_symbol),
+        Pattern::List(items) => match items.first() {
+            Some(Pattern::Literal(Value::Symbol(symbol))) => Some(symbol),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// A part of a goal: still a template, or already a value.
+#[derive(Clone, Copy)]
+enum View<'t> {
+    Template(&'t Template),
+    Value(&'t Value),
+}
+
+impl<'t> View<'t> {
+    fn value(self) -> Option<&'t Value> {
+        match self {
+            View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
+            View::Template(_) => None,
+        }
+    }
+
+    /// The parts of a list; none when this is no list, or when a splice makes its length unknown.
+    fn items(self) -> Option<Vec<View<'t>>> {
+        match (self, self.value()) {
+            (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),
+            (View::Template(Template::List(parts)), _)
+                if !parts.iter().any(|part| matches!(part, Template::Splice(_))) =>
+            {
+                Some(parts.iter().map(View::Template).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn head(self) -> Option<&'t Symbol> {
+        match (self, self.value()) {
+            (_, Some(Value::List(items))) => items.first().and_then(Value::as_symbol),
+            (View::Template(Template::List(parts)), _) => match parts.first() {
+                Some(Template::Constant(Value::Symbol(symbol))) => Some(symbol),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// True unless the goal provably does not match. Running out of steps counts as a match.
+fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> bool {
+    *steps = steps.saturating_sub(1);
+    if *steps == 0 || matches!(goal, View::Template(Template::Hole(_) | Template::Splice(_))) {
+        return true;
+    }
+    match pattern {
+        Pattern::Literal(Value::List(items)) => match goal.items() {
+            Some(parts) => {
+                parts.len() == items.len()
+                    && parts
+                        .iter()
+                        .zip(items.iter())
+                        .all(|(part, item)| may_match(*part, &Pattern::Literal(item.clone()), steps))
+            }
+            None => goal.value().is_none(),
+        },
+        Pattern::Literal(value) => match goal.value() {
+            Some(found) => found.matches(value),
+            None => false,
+        },
+        Pattern::List(patterns) => match goal.items() {
+            Some(parts) => list_may_match(&parts, patterns, steps),
+            None => goal.value().is_none(),
+        },
+        Pattern::And(patterns) => patterns.iter().all(|pattern| may_match(goal, pattern, steps)),
+        Pattern::Or(patterns) => patterns.iter().any(|pattern| may_match(goal, pattern, steps)),
+        Pattern::Variable(_)
+        | Pattern::BoundVariable(_)
+        | Pattern::Anonymous
+        | Pattern::Computed(_)
+        | Pattern::Segment { .. }
+        | Pattern::Guard(_)
+        | Pattern::Is { .. }
+        | Pattern::Not(_) => true,
+    }
+}
+
+fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> bool {
+    *steps = steps.saturating_sub(1);
+    if *steps == 0 {
+        return true;
+    }
+    let Some((pattern, rest)) = patterns.split_first() else { return parts.is_empty() };
+    match pattern {
+        Pattern::Guard(_) => list_may_match(parts, rest, steps),
+        Pattern::Segment { minimum, maximum, .. } => {
+            let most = maximum.map_or(parts.len(), usize::from).min(parts.len());
+            (usize::from(*minimum)..=most)
+                .any(|count| parts.get(count..).is_some_and(|left| list_may_match(left, rest, steps)))
+        }
+        _ => match parts.split_first() {
+            Some((part, left)) => may_match(*part, pattern, steps) && list_may_match(left, rest, steps),
+            None => false,
+        },
+    }
+}

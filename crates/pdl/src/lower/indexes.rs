@@ -1,0 +1,147 @@
+//! Procedures that compete for the same goals: an error when nothing tells them apart, a warning when specificity does not.
+
+use super::{Lowering, Served};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::print::pattern_text;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+
+/// Indexes with one first symbol that are compared pair by pair; beyond this only equal shapes are found.
+const COMPARED_MAX: usize = 100;
+
+impl Lowering {
+    /// Reports procedures and primitives of one bundle that nothing or only their order tells apart.
+    pub(crate) fn report_same_indexes(&mut self) {
+        let served = std::mem::take(&mut self.served);
+        let mut taken: BTreeMap<(Option<Symbol>, String), Span> = BTreeMap::new();
+        let mut distinct: BTreeMap<String, Vec<&Served>> = BTreeMap::new();
+        for each in served.iter().filter(|each| !each.by_solver) {
+            let key = (each.bundle.clone(), shape(&each.pattern));
+            if let Some(first) = taken.get(&key).copied() {
+                let text = pattern_text(&each.pattern);
+                let message = format!("`{text}` is served twice in one bundle");
+                let diagnostic = Diagnostic::error(codes::DUPLICATE_INDEX, each.span, message)
+                    .label(first, "the same goals are served here")
+                    .reason("nothing would tell which of the two to choose")
+                    .help("remove one, make its index more specific, or put it into another bundle");
+                self.report(diagnostic);
+                continue;
+            }
+            taken.insert(key, each.span);
+            distinct.entry(first_symbol(&each.pattern)).or_default().push(each);
+        }
+        for group in distinct.values() {
+            self.report_ties(group.get(..COMPARED_MAX).unwrap_or(group));
+        }
+        self.served = served;
+    }
+
+    fn report_ties(&mut self, group: &[&Served]) {
+        for (number, one) in group.iter().enumerate() {
+            for other in group.iter().take(number) {
+                if specificity(&one.pattern) != specificity(&other.pattern) || !overlap(&one.pattern, &other.pattern) {
+                    continue;
+                }
+                let (text, earlier) = (pattern_text(&one.pattern), pattern_text(&other.pattern));
+                let message = format!("`{text}` and `{earlier}` are equally specific and serve some goals in common");
+                let diagnostic = Diagnostic::new(Severity::Warning, codes::AMBIGUOUS_CHOICE, one.span, message)
+                    .label(other.span, "this one is chosen, because it comes first")
+                    .help("make one of them more specific");
+                self.report(diagnostic);
+            }
+        }
+    }
+}
+
+/// The pattern with its variables numbered: equal for patterns that match the same values.
+fn shape(pattern: &Pattern) -> String {
+    let mut names: BTreeMap<Symbol, usize> = BTreeMap::new();
+    let mut text = String::new();
+    write_shape(pattern, &mut names, &mut text);
+    text.to_lowercase()
+}
+
+fn write_shape(pattern: &Pattern, names: &mut BTreeMap<Symbol, usize>, text: &mut String) {
+    let mut number = |name: &Symbol| {
+        let next = names.len();
+        *names.entry(name.clone()).or_insert(next)
+    };
+    match pattern {
+        Pattern::Variable(name) => text.push_str(&format!("?{}", number(name))),
+        Pattern::Is { variable, predicate } => {
+            let variable = number(variable);
+            text.push_str(&format!("(?is ?{variable} {predicate})"));
+        }
+        Pattern::Segment { variable, minimum, maximum } => {
+            let variable = variable.as_ref().map(number);
+            text.push_str(&format!("(?{minimum}-{maximum:?} {variable:?})"));
+        }
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+            text.push_str(match pattern {
+                Pattern::And(_) => "(?and",
+                Pattern::Or(_) => "(?or",
+                _ => "(",
+            });
+            for part in parts {
+                text.push(' ');
+                write_shape(part, names, text);
+            }
+            text.push(')');
+        }
+        Pattern::Not(part) => {
+            text.push_str("(?not ");
+            write_shape(part, names, text);
+            text.push(')');
+        }
+        other => text.push_str(&pattern_text(other)),
+    }
+}
+
+fn first_symbol(pattern: &Pattern) -> String {
+    let first = match pattern {
+        Pattern::Literal(Value::List(items)) => items.first().cloned(),
+        Pattern::List(parts) => match parts.first() {
+            Some(Pattern::Literal(value)) => Some(value.clone()),
+            _ => None,
+        },
+        _ => None,
+    };
+    first.map_or(String::new(), |value| value.to_string().to_lowercase())
+}
+
+/// Variables bound, and how many items at the start are constant. Fewer variables, then a longer start win.
+fn specificity(pattern: &Pattern) -> (usize, usize) {
+    let prefix = match pattern {
+        Pattern::List(parts) => parts.iter().take_while(|part| matches!(part, Pattern::Literal(_))).count(),
+        _ => usize::MAX,
+    };
+    (variables(pattern), prefix)
+}
+
+fn variables(pattern: &Pattern) -> usize {
+    match pattern {
+        Pattern::Variable(_) | Pattern::Is { .. } | Pattern::Segment { variable: Some(_), .. } => 1,
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => parts.iter().map(variables).sum(),
+        _ => 0,
+    }
+}
+
+/// True when some value provably matches both patterns; guards and segments are not looked into.
+fn overlap(a: &Pattern, b: &Pattern) -> bool {
+    match (a, b) {
+        (Pattern::Literal(a), Pattern::Literal(b)) => a.matches(b),
+        (Pattern::Variable(_) | Pattern::Anonymous, other) | (other, Pattern::Variable(_) | Pattern::Anonymous) => {
+            matches!(other, Pattern::Variable(_) | Pattern::Anonymous | Pattern::Literal(_) | Pattern::List(_))
+        }
+        (Pattern::List(a), Pattern::List(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| overlap(a, b)),
+        (Pattern::List(parts), Pattern::Literal(Value::List(items)))
+        | (Pattern::Literal(Value::List(items)), Pattern::List(parts)) => {
+            parts.len() == items.len()
+                && parts.iter().zip(items.iter()).all(|(part, item)| overlap(part, &Pattern::Literal(item.clone())))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,138 @@
+//! Data to the model's nouns: names resolved, shapes checked, every flaw reported once.
+//!
+//! Convention: a lowering method returns `None` when it has reported why there is no result.
+
+mod activity;
+mod application;
+mod calls;
+mod clauses;
+mod compose;
+mod condition;
+mod constraint;
+mod declarations;
+mod episode;
+mod expected;
+mod expression;
+mod goals;
+mod indexes;
+mod measurement;
+mod names;
+mod pattern;
+mod primitive;
+mod procedure;
+mod scope;
+mod special;
+mod step;
+mod support;
+mod template;
+mod timing;
+
+pub(crate) use compose::ALLEN;
+pub(crate) use goals::{Goal, Served};
+pub(crate) use names::{Callable, Names};
+pub(crate) use scope::Scope;
+
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::read::Datum;
+use apex_model::symbol::Symbol;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Messages kept; a text with more flaws is not read to the end by anyone.
+const DIAGNOSTICS_MAX: usize = 1_000;
+
+/// Everything that lowering needs to know and everything that it finds out.
+pub(crate) struct Lowering {
+    /// Definitions of all files.
+    pub(crate) names: Names,
+    /// Undefined names are notes.
+    pub(crate) fragment: bool,
+    /// Messages so far.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Names of functions that nothing defines, with every use.
+    pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
+    /// Names of indexicals that nothing defines, with every use.
+    pub(crate) unknown_indexicals: BTreeMap<Symbol, Vec<Span>>,
+    /// Goals that steps pursue.
+    pub(crate) goals: Vec<Goal>,
+    /// Goals that procedures, primitives and solvers serve.
+    pub(crate) served: Vec<Served>,
+    /// The procedure, primitive or function at hand.
+    pub(crate) scope: Scope,
+    /// Where effects are forbidden, as words for the message; none allows them.
+    pub(crate) pure_in: Option<&'static str>,
+    /// Functions called since the last reset, to find out which functions have effects.
+    pub(crate) called: BTreeSet<Symbol>,
+    /// An effect was seen since the last reset.
+    pub(crate) had_effect: bool,
+    /// The bundle of the forms at hand; none is the default bundle.
+    pub(crate) bundle: Option<Symbol>,
+    /// The index at hand is a solver's.
+    pub(crate) is_solver: bool,
+    /// A form was refused that may serve goals or define names: what it defines must not be missed.
+    pub(crate) refused_form: bool,
+}
+
+impl Lowering {
+    pub(crate) fn new(names: Names, fragment: bool) -> Lowering {
+        Lowering {
+            names,
+            fragment,
+            diagnostics: Vec::new(),
+            unknown_functions: BTreeMap::new(),
+            unknown_indexicals: BTreeMap::new(),
+            goals: Vec::new(),
+            served: Vec::new(),
+            scope: Scope::default(),
+            pure_in: None,
+            called: BTreeSet::new(),
+            had_effect: false,
+            bundle: None,
+            is_solver: false,
+            refused_form: false,
+        }
+    }
+
+    /// Reports `diagnostic`.
+    pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
+        if self.diagnostics.len() < DIAGNOSTICS_MAX {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Reports an error and yields nothing, for the end of a lowering method.
+    pub(crate) fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
+        self.report(diagnostic);
+        None
+    }
+
+    /// The severity of an undefined name: in a fragment its definition may be elsewhere.
+    pub(crate) fn undefined(&self) -> Severity {
+        if self.fragment { Severity::Note } else { Severity::Error }
+    }
+
+    /// Runs `body` where effects are forbidden.
+    pub(crate) fn pure<T>(&mut self, place: &'static str, body: impl FnOnce(&mut Lowering) -> T) -> T {
+        let before = self.pure_in.replace(place);
+        let result = body(self);
+        self.pure_in = before;
+        result
+    }
+
+    /// Lowers every item; `None` if one of them fails, after all have been looked at.
+    pub(crate) fn all<T>(
+        &mut self,
+        items: &[Datum],
+        mut lower: impl FnMut(&mut Lowering, &Datum) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let lowered: Vec<Option<T>> = items.iter().map(|item| lower(self, item)).collect();
+        lowered.into_iter().collect()
+    }
+}
+
+/// The span of `items`, or `fallback` without items.
+pub(crate) fn span_of(items: &[Datum], fallback: Span) -> Span {
+    match (items.first(), items.last()) {
+        (Some(first), Some(last)) => first.span.to(last.span),
+        _ => fallback,
+    }
+}

@@ -1,0 +1,313 @@
+//! Steps (`pdl.md` section 4): tag, activity, result, clauses.
+
+use super::Lowering;
+use super::activity::swap;
+use super::clauses::groups;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::read::{Datum, DatumKind};
+use crate::suggest::did_you_mean;
+use apex_model::expression::Expr;
+use apex_model::procedure::{Activity, BuiltInActivity, Hooks, PriorityClause, Repetition, Step, Transitions};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+
+/// A step's text, taken apart but not yet lowered.
+pub(crate) struct StepSource<'d> {
+    pub(crate) tag: Symbol,
+    pub(crate) tag_span: Span,
+    pub(crate) activity: &'d Datum,
+    /// The pattern of a `=>` after the activity.
+    pub(crate) result: Option<&'d Datum>,
+    pub(crate) clauses: Vec<&'d Datum>,
+    pub(crate) span: Span,
+}
+
+/// Clauses of a step.
+pub(crate) const STEP_CLAUSES: &[&str] = &[
+    "waitfor",
+    "select",
+    "forall",
+    "priority",
+    "rank",
+    "interrupt-cost",
+    "repeating",
+    "responding",
+    "profile",
+    "on-start",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "on-failure",
+    "terminate",
+    "end-when",
+    "restart",
+    "restart-when",
+    "resume",
+    "resume-when",
+    "suspend",
+    "suspend-when",
+];
+/// Clauses that may stand several times.
+const REPEATABLE: &[&str] =
+    &["select", "priority", "profile", "log", "on-start", "on-end", "on-suspend", "on-resume", "on-completion"];
+
+impl Lowering {
+    /// Takes `(step [TAG] (ACTIVITY) [=> PATTERN] CLAUSE..)` apart. A missing tag is empty until it is numbered.
+    pub(crate) fn step_source<'d>(&mut self, datum: &'d Datum) -> Option<StepSource<'d>> {
+        let items = datum.tail();
+        let (tag, rest) = match items {
+            [tag, rest @ ..] if tag.as_symbol().is_some() && tag.keyword().is_none() => (Some(tag), rest),
+            [Datum { kind: DatumKind::Variable(_), span }, ..] => {
+                let diagnostic = Diagnostic::error(codes::MALFORMED, *span, "a tag is written without question mark")
+                    .help("`?tag` is the task of the step tagged `tag`");
+                return self.refuse(diagnostic);
+            }
+            _ => (None, items),
+        };
+        let Some((activity, rest)) = rest.split_first().filter(|(activity, _)| activity.as_list().is_some()) else {
+            return self.missing_part(datum.span, "this step has no activity", "(step [TAG] (ACTIVITY ..) CLAUSE..)");
+        };
+        let (result, clauses) = match rest {
+            [mark, pattern, clauses @ ..] if mark.is("=>") => (Some(pattern), clauses),
+            _ => (None, rest),
+        };
+        let tag_span = tag.unwrap_or(activity).span;
+        let tag = tag.and_then(Datum::as_symbol).cloned().unwrap_or_else(|| Symbol::new(""));
+        Some(StepSource { tag, tag_span, activity, result, clauses: clauses.iter().collect(), span: datum.span })
+    }
+
+    /// Lowers step `number` of the procedure at hand.
+    pub(crate) fn step(&mut self, number: usize, source: &StepSource<'_>) -> Option<Step> {
+        self.scope.step = Some(number);
+        let step = self.step_parts(source);
+        self.scope.step = None;
+        step
+    }
+
+    fn step_parts(&mut self, source: &StepSource<'_>) -> Option<Step> {
+        let mut complete = self.check_clauses(&source.clauses, STEP_CLAUSES, "a step");
+        let (activity, inner) = self.split_result(source.activity)?;
+        if let (Some(inner), Some(outer)) = (inner, source.result) {
+            self.report_twice("`=>`", inner.span, outer.span);
+            complete = false;
+        }
+        let lowered = self.pure("an activity", |lowering| lowering.activity(&activity));
+        let binds = inner.or(source.result).map(|pattern| self.result_pattern(pattern));
+        let mut step = Step {
+            tag: source.tag.clone(),
+            activity: Activity::BuiltIn(BuiltInActivity::Print, Vec::new()),
+            binds: None,
+            waitfor: Vec::new(),
+            select: Vec::new(),
+            forall: None,
+            priority: Vec::new(),
+            rank: None,
+            interrupt_cost: None,
+            repeating: None,
+            responding: None,
+            profile: Vec::new(),
+            transitions: Transitions::default(),
+            hooks: Hooks::default(),
+            on_failure: None,
+            place: source.span.place(),
+        };
+        for clause in &source.clauses {
+            complete &= self.step_clause(clause, &mut step).is_some();
+        }
+        step.activity = lowered?;
+        step.binds = swap(binds)?;
+        complete.then_some(())?;
+        self.check_repetition(source, &step)?;
+        self.check_step_support(&step, source.span)?;
+        Some(step)
+    }
+
+    /// The pattern of a `=>` binds for the whole procedure.
+    fn result_pattern(&mut self, datum: &Datum) -> Option<apex_model::pattern::Pattern> {
+        let step = self.scope.step.take();
+        let pattern = self.pattern(datum);
+        self.scope.step = step;
+        pattern
+    }
+
+    fn step_clause(&mut self, clause: &Datum, step: &mut Step) -> Option<()> {
+        let items = clause.tail();
+        match clause.head_name() {
+            "waitfor" => {
+                if items.is_empty() {
+                    return self.missing_part(clause.span, "this `waitfor` waits for nothing", "(waitfor CONDITION..)");
+                }
+                step.waitfor = self.conditions(items)?;
+                for condition in &step.waitfor {
+                    self.check_condition_support(condition, clause)?;
+                }
+            }
+            "select" => step.select.push(self.select(clause)?),
+            "forall" => step.forall = Some(self.forall(clause)?),
+            "priority" => step.priority.push(self.priority(clause)?),
+            "rank" => step.rank = Some(self.only_expression(clause)?),
+            "interrupt-cost" => step.interrupt_cost = Some(self.only_expression(clause)?),
+            "repeating" => step.repeating = Some(self.repetition(clause, true)?),
+            "responding" => step.responding = Some(self.repetition(clause, false)?),
+            "profile" => step.profile.extend(self.profile(clause)?),
+            "on-failure" => {
+                let datum = self.only("on-failure", items, clause.span)?;
+                step.on_failure = Some(self.pure("an activity", |lowering| lowering.activity(datum))?);
+            }
+            "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut step.hooks)?,
+            name if STEP_CLAUSES.contains(&name) => self.transition(clause, &mut step.transitions)?,
+            // Unknown clauses have been reported.
+            _ => {}
+        }
+        Some(())
+    }
+
+    /// Reports unknown clauses and clauses that may stand once but stand twice.
+    pub(crate) fn check_clauses(&mut self, clauses: &[&Datum], known: &[&str], of: &str) -> bool {
+        let mut fine = true;
+        for (index, clause) in clauses.iter().enumerate() {
+            let name = clause.head_name();
+            if !known.contains(&name) {
+                fine = false;
+                self.report_unknown_clause(clause, known, of);
+                continue;
+            }
+            let earlier = clauses.iter().take(index).find(|earlier| earlier.head_name() == name);
+            if let Some(earlier) = earlier.filter(|_| !REPEATABLE.contains(&name)) {
+                fine = false;
+                let (first, second) = (earlier.span, clause.span);
+                if name == "waitfor" {
+                    let diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second, "clause `waitfor` is given twice")
+                        .label(first, "first given here")
+                        .help("put all conditions into one `waitfor`: all of them must hold")
+                        .help("where one of several is enough, write `(waitfor (:or ..))`");
+                    self.report(diagnostic);
+                } else {
+                    self.report_twice(&format!("clause `{name}`"), first, second);
+                }
+            }
+        }
+        fine
+    }
+
+    fn report_unknown_clause(&mut self, clause: &Datum, known: &[&str], of: &str) {
+        let Some(name) = clause.head() else {
+            let shown = if clause.as_list().is_some() { "this list" } else { "this" };
+            let diagnostic =
+                Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, format!("{shown} is no clause of {of}"))
+                    .help("a clause is a list that begins with its name, for example `(waitfor ..)`");
+            return self.report(diagnostic);
+        };
+        let message = format!("{of} has no clause `{name}`");
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, message);
+        self.report(match did_you_mean(name.printed(), known.iter().copied()) {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic.help(format!("its clauses are {}", known.join(" "))),
+        });
+    }
+
+    pub(crate) fn only_expression(&mut self, clause: &Datum) -> Option<Expr> {
+        let datum = self.only(clause.head_name(), clause.tail(), clause.span)?;
+        self.pure_expression(datum, "this clause")
+    }
+
+    pub(crate) fn select(&mut self, clause: &Datum) -> Option<(Symbol, Expr)> {
+        let [Datum { kind: DatumKind::Variable(name), span }, value] = clause.tail() else {
+            return self.missing_part(
+                clause.span,
+                "this `select` has the wrong parts",
+                "(select ?variable EXPRESSION)",
+            );
+        };
+        self.scope.bind(name, *span);
+        Some((name.clone(), self.pure_expression(value, "a select clause")?))
+    }
+
+    fn forall(&mut self, clause: &Datum) -> Option<(Symbol, Expr)> {
+        match clause.tail() {
+            [Datum { kind: DatumKind::Variable(name), span }, word, list] if word.is("in") => {
+                self.scope.bind(name, *span);
+                Some((name.clone(), self.pure_expression(list, "a forall clause")?))
+            }
+            _ => self.missing_part(clause.span, "this `forall` has the wrong parts", "(forall ?variable in LIST)"),
+        }
+    }
+
+    fn priority(&mut self, clause: &Datum) -> Option<PriorityClause> {
+        let (before, options) = groups(clause.tail());
+        if let ([number], []) = (before, options.as_slice()) {
+            return self.pure_expression(number, "a priority clause").map(PriorityClause::Number);
+        }
+        self.no_stray(before)?;
+        self.check_groups(&options, &["urgency", "importance"], "`priority`")?;
+        let lower = |lowering: &mut Lowering, datum: &Datum| lowering.pure_expression(datum, "a priority clause");
+        let urgency = self.optional(&options, "urgency", lower)?;
+        let importance = self.optional(&options, "importance", lower)?;
+        match (urgency, importance) {
+            (Some(urgency), Some(importance)) => Some(PriorityClause::UrgencyImportance(urgency, importance)),
+            _ => {
+                let shape = "(priority NUMBER) or (priority :urgency U :importance I)";
+                self.missing_part(clause.span, "this `priority` has the wrong parts", shape)
+            }
+        }
+    }
+
+    fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
+        let (stray, options) = groups(clause.tail());
+        self.no_stray(stray)?;
+        let known: &[&str] = if repeating {
+            &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"]
+        } else {
+            &["while", "until", "for-new"]
+        };
+        self.check_groups(&options, known, &format!("`{}`", clause.head_name()))?;
+        let test = |lowering: &mut Lowering, datum: &Datum| lowering.pure_expression(datum, "a repetition");
+        let while_true = self.optional(&options, "while", test)?;
+        let until = self.optional(&options, "until", test)?;
+        let enabled = match options.iter().find(|group| group.name == "enabled") {
+            Some(group) if group.values.is_empty() => Some(super::expression::constant(Value::truth(true), group.span)),
+            _ => self.optional(&options, "enabled", test)?,
+        };
+        let recovery = self.optional(&options, "with-recovery", Lowering::duration)?;
+        let minimum_interval = self.optional(&options, "with-min-interval", Lowering::duration)?;
+        let new = super::clauses::values_of(&options, "for-new");
+        let for_new = self.all(new, |lowering, datum| match &datum.kind {
+            DatumKind::Variable(name) => {
+                lowering.scope.use_variable(name, datum.span);
+                Some(name.clone())
+            }
+            _ => lowering.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "`:for-new` takes variables")),
+        })?;
+        Some(Repetition { while_true, until, enabled, recovery, minimum_interval, for_new })
+    }
+
+    fn check_repetition(&mut self, source: &StepSource<'_>, step: &Step) -> Option<()> {
+        let clause =
+            |name: &str| source.clauses.iter().find(|clause| clause.head_name() == name).map(|clause| clause.span);
+        if step.responding.is_some() && step.waitfor.is_empty() {
+            let span = clause("responding").unwrap_or(source.span);
+            let diagnostic =
+                Diagnostic::error(codes::RESPONDING_WITHOUT_WAITFOR, span, "a responding step needs a waitfor")
+                    .reason("each event that satisfies the waitfor starts a new instance")
+                    .help("add `(waitfor ..)`, or use `repeating`");
+            return self.refuse(diagnostic);
+        }
+        let takes_no_time = match &step.activity {
+            Activity::Goal(_) | Activity::Terminate { .. } => false,
+            Activity::BuiltIn(which, _) => !matches!(which, BuiltInActivity::AskOperator | BuiltInActivity::Plan),
+        };
+        let endless = step.repeating.as_ref().is_some_and(|repeating| {
+            repeating.while_true.is_none() && repeating.until.is_none() && repeating.minimum_interval.is_none()
+        });
+        if takes_no_time && endless && step.waitfor.is_empty() {
+            let span = clause("repeating").unwrap_or(source.span);
+            let diagnostic =
+                Diagnostic::error(codes::ENDLESS_REPETITION, span, "this step repeats without end at one instant")
+                    .reason("its activity takes no time and nothing makes it wait")
+                    .help("add `:with-min-interval D`, `:until T`, or a waitfor");
+            return self.refuse(diagnostic);
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,82 @@
+//! Timing of episodes and events: start, end, duration and the manual's earliest and latest (`monitoring.md` section 1, T).
+
+use super::Lowering;
+use super::expected::{Expected, ExpectedKind};
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::read::Datum;
+use crate::suggest::did_you_mean;
+use apex_model::condition::{Constraint, Relation, Timing};
+
+const WORDS: &[&str] = &[
+    "start",
+    "end",
+    "duration",
+    "es",
+    "ls",
+    "ee",
+    "le",
+    "earliest-start",
+    "latest-start",
+    "earliest-end",
+    "latest-end",
+];
+
+impl Lowering {
+    /// Lowers the values of `:timing`. An event's time may be constrained directly, as Table 1 of the paper prints it.
+    pub(crate) fn timing(&mut self, items: &[Datum], is_event: bool) -> Option<Timing> {
+        let mut timing = Timing::default();
+        let mut complete = true;
+        for item in items {
+            let done = if Lowering::is_nested(item) {
+                item.as_list()
+                    .unwrap_or_default()
+                    .iter()
+                    .all(|inner| self.timing_group(inner, is_event, &mut timing).is_some())
+            } else {
+                self.timing_group(item, is_event, &mut timing).is_some()
+            };
+            complete &= done;
+        }
+        complete.then_some(timing)
+    }
+
+    fn timing_group(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {
+        let instant = Expected::plain("this time", ExpectedKind::Instant);
+        let word = item.as_list().and_then(<[Datum]>::first).and_then(Datum::keyword);
+        match word {
+            Some("start") => timing.start.extend(self.constraints(item.tail(), &instant)?),
+            Some("end") => timing.end.extend(self.constraints(item.tail(), &instant)?),
+            Some("duration") => {
+                let duration = Expected::plain("the duration", ExpectedKind::Duration);
+                timing.duration.extend(self.constraints(item.tail(), &duration)?);
+            }
+            Some("es" | "earliest-start") => timing.start.push(self.limit(item, Relation::GreaterOrEqual)?),
+            Some("ls" | "latest-start") => timing.start.push(self.limit(item, Relation::LessOrEqual)?),
+            Some("ee" | "earliest-end") => timing.end.push(self.limit(item, Relation::GreaterOrEqual)?),
+            Some("le" | "latest-end") => timing.end.push(self.limit(item, Relation::LessOrEqual)?),
+            None if is_event && item.head().is_some() => {
+                timing.start.extend(self.constraints(std::slice::from_ref(item), &instant)?);
+            }
+            _ => {
+                let diagnostic =
+                    Diagnostic::error(codes::MALFORMED_CONDITION, item.span, "this is no timing constraint");
+                let suggestion = word.and_then(|word| did_you_mean(word, WORDS.iter().copied()));
+                return self.refuse(match suggestion {
+                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
+                    None => diagnostic
+                        .help("write `(:start CONSTRAINT..)`, `(:end CONSTRAINT..)` or `(:duration CONSTRAINT..)`"),
+                });
+            }
+        }
+        Some(())
+    }
+
+    fn limit(&mut self, item: &Datum, relation: Relation) -> Option<Constraint> {
+        let datum = self.only("an earliest or latest time", item.tail(), item.span)?;
+        let instant = Expected::plain("this time", ExpectedKind::Instant);
+        let right = self.pure_expression(datum, "a condition")?;
+        let right = self.conform(right, datum.span, &instant)?;
+        Some(Constraint::Compare { relation, right, tolerance: None })
+    }
+}

@@ -1,0 +1,227 @@
+//! Procedures, primitives and plans as text.
+
+use super::condition::condition_text;
+use super::expression::{expression_text, form_text, pattern_text, template_text};
+use super::value::literal_text;
+use super::{joined, laid_out, list_text};
+use apex_model::condition::Condition;
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::procedure::{
+    Activity, BuiltInActivity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, ProcedureKind, Repetition,
+    ResourceNeed, Step, Transitions,
+};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+
+/// The procedure as PDL. Its bundle is not part of the text: it is what `in-apex-bundle` says before it.
+pub fn print_procedure(procedure: &Procedure) -> String {
+    let kind = match procedure.kind {
+        ProcedureKind::Concurrent => "",
+        ProcedureKind::Sequential => ":sequential",
+        ProcedureKind::Ranked => ":ranked",
+        ProcedureKind::SoftSequential => ":soft-seq",
+    };
+    let mut parts = vec![kind.to_string(), format!("(index {})", pattern_text(&procedure.index))];
+    parts.push(profile_text(&procedure.profile));
+    parts.push(log_text(&procedure.log));
+    parts.push(clause("expected-duration", procedure.expected_duration.as_ref()));
+    parts.push(clause("interrupt-cost", procedure.interrupt_cost.as_ref()));
+    parts.extend(transitions_text(&procedure.transitions));
+    parts.extend(hooks_text(&procedure.hooks));
+    parts.extend(procedure.steps.iter().map(step_text));
+    laid_out(list_text("procedure", parts))
+}
+
+/// The primitive as PDL.
+pub fn print_primitive(primitive: &Primitive) -> String {
+    let mut parts = vec![format!("(index {})", pattern_text(&primitive.index)), profile_text(&primitive.profile)];
+    if !primitive.locals.is_empty() {
+        let local = |(name, value): &(Symbol, Expr)| format!("({name} {})", expression_text(value));
+        parts.push(list_text("locals", primitive.locals.iter().map(local)));
+    }
+    parts.push(clause("duration", primitive.duration.as_ref()));
+    let [on_start, others @ ..] = hooks_text(&primitive.hooks);
+    parts.push(on_start);
+    if let Some((interval, forms)) = &primitive.update {
+        let interval = interval.iter().map(expression_text);
+        parts.push(list_text("update", interval.chain(forms.iter().map(expression_text))));
+    }
+    if !primitive.on_completion.is_empty() {
+        parts.push(list_text("on-completion", primitive.on_completion.iter().map(expression_text)));
+    }
+    parts.extend(others);
+    parts.push(clause("return", primitive.returns.as_ref()));
+    laid_out(list_text("primitive", parts))
+}
+
+/// A plan as PDL: a sequential procedure for the goal `index`, one step for each planned activity.
+/// With `repeat` the plan is a cycle: it begins again whenever it has ended.
+pub fn print_plan(index: &Value, steps: &[(Symbol, Value)], repeat: bool) -> String {
+    let step = |(tag, activity): &(Symbol, Value)| format!("(step {tag} {})", literal_text(activity));
+    let goal = literal_text(index);
+    if !repeat {
+        let parts = [":sequential".to_string(), format!("(index {goal})")];
+        return laid_out(list_text("procedure", parts.into_iter().chain(steps.iter().map(step))));
+    }
+    let cycle = format!("(one-cycle-of {goal})");
+    let outer = format!("(procedure (index {goal}) (step cycle {cycle} (repeating)))");
+    let parts = [":sequential".to_string(), format!("(index {cycle})")];
+    let inner = list_text("procedure", parts.into_iter().chain(steps.iter().map(step)));
+    laid_out(format!("{outer}\n\n{inner}"))
+}
+
+fn clause(name: &str, expr: Option<&Expr>) -> String {
+    expr.map_or(String::new(), |expr| format!("({name} {})", expression_text(expr)))
+}
+
+fn condition_clause(name: &str, condition: Option<&Condition>) -> String {
+    condition.map_or(String::new(), |condition| format!("({name} {})", condition_text(condition)))
+}
+
+fn profile_text(needs: &[ResourceNeed]) -> String {
+    if needs.is_empty() {
+        return String::new();
+    }
+    let need = |need: &ResourceNeed| {
+        let name = template_text(&need.resource);
+        match &need.amount {
+            Some(amount) => format!("({name} {})", expression_text(amount)),
+            None => name,
+        }
+    };
+    list_text("profile", needs.iter().map(need))
+}
+
+fn log_text(policies: &[LogPolicy]) -> String {
+    let policy = |policy: &LogPolicy| {
+        let variable = template_text(&policy.variable);
+        let limits = [
+            policy.frequency_limit.map_or(String::new(), |limit| format!(":frequency-limit {limit}")),
+            policy.time_limit.map_or(String::new(), |limit| format!(":time-limit {limit}")),
+            policy.count_limit.map_or(String::new(), |limit| format!(":count-limit {limit}")),
+        ];
+        if limits.iter().all(String::is_empty) { variable } else { list_text(&variable, limits) }
+    };
+    if policies.is_empty() { String::new() } else { list_text("log", policies.iter().map(policy)) }
+}
+
+fn transitions_text(transitions: &Transitions) -> [String; 4] {
+    let suspend = match (&transitions.suspend_when, &transitions.suspend_until) {
+        (Some(when), Some(until)) => {
+            format!("(suspend-when {} until {})", condition_text(when), condition_text(until))
+        }
+        (when, _) => condition_clause("suspend-when", when.as_ref()),
+    };
+    [
+        condition_clause("end-when", transitions.end_when.as_ref()),
+        condition_clause("restart-when", transitions.restart_when.as_ref()),
+        condition_clause("resume-when", transitions.resume_when.as_ref()),
+        suspend,
+    ]
+}
+
+fn hooks_text(hooks: &Hooks) -> [String; 4] {
+    let hook = |name: &str, forms: &[Expr]| match forms {
+        [] => String::new(),
+        forms => list_text(name, forms.iter().map(expression_text)),
+    };
+    [
+        hook("on-start", &hooks.on_start),
+        hook("on-end", &hooks.on_end),
+        hook("on-suspend", &hooks.on_suspend),
+        hook("on-resume", &hooks.on_resume),
+    ]
+}
+
+fn step_text(step: &Step) -> String {
+    let mut parts = vec![step.tag.to_string(), activity_text(&step.activity)];
+    parts.extend(step.binds.as_ref().map(|pattern| format!("=> {}", pattern_text(pattern))));
+    if !step.waitfor.is_empty() {
+        parts.push(list_text("waitfor", step.waitfor.iter().map(condition_text)));
+    }
+    parts.extend(step.select.iter().map(|(name, value)| format!("(select ?{name} {})", expression_text(value))));
+    parts.extend(step.forall.iter().map(|(name, list)| format!("(forall ?{name} in {})", expression_text(list))));
+    parts.extend(step.priority.iter().map(|priority| match priority {
+        PriorityClause::Number(number) => format!("(priority {})", expression_text(number)),
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            format!("(priority :urgency {} :importance {})", expression_text(urgency), expression_text(importance))
+        }
+    }));
+    parts.push(clause("rank", step.rank.as_ref()));
+    parts.push(clause("interrupt-cost", step.interrupt_cost.as_ref()));
+    parts.extend(step.repeating.iter().map(|repetition| repetition_text("repeating", repetition)));
+    parts.extend(step.responding.iter().map(|repetition| repetition_text("responding", repetition)));
+    parts.push(profile_text(&step.profile));
+    parts.extend(transitions_text(&step.transitions));
+    parts.extend(hooks_text(&step.hooks));
+    parts.extend(step.on_failure.iter().map(|activity| format!("(on-failure {})", activity_text(activity))));
+    list_text("step", parts)
+}
+
+fn repetition_text(head: &str, repetition: &Repetition) -> String {
+    let option = |name: &str, expr: &Option<Expr>| {
+        expr.as_ref().map_or(String::new(), |expr| format!(":{name} {}", expression_text(expr)))
+    };
+    let new = match repetition.for_new.as_slice() {
+        [] => String::new(),
+        names => format!(":for-new {}", joined(names.iter().map(|name| format!("?{name}")))),
+    };
+    let parts = [
+        option("while", &repetition.while_true),
+        option("until", &repetition.until),
+        option("enabled", &repetition.enabled),
+        option("with-recovery", &repetition.recovery),
+        option("with-min-interval", &repetition.minimum_interval),
+        new,
+    ];
+    list_text(head, parts)
+}
+
+fn activity_text(activity: &Activity) -> String {
+    match activity {
+        Activity::Goal(template) => template_text(template),
+        Activity::Terminate { task, outcome, value } => {
+            let value = value.as_ref().map_or(String::new(), |value| format!(">> {}", expression_text(value)));
+            let text = |expr: &Option<Expr>| expr.as_ref().map_or(String::new(), expression_text);
+            list_text("terminate", [text(task), text(outcome), value])
+        }
+        Activity::BuiltIn(which, arguments) => built_in_text(*which, arguments),
+    }
+}
+
+fn built_in_text(which: BuiltInActivity, arguments: &[Expr]) -> String {
+    let plain = |head: &str| list_text(head, arguments.iter().map(expression_text));
+    let forms = |head: &str| list_text(head, arguments.iter().map(form_text));
+    match which {
+        BuiltInActivity::Reset => plain("reset"),
+        BuiltInActivity::Suspend => plain("suspend"),
+        BuiltInActivity::Resume => plain("resume"),
+        BuiltInActivity::Reprioritize => plain("reprioritize"),
+        BuiltInActivity::Print => plain("print"),
+        BuiltInActivity::EndApplication => plain("end-application"),
+        BuiltInActivity::Inform => forms("inform"),
+        BuiltInActivity::HoldResource => forms("hold-resource"),
+        BuiltInActivity::ReleaseResource => forms("release-resource"),
+        BuiltInActivity::Cogevent => {
+            let (form, agent) = arguments.split_at_checked(1).unwrap_or((arguments, &[]));
+            list_text("cogevent", form.iter().map(form_text).chain(agent.iter().map(expression_text)))
+        }
+        BuiltInActivity::AskOperator => {
+            let names = ["question", ":options", ":by", ":default"];
+            list_text("ask operator", named_arguments(&names, arguments))
+        }
+        BuiltInActivity::Plan => list_text("plan", named_arguments(&["goal", ":with", ":budget"], arguments)),
+    }
+}
+
+/// Arguments behind their keywords; nil is left out.
+fn named_arguments(names: &[&str], arguments: &[Expr]) -> Vec<String> {
+    let is_nil = |expr: &Expr| matches!(&expr.kind, ExprKind::Constant(value) if !value.is_true());
+    let text = |(name, expr): (&&str, &Expr)| match *name {
+        "question" => expression_text(expr),
+        "goal" => form_text(expr),
+        ":default" | ":with" => format!("{name} {}", form_text(expr)),
+        name => format!("{name} {}", expression_text(expr)),
+    };
+    names.iter().zip(arguments).filter(|(name, expr)| !name.starts_with(':') || !is_nil(expr)).map(text).collect()
+}

@@ -1,0 +1,9 @@
+//! Lossless tree to data: numbers, quantities, names and lists with their places (`pdl.md` section 1).
+
+mod atom;
+mod datum;
+mod reader;
+
+pub(crate) use atom::{Atom, classify, is_number_like_symbol, parse_unit_misspelt};
+pub(crate) use datum::{Datum, DatumKind};
+pub(crate) use reader::read_file;

@@ -1,0 +1,83 @@
+//! Messages as text for a terminal: file, line, column, the source line, reason and help.
+
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use apex_model::source::SourceFile;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Renders `diagnostics` over the `sources` that their spans index, in order; with terminal colours if `color`.
+pub fn render(diagnostics: &[Diagnostic], sources: &[SourceFile], color: bool) -> String {
+    let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+    let mut text = String::new();
+    for diagnostic in diagnostics {
+        text.push_str(&render_one(diagnostic, sources, &renderer));
+        text.push_str("\n\n");
+    }
+    text
+}
+
+fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Renderer) -> String {
+    let level = match diagnostic.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
+    };
+    let mut by_file: BTreeMap<u32, Vec<(Span, AnnotationKind, Option<&str>)>> = BTreeMap::new();
+    by_file.entry(diagnostic.span.file).or_default().push((diagnostic.span, AnnotationKind::Primary, None));
+    for label in &diagnostic.labels {
+        by_file.entry(label.span.file).or_default().push((label.span, AnnotationKind::Context, Some(&label.text)));
+    }
+    let mut group = level
+        .primary_title(&*diagnostic.message)
+        .id(diagnostic.code)
+        .elements(Vec::<Snippet<'_, annotate_snippets::Annotation<'_>>>::new());
+    let first = by_file.remove(&diagnostic.span.file).map(|spans| (diagnostic.span.file, spans));
+    for (file, spans) in first.into_iter().chain(by_file) {
+        let Some(source) = usize::try_from(file).ok().and_then(|index| sources.get(index)) else { continue };
+        group = group.element(snippet(source, &spans));
+    }
+    if let Some(reason) = &diagnostic.reason {
+        group = group.element(Level::NOTE.with_name("reason").message(&**reason));
+    }
+    for help in &diagnostic.help {
+        group = group.element(Level::HELP.message(&**help));
+    }
+    renderer.render(&[group])
+}
+
+/// The lines that the spans stand on, with the spans marked. Long spans are cut after their first line, so that a
+/// message about a form does not print the whole form.
+fn snippet<'s>(
+    source: &'s SourceFile,
+    spans: &[(Span, AnnotationKind, Option<&'s str>)],
+) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
+    let ranges: Vec<Range<usize>> = spans.iter().map(|(span, ..)| first_line(&source.text, span)).collect();
+    let start = ranges.iter().map(|range| range.start).min().unwrap_or(0);
+    let end = ranges.iter().map(|range| range.end).max().unwrap_or(0);
+    let line = spans.iter().map(|(span, ..)| span.line).min().unwrap_or(1);
+    let from = source.text.get(..start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
+    let rest = source.text.get(end..).unwrap_or("");
+    let to = end + rest.find('\n').unwrap_or(rest.len());
+    let text = source.text.get(from..to).unwrap_or("");
+    let annotations = spans.iter().zip(ranges).map(|((_, kind, label), range)| {
+        let annotation = kind.span(range.start.saturating_sub(from)..range.end.saturating_sub(from));
+        match label {
+            Some(label) => annotation.label(*label),
+            None => annotation,
+        }
+    });
+    let line = usize::try_from(line).unwrap_or(1);
+    Snippet::source(text).path(&*source.name).line_start(line).annotations(annotations)
+}
+
+/// The part of a span that stands on its first line; byte offsets that are always inside of the text.
+fn first_line(text: &str, span: &Span) -> Range<usize> {
+    let bound = |offset: u32| usize::try_from(offset).unwrap_or(usize::MAX).min(text.len());
+    let (start, end) = (bound(span.start), bound(span.end));
+    let end = match text.get(start..end).and_then(|inside| inside.find('\n')) {
+        Some(length) => start + text.get(start..start + length).map_or(length, |line| line.trim_end().len()),
+        None => end,
+    };
+    start..end.max(start)
+}

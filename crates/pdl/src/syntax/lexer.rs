@@ -1,0 +1,86 @@
+//! Text to tokens. Every character belongs to exactly one token.
+
+use super::SyntaxKind;
+
+/// One token: its kind, its text, and whether its closing mark is missing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Token<'t> {
+    pub(super) kind: SyntaxKind,
+    pub(super) text: &'t str,
+    pub(super) unclosed: bool,
+}
+
+/// The tokens of `text` in order; their texts joined are `text`.
+pub(super) fn tokens(text: &str) -> Vec<Token<'_>> {
+    let mut rest = text;
+    let mut tokens = Vec::new();
+    while let Some(first) = rest.chars().next() {
+        let (kind, length, unclosed) = first_token(rest, first);
+        let length = length.clamp(first.len_utf8(), rest.len());
+        let Some((token, after)) = rest.split_at_checked(length) else { break };
+        tokens.push(Token { kind, text: token, unclosed });
+        rest = after;
+    }
+    tokens
+}
+
+/// Kind and length in bytes of the token that `rest` begins with.
+fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
+    let single = |kind| (kind, 1, false);
+    match first {
+        '(' => single(SyntaxKind::Open),
+        ')' => single(SyntaxKind::Close),
+        '\'' => single(SyntaxKind::Quote),
+        '`' => single(SyntaxKind::Backquote),
+        ',' if rest.starts_with(",@") => (SyntaxKind::CommaAt, 2, false),
+        ',' => single(SyntaxKind::Comma),
+        '"' => string(rest),
+        ';' => (SyntaxKind::LineComment, rest.find('\n').unwrap_or(rest.len()), false),
+        '#' if rest.starts_with("#|") => block_comment(rest),
+        '#' if rest.starts_with("#'") => (SyntaxKind::HashQuote, 2, false),
+        blank if blank.is_whitespace() => {
+            (SyntaxKind::WhiteSpace, rest.find(|c: char| !c.is_whitespace()).unwrap_or(rest.len()), false)
+        }
+        _ => (SyntaxKind::Atom, rest.find(ends_atom).unwrap_or(rest.len()), false),
+    }
+}
+
+/// True for characters that cannot be part of an atom.
+pub(crate) fn ends_atom(character: char) -> bool {
+    character.is_whitespace() || matches!(character, '(' | ')' | '\'' | '`' | ',' | '"' | ';')
+}
+
+fn string(rest: &str) -> (SyntaxKind, usize, bool) {
+    let mut escaped = false;
+    for (offset, character) in rest.char_indices().skip(1) {
+        match character {
+            _ if escaped => escaped = false,
+            '\\' => escaped = true,
+            '"' => return (SyntaxKind::Text, offset + 1, false),
+            _ => {}
+        }
+    }
+    (SyntaxKind::Text, rest.len(), true)
+}
+
+fn block_comment(rest: &str) -> (SyntaxKind, usize, bool) {
+    let mut depth = 0_usize;
+    let mut previous = ' ';
+    for (offset, character) in rest.char_indices() {
+        match (previous, character) {
+            ('#', '|') => {
+                depth += 1;
+                previous = ' ';
+            }
+            ('|', '#') => {
+                depth = depth.saturating_sub(1);
+                previous = ' ';
+                if depth == 0 {
+                    return (SyntaxKind::BlockComment, offset + 1, false);
+                }
+            }
+            _ => previous = character,
+        }
+    }
+    (SyntaxKind::BlockComment, rest.len(), true)
+}

@@ -1,0 +1,119 @@
+//! Text to lossless tree. Total: every text has a tree, the tree's text is the text, flaws are listed beside it.
+
+mod lexer;
+mod tree;
+
+pub(crate) use tree::parse;
+
+/// Kinds of tokens and nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u16)]
+pub(crate) enum SyntaxKind {
+    /// Blanks and line ends.
+    WhiteSpace,
+    /// `;` to the end of the line, the line end not included.
+    LineComment,
+    /// `#| .. |#`, nestable.
+    BlockComment,
+    /// `(`
+    Open,
+    /// `)`
+    Close,
+    /// `'`
+    Quote,
+    /// A backquote.
+    Backquote,
+    /// `,`
+    Comma,
+    /// `,@`
+    CommaAt,
+    /// `#'`
+    HashQuote,
+    /// A string with its quotes.
+    Text,
+    /// A number, quantity, symbol, variable or indexical.
+    Atom,
+    /// A parenthesis that has no part in any list.
+    Stray,
+    /// A list with its parentheses.
+    List,
+    /// One of the five prefixes with its datum.
+    Prefixed,
+    /// The whole text.
+    Root,
+}
+
+const KINDS: &[SyntaxKind] = &[
+    SyntaxKind::WhiteSpace,
+    SyntaxKind::LineComment,
+    SyntaxKind::BlockComment,
+    SyntaxKind::Open,
+    SyntaxKind::Close,
+    SyntaxKind::Quote,
+    SyntaxKind::Backquote,
+    SyntaxKind::Comma,
+    SyntaxKind::CommaAt,
+    SyntaxKind::HashQuote,
+    SyntaxKind::Text,
+    SyntaxKind::Atom,
+    SyntaxKind::Stray,
+    SyntaxKind::List,
+    SyntaxKind::Prefixed,
+    SyntaxKind::Root,
+];
+
+/// PDL for `rowan`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Pdl {}
+
+impl rowan::Language for Pdl {
+    type Kind = SyntaxKind;
+
+    fn kind_from_raw(raw: rowan::SyntaxKind) -> SyntaxKind {
+        KINDS.get(usize::from(raw.0)).copied().unwrap_or(SyntaxKind::Stray)
+    }
+
+    fn kind_to_raw(kind: SyntaxKind) -> rowan::SyntaxKind {
+        rowan::SyntaxKind(kind as u16)
+    }
+}
+
+pub(crate) type SyntaxNode = rowan::SyntaxNode<Pdl>;
+pub(crate) type SyntaxToken = rowan::SyntaxToken<Pdl>;
+pub(crate) type SyntaxElement = rowan::SyntaxElement<Pdl>;
+
+/// What is wrong with a text as text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FlawKind {
+    /// `)` closes nothing.
+    UnmatchedClose,
+    /// `(` is never closed.
+    UnclosedList {
+        /// Where an inner list probably lacks its `)`.
+        suspect: Option<usize>,
+        /// Where the next form begins, if the text was cut there.
+        next: Option<usize>,
+    },
+    /// A string is never closed.
+    UnclosedText,
+    /// A block comment is never closed.
+    UnclosedComment,
+    /// A prefix without datum.
+    DanglingPrefix,
+    /// Nested too deeply.
+    TooDeep,
+}
+
+/// One flaw with its byte offsets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Flaw {
+    pub(crate) kind: FlawKind,
+    pub(crate) start: usize,
+    pub(crate) end: usize,
+}
+
+/// A tree and what is wrong with its text.
+pub(crate) struct Parse {
+    pub(crate) root: SyntaxNode,
+    pub(crate) flaws: Vec<Flaw>,
+}
