@@ -10,7 +10,6 @@ use crate::situation::FINAL_HEIGHT_M;
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
-use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 

@@ -62,7 +62,10 @@ fn turn(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt
         let track_deg = course.course_rad / RAD_PER_DEG;
         let crab = triangle(track_deg, speed, wind);
         let heading_rad = crab.map_or(course.course_rad, |crab| crab.heading_deg * RAD_PER_DEG);
-        (wrap_pi(heading_rad - state.heading_rad), course.rate_rad_s)
+        // Wind from behind makes the heading turn more slowly than the course, wind from ahead faster.
+        let tail = wind.north_mps * cos(course.course_rad) + wind.east_mps * sin(course.course_rad);
+        let forward = speed * cos(wrap_pi(heading_rad - course.course_rad)).max(0.1);
+        (wrap_pi(heading_rad - state.heading_rad), course.rate_rad_s * (forward - tail) / forward)
     });
     let straight = rate_rad_s == 0.0 && error_rad.abs() < STRAIGHT_RAD && state.bank_rad.abs() < LEVEL_RAD;
     if straight {

@@ -2,8 +2,7 @@
 
 use crate::arguments::Spot;
 use crate::fixed_wing::true_airspeed_min;
-use crate::motion::wrap_pi;
-use crate::path::{Circle, Join, Line, Path, bearing, join};
+use crate::path::{Circle, Join, Line, Path, bearing};
 use crate::phase::Phase;
 use crate::situation::{FINAL_HEIGHT_M, FINAL_M, Situation, final_approach};
 use apex_model::effect::CommandId;
@@ -11,7 +10,6 @@ use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use libm::cos;
 
 /// What was commanded, or what the vehicle does by itself.
 #[derive(Clone, Debug)]
@@ -52,7 +50,7 @@ pub(crate) enum Order {
 
 /// How far the order has come.
 #[derive(Clone, Debug)]
-enum Stage {
+pub(crate) enum Stage {
     Parked,
     Run,
     ClimbOut,
@@ -74,17 +72,19 @@ enum Stage {
 pub(crate) struct Flight {
     pub(crate) command: Option<CommandId>,
     order: Order,
-    stage: Stage,
-    line: Option<Line>,
+    pub(crate) stage: Stage,
+    pub(crate) line: Option<Line>,
     /// Where on the line to begin: not at zero for a line that was broken off before.
-    begin_m: f64,
+    pub(crate) begin_m: f64,
     /// End of the time on station.
     until: Option<Time>,
     /// Distance to what ends the present stage.
     pub(crate) stage_m: f64,
     /// Distance to the order's goal.
     pub(crate) to_go_m: f64,
-    joins: u32,
+    pub(crate) joins: u32,
+    /// The join was planned anew after the first turn.
+    pub(crate) planned_straight: bool,
     line_s: f64,
     level_s: f64,
 }
@@ -97,14 +97,6 @@ pub(crate) enum Progress {
     Done(Value),
 }
 
-/// Lines begin this many seconds after the turn onto them, so that the wings are level.
-const LEAD_IN_S: f64 = 14.0;
-/// How exactly a line must be joined; otherwise it is joined again, so many times at most.
-const JOIN_ACROSS_M: f64 = 120.0;
-const JOIN_COURSE_RAD: f64 = 0.06;
-const JOINS_MAX: u32 = 3;
-/// A vehicle already on a line may be this far past its beginning.
-const ON_LINE_M: f64 = 300.0;
 /// A take-off climbs straight ahead this high before it turns.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
 
@@ -126,6 +118,7 @@ impl Flight {
             stage_m: f64::INFINITY,
             to_go_m: 0.0,
             joins: 0,
+            planned_straight: false,
             line_s: 0.0,
             level_s: 0.0,
         };
@@ -152,31 +145,6 @@ impl Flight {
         };
         flight.measure(here);
         flight
-    }
-
-    /// How to begin a line: at once where the vehicle is on it already, else by joining it.
-    fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
-        let (along_m, across_m, course_rad) = line.locate(here.state.position);
-        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
-        let lead_m = LEAD_IN_S * here.state.ground_speed();
-        let near = along_m > -lead_m
-            && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
-            && across_m.abs() <= JOIN_ACROSS_M;
-        if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
-            self.begin_m = self.begin_m.min(along_m.max(0.0));
-            return Stage::LeadIn;
-        }
-        if here.fixed() {
-            self.join_stage(line, here)
-        } else {
-            Stage::Direct(if self.begin_m > 0.0 { line.point(self.begin_m) } else { from })
-        }
-    }
-
-    fn join_stage(&mut self, line: &Line, here: &Situation) -> Stage {
-        self.joins += 1;
-        let lead_m = LEAD_IN_S * (here.true_airspeed.max(here.state.true_airspeed) + 10.0);
-        Stage::Tangent(join(line, self.begin_m - lead_m, 1.1 * here.turn_radius_m(), here.state))
     }
 
     /// What to follow now.
@@ -274,10 +242,7 @@ impl Flight {
             }
             Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => return self.climb(here),
             Stage::Direct(point) => return self.direct(point, here),
-            Stage::Tangent(join) => {
-                let (_, distance_m) = bearing(here.state.position, join.tangent);
-                self.passed(join.tangent, distance_m, here).then_some(Stage::Turn(join))
-            }
+            Stage::Tangent(join) => self.reach_turn(join, here),
             Stage::Turn(join) => self.turned(&join, here),
             Stage::LeadIn => self.led_in(here),
             Stage::OnLine => return self.on_line(here, roll_rad_max, dt),
@@ -337,43 +302,6 @@ impl Flight {
             _ => Stage::Hover(point),
         };
         self.change(Some(next), here)
-    }
-
-    /// Is a fixed wing over a point, or abeam after a near miss?
-    fn passed(&self, point: Position, distance_m: f64, here: &Situation) -> bool {
-        let near_m = (0.6 * here.state.ground_speed()).max(40.0);
-        let (azimuth_rad, _) = bearing(here.state.position, point);
-        let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
-        distance_m < near_m || (behind && distance_m < 0.4 * here.turn_radius_m())
-    }
-
-    fn turned(&mut self, join: &Join, here: &Situation) -> Option<Stage> {
-        let line = self.line?;
-        let (along_m, _, course_rad) = line.locate(here.state.position);
-        let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
-        let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
-        if left_rad.abs() > 0.12 || !here.at_altitude() {
-            return None;
-        }
-        // Already past the beginning: come round again, as long as that helps.
-        if along_m > self.begin_m && self.joins < JOINS_MAX {
-            return Some(self.join_stage(&line, here));
-        }
-        Some(Stage::LeadIn)
-    }
-
-    fn led_in(&mut self, here: &Situation) -> Option<Stage> {
-        let line = self.line?;
-        let (along_m, across_m, course_rad) = line.locate(here.state.position);
-        if along_m < self.begin_m {
-            return None;
-        }
-        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
-        let good = across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
-        if good || self.joins >= JOINS_MAX || !here.state.engine_running {
-            return Some(Stage::OnLine);
-        }
-        Some(self.join_stage(&line, here))
     }
 
     fn on_line(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {

@@ -1,0 +1,110 @@
+//! Joining a line: straight to the turn, round it, and along the line with the wings level before it begins.
+
+use crate::flight::{Flight, Stage};
+use crate::motion::wrap_pi;
+use crate::path::{Join, Line, bearing, join};
+use crate::situation::Situation;
+use apex_model::problem::Position;
+use libm::cos;
+
+/// Lines begin this many seconds after the turn onto them, so that the wings are level.
+const LEAD_IN_S: f64 = 16.0;
+/// How exactly a line must be joined; otherwise it is joined again, so many times at most.
+const JOIN_ACROSS_M: f64 = 120.0;
+const JOIN_COURSE_RAD: f64 = 0.06;
+const JOIN_BANK_RAD: f64 = 0.05;
+const JOINS_MAX: u32 = 2;
+/// Closer to the turn than this it is not planned anew.
+const REPLAN_M: f64 = 1_000.0;
+/// A vehicle already on a line may be this far past its beginning.
+const ON_LINE_M: f64 = 300.0;
+
+impl Flight {
+    /// How to begin a line: at once where the vehicle is on it already, else by joining it.
+    pub(crate) fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
+        let lead_m = LEAD_IN_S * here.state.ground_speed();
+        let near = along_m > -lead_m
+            && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
+            && across_m.abs() <= JOIN_ACROSS_M;
+        if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
+            self.begin_m = self.begin_m.min(along_m.max(0.0));
+            return Stage::LeadIn;
+        }
+        if here.fixed() {
+            self.join_stage(line, here)
+        } else {
+            Stage::Direct(if self.begin_m > 0.0 { line.point(self.begin_m) } else { from })
+        }
+    }
+
+    /// Comes round for another try.
+    fn join_again(&mut self, line: &Line, here: &Situation) -> Stage {
+        self.joins += 1;
+        self.planned_straight = false;
+        self.join_stage(line, here)
+    }
+
+    /// Plans the way onto the line from here.
+    pub(crate) fn join_stage(&self, line: &Line, here: &Situation) -> Stage {
+        let lead_m = LEAD_IN_S * here.ground_speed_max();
+        Stage::Tangent(join(line, self.begin_m - lead_m, 1.1 * here.turn_radius_m(), here.state))
+    }
+
+    /// Is a fixed wing over a point, or abeam after a near miss?
+    pub(crate) fn passed(&self, point: Position, distance_m: f64, here: &Situation) -> bool {
+        let near_m = (0.6 * here.state.ground_speed()).max(40.0);
+        let (azimuth_rad, _) = bearing(here.state.position, point);
+        let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
+        distance_m < near_m || (behind && distance_m < 0.4 * here.turn_radius_m())
+    }
+
+    /// Straight towards the turn.
+    pub(crate) fn reach_turn(&mut self, join: Join, here: &Situation) -> Option<Stage> {
+        let (azimuth_rad, distance_m) = bearing(here.state.position, join.tangent);
+        if self.passed(join.tangent, distance_m, here) {
+            return Some(Stage::Turn(join));
+        }
+        // The first turn moves the vehicle aside; once it flies straight, the join is planned anew from there.
+        let straight = wrap_pi(azimuth_rad - here.state.track_rad()).abs() < 0.05 && here.state.bank_rad.abs() < 0.05;
+        if self.planned_straight || !straight || distance_m < REPLAN_M {
+            return None;
+        }
+        self.planned_straight = true;
+        Some(self.join_stage(&self.line?, here))
+    }
+
+    /// Round the turn, until the line's course is near.
+    pub(crate) fn turned(&mut self, join: &Join, here: &Situation) -> Option<Stage> {
+        let line = self.line?;
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        let sense = if join.turn.clockwise { 1.0 } else { -1.0 };
+        let left_rad = wrap_pi(sense * (course_rad - here.state.track_rad()));
+        let aside = across_m.abs() > 0.1 * join.turn.radius_m + JOIN_ACROSS_M;
+        if left_rad.abs() > 0.12 || aside || !here.at_altitude() {
+            return None;
+        }
+        // Already past the beginning: come round again, as long as that helps.
+        if along_m > self.begin_m && self.joins < JOINS_MAX {
+            return Some(self.join_again(&line, here));
+        }
+        Some(Stage::LeadIn)
+    }
+
+    /// Along the line, before its beginning.
+    pub(crate) fn led_in(&mut self, here: &Situation) -> Option<Stage> {
+        let line = self.line?;
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        if along_m < self.begin_m {
+            return None;
+        }
+        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
+        let level = here.state.bank_rad.abs() <= JOIN_BANK_RAD;
+        let good = level && across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
+        if good || self.joins >= JOINS_MAX || !here.state.engine_running {
+            return Some(Stage::OnLine);
+        }
+        Some(self.join_again(&line, here))
+    }
+}
