@@ -21,8 +21,12 @@ pub fn print_expression(expr: &Expr) -> String {
     laid_out(expression::expression_text(expr))
 }
 
+/// Lays `text` out. Printed text is always well formed; if it were not, it would still be better than nothing.
 fn laid_out(text: String) -> String {
-    text
+    match crate::format::format(&text) {
+        Ok(formatted) => formatted.trim_end().to_string(),
+        Err(_) => text,
+    }
 }
 
 /// `(head part..)`, empty parts left out.

@@ -1,0 +1,244 @@
+//! Where lines end: a form stays on one line if it fits, else its parts go below each other.
+
+use super::LINE_CHARACTERS_MAX;
+use super::items::{Entry, Node, Piece};
+
+/// The laid-out text of top-level entries.
+pub(super) fn lay_out(entries: &[Entry]) -> String {
+    let mut page = Page { text: String::new(), column: 0, line_ended: false };
+    for (index, entry) in entries.iter().enumerate() {
+        let trailing_comment = index > 0 && !entry.own_line && entry.node().is_none() && !page.line_ended;
+        if trailing_comment {
+            page.put(" ");
+        } else if index > 0 {
+            page.new_line(0, entry.blank_before);
+        }
+        page.entry(entry, 0);
+    }
+    if !entries.is_empty() {
+        page.text.push('\n');
+    }
+    page.text
+}
+
+struct Page {
+    text: String,
+    /// Characters on the current line.
+    column: usize,
+    /// A `;` comment has been written: nothing may follow on this line.
+    line_ended: bool,
+}
+
+impl Page {
+    fn put(&mut self, text: &str) {
+        self.text.push_str(text);
+        match text.rsplit_once('\n') {
+            Some((_, last)) => self.column = last.chars().count(),
+            None => self.column += text.chars().count(),
+        }
+    }
+
+    fn new_line(&mut self, indent: usize, blank: bool) {
+        self.text.push_str(if blank { "\n\n" } else { "\n" });
+        self.text.extend(std::iter::repeat_n(' ', indent));
+        self.column = indent;
+        self.line_ended = false;
+    }
+
+    fn fits(&self, width: Option<usize>, trailing: usize) -> bool {
+        width.is_some_and(|width| self.column + width + trailing <= LINE_CHARACTERS_MAX)
+    }
+
+    fn entry(&mut self, entry: &Entry, trailing: usize) {
+        match &entry.piece {
+            Piece::Datum(node) => self.node(node, trailing),
+            Piece::LineComment(text) => {
+                self.put(text);
+                self.line_ended = true;
+            }
+            Piece::BlockComment(text) => self.put(text),
+        }
+    }
+
+    /// Writes a datum; `trailing` characters will follow on its last line.
+    fn node(&mut self, node: &Node, trailing: usize) {
+        match node {
+            Node::Atom(text) => self.put(text),
+            Node::Prefixed(prefix, inner) => {
+                self.put(prefix);
+                self.node(inner, trailing);
+            }
+            Node::List(entries, width) => {
+                if self.fits(*width, trailing) && !always_broken(node, entries) {
+                    self.flat(entries);
+                } else {
+                    self.broken(entries, node.head().as_deref().unwrap_or(""), trailing);
+                }
+            }
+        }
+    }
+
+    fn flat(&mut self, entries: &[Entry]) {
+        self.put("(");
+        for (index, entry) in entries.iter().enumerate() {
+            if index > 0 {
+                self.put(" ");
+            }
+            match &entry.piece {
+                Piece::Datum(Node::List(inner, _)) => self.flat(inner),
+                Piece::Datum(Node::Prefixed(prefix, inner)) => {
+                    self.put(prefix);
+                    self.flat_node(inner);
+                }
+                _ => self.entry(entry, 0),
+            }
+        }
+        self.put(")");
+    }
+
+    fn flat_node(&mut self, node: &Node) {
+        match node {
+            Node::List(entries, _) => self.flat(entries),
+            Node::Prefixed(prefix, inner) => {
+                self.put(prefix);
+                self.flat_node(inner);
+            }
+            Node::Atom(text) => self.put(text),
+        }
+    }
+
+    /// The head and what belongs to it on the first line, everything else below.
+    fn broken(&mut self, entries: &[Entry], head: &str, trailing: usize) {
+        let start = self.column;
+        let is_data = entries.first().and_then(Entry::node).is_none_or(|node| node.atom().is_none());
+        let indent = start + if is_data { 1 } else { 2 };
+        let header = header_count(entries, head);
+        self.put("(");
+        let mut aligned = indent;
+        let mut option = false;
+        for (index, entry) in entries.iter().enumerate() {
+            let after = if index + 1 == entries.len() { trailing + 1 } else { 0 };
+            let previous = index.checked_sub(1).and_then(|before| entries.get(before));
+            let is_value = option && previous.is_some_and(takes_keyword);
+            let leads = index >= header && !is_value && entry.node().is_some_and(leads);
+            let place = match previous {
+                None if entry.node().is_none() => Place::SameLine,
+                None => Place::Here,
+                Some(previous) => self.place(
+                    entry,
+                    previous,
+                    Role { in_header: index < header, leads, is_value: option && !leads, after },
+                ),
+            };
+            match place {
+                Place::Here => {}
+                Place::SameLine => self.put(" "),
+                Place::Aligned => self.new_line(aligned, entry.blank_before),
+                Place::Below => self.new_line(indent, entry.blank_before),
+            }
+            if leads {
+                let column = self.column + entry.flat_width().unwrap_or(0) + 1;
+                aligned = if column > LINE_CHARACTERS_MAX / 2 { indent + 2 } else { column };
+            }
+            option = leads;
+            self.entry(entry, after);
+        }
+        if self.line_ended {
+            self.new_line(indent, false);
+        }
+        self.put(")");
+    }
+
+    /// Where `entry` goes, `previous` being written.
+    fn place(&self, entry: &Entry, previous: &Entry, role: Role) -> Place {
+        let Some(node) = entry.node() else {
+            return if self.line_ended || entry.own_line { Place::Below } else { Place::SameLine };
+        };
+        if role.leads {
+            return Place::Below;
+        }
+        if self.line_ended {
+            return Place::Aligned;
+        }
+        let fits = self.fits(entry.flat_width().map(|width| width + 1), role.after);
+        if role.is_value {
+            // The value of an option starts on its line; if it must be broken, it is broken there.
+            let start = self.column + 1 < LINE_CHARACTERS_MAX * 3 / 4;
+            return if fits || start { Place::SameLine } else { Place::Aligned };
+        }
+        let is_long_list =
+            node.atom().is_none() && node.flat_width().is_none_or(|width| width > LINE_CHARACTERS_MAX / 2);
+        if role.in_header && (fits || is_long_list) {
+            return Place::SameLine;
+        }
+        let both_atoms = node.atom().is_some() && previous.node().is_some_and(|before| before.atom().is_some());
+        if both_atoms && fits { Place::SameLine } else { Place::Aligned }
+    }
+}
+
+/// What an entry is to its list.
+#[derive(Clone, Copy)]
+struct Role {
+    /// It may stand on the first line.
+    in_header: bool,
+    /// It is an option's keyword.
+    leads: bool,
+    /// An option's keyword stands before it.
+    is_value: bool,
+    /// Characters that follow it on its line.
+    after: usize,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    /// Directly after the opening parenthesis.
+    Here,
+    /// After a blank.
+    SameLine,
+    /// On a new line below the first value of the option at hand, or as `Below` without an option.
+    Aligned,
+    /// On a new line below the head.
+    Below,
+}
+
+/// Atoms that belong to what follows them.
+fn leads(node: &Node) -> bool {
+    node.is_keyword() || matches!(node.atom(), Some("=>" | ">>"))
+}
+
+/// Options whose value may be a keyword.
+fn takes_keyword(entry: &Entry) -> bool {
+    let name = entry.node().and_then(Node::atom).map(str::to_lowercase);
+    matches!(name.as_deref(), Some(":quality" | ":estimation" | ":type" | ":use-bundles"))
+}
+
+/// Forms that are easier to read on several lines even if they fit on one.
+fn always_broken(node: &Node, entries: &[Entry]) -> bool {
+    let lists =
+        |name: &str| entries.iter().any(|entry| entry.node().and_then(Node::head).is_some_and(|head| head == name));
+    match node.head().as_deref() {
+        Some("procedure") => lists("step"),
+        Some("primitive") => entries.len() > 2,
+        Some("defapplication") => entries.len() > 2,
+        _ => false,
+    }
+}
+
+/// How many entries of a broken form may stand on its first line, the head included.
+fn header_count(entries: &[Entry], head: &str) -> usize {
+    let is_plain_atom = |entry: &Entry| entry.node().is_some_and(|node| node.atom().is_some() && !leads(node));
+    let atoms = 1 + entries.iter().skip(1).take_while(|entry| is_plain_atom(entry)).count();
+    match head {
+        "procedure" => {
+            1 + entries.iter().skip(1).take_while(|entry| entry.node().is_some_and(Node::is_keyword)).count()
+        }
+        "step" | ":episode" | ":measurement" | ":atomic-episode" | ":cyclic" => {
+            let result = entries.get(atoms + 1).and_then(Entry::node).and_then(Node::atom) == Some("=>");
+            atoms + if result { 3 } else { 1 }
+        }
+        "defun" => 3,
+        "let" | "let*" | "lambda" | "if" | "when" | "unless" | "case" | "declare-function" | "state-variable"
+        | "command" | "inform" | "solver" | "index" => atoms + 1,
+        _ => atoms,
+    }
+}
