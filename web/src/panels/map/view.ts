@@ -136,7 +136,7 @@ export function outlines(geometry: Target['geometry']): Position[][] {
 /** Distance between lines of the graticule for a view this many degrees wide. */
 export function graticuleStep(widthDeg: number): number {
   const steps = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30];
-  return steps.find(step => widthDeg / step <= 8) ?? 45;
+  return steps.find(step => widthDeg / step <= 10) ?? 45;
 }
 
 /** `44°N`, `117.85°W`. */

@@ -3,11 +3,15 @@ import type { Bar, Target, Timeline, Track } from '../../record/types';
 import {
   barAt,
   blocksOf,
+  type LaneRow,
+  laneAtWork,
+  laneOf,
   layLanes,
   lineOf,
   NAMES_PX,
   ROW_PX,
   scaleOf,
+  scrollTo,
   stripsOf,
   valueAt,
   visitsOf,
@@ -59,6 +63,18 @@ describe('lanes', () => {
     expect(barAt(lanes, scale.x(301), 2 * ROW_PX + 3, scale)?.task).toBe(4);
     expect(barAt(lanes, scale.x(600), 3, scale)).toBeNull();
     expect(barAt(lanes, scale.x(75), 999, scale)).toBeNull();
+  });
+
+  it('come into sight when their task is chosen, or is at work', () => {
+    expect(laneOf(lanes, 3)?.y).toBe(ROW_PX);
+    expect(laneOf(lanes, 99)).toBeUndefined();
+    expect(laneAtWork(lanes, 60)?.y).toBe(ROW_PX);
+    expect(laneAtWork(lanes, 400)?.y).toBe(0);
+    expect(laneAtWork(lanes, 900)).toBeUndefined();
+    const far = { ...(lanes[0] as LaneRow), y: 300 };
+    expect(scrollTo(far, 0, 100)).toBe(300 + 2 * ROW_PX - 100);
+    expect(scrollTo(far, 400, 100)).toBe(300 - ROW_PX);
+    expect(scrollTo(far, 250, 100)).toBe(250);
   });
 
   it('draw bars under a pixel as one block', () => {

@@ -67,6 +67,31 @@ export function barAt(lanes: readonly LaneRow[], x: number, y: number, scale: Sc
   return row.findLast(bar => scale.x(bar.from_ns) - slack <= x && x <= scale.x(bar.to_ns) + slack) ?? null;
 }
 
+/** The lane that a task's bars are in. */
+export function laneOf(lanes: readonly LaneRow[], task: number): LaneRow | undefined {
+  return lanes.find(lane => lane.rows.some(row => row.some(bar => bar.task === task)));
+}
+
+/** The deepest lane at work at an instant; of several, the one that began last: what a watcher wants to see. */
+export function laneAtWork(lanes: readonly LaneRow[], atNs: number): LaneRow | undefined {
+  let best: { lane: LaneRow; since: number } | undefined;
+  for (const lane of lanes) {
+    for (const bar of lane.rows.flat()) {
+      if (bar.state !== 'ongoing' || bar.from_ns > atNs || bar.to_ns < atNs) continue;
+      const better =
+        !best || lane.depth > best.lane.depth || (lane.depth === best.lane.depth && bar.from_ns > best.since);
+      if (better) best = { lane, since: bar.from_ns };
+    }
+  }
+  return best?.lane;
+}
+
+/** Where to scroll so that a lane, and where there is room the lane above it, is in sight. */
+export function scrollTo(lane: LaneRow, scrollPx: number, room: number): number {
+  if (lane.y >= scrollPx && lane.y + lane.height <= scrollPx + room) return scrollPx;
+  return Math.max(0, lane.y < scrollPx ? lane.y - ROW_PX : lane.y + lane.height + ROW_PX - room);
+}
+
 export interface Block {
   x: number;
   width: number;
