@@ -10,18 +10,39 @@ pub mod nearest_neighbour;
 pub mod random;
 pub mod single_visit;
 pub mod surveillance;
+pub mod table;
 pub mod two_opt;
 pub mod validate;
 pub mod wam;
+
+pub use table::{Selection, select, select_within};
 
 use apex_model::solver::Solver;
 
 /// Every planner, in the order of their complexity.
 pub fn solvers() -> Vec<Box<dyn Solver>> {
-    vec![Box::new(nearest_neighbour::NearestNeighbour), Box::new(two_opt::TwoOpt), Box::new(single_visit::SingleVisit)]
+    vec![
+        Box::new(nearest_neighbour::NearestNeighbour),
+        Box::new(two_opt::TwoOpt),
+        Box::new(wam::Wam),
+        Box::new(anytime::Anytime),
+        Box::new(single_visit::SingleVisit),
+    ]
 }
 
 /// The planner called `name`.
 pub fn solver(name: &str) -> Option<Box<dyn Solver>> {
     solvers().into_iter().find(|solver| solver.name() == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found() {
+        let names: Vec<&str> = solvers().iter().map(|solver| solver.name()).collect();
+        assert_eq!(names, ["nearest-neighbour", "two-opt", "wam", "anytime", "single-visit"]);
+        assert!(names.iter().all(|name| solver(name).is_some()) && solver("human").is_none());
+    }
 }

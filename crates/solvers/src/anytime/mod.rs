@@ -11,8 +11,8 @@ use crate::{two_opt, wam};
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, Solver};
 
-/// Work of each of the planners it starts from: enough for sixteen targets, a fraction of a second.
-pub const SEED_UNITS: u64 = 400_000;
+/// Work of each of the planners it starts from, in stages: a quick look at both before a thorough one at either.
+pub const SEED_UNITS: &[u64] = &[10_000, 60_000, 400_000];
 /// Rounds in a row without gain after which the search ends.
 pub const STALE_ROUNDS_MAX: u32 = 6;
 /// Moves tried in one round of cooling.
@@ -72,15 +72,25 @@ impl Budget for Share<'_> {
     }
 }
 
-/// The better of the best cycle and WAM's word.
+/// The better of the best cycle and WAM's word, each given more work from stage to stage.
 fn first_word(scenario: &Scenario<'_>, budget: &mut dyn Budget) -> Vec<usize> {
-    let until = budget.used().saturating_add(SEED_UNITS);
-    let cycle = two_opt::best_cycle(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
-    let until = budget.used().saturating_add(SEED_UNITS);
-    let word = wam::best_word(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
-    let lap = scenario.flown(cycle.iter().copied().cycle());
-    let cycle_cost = scenario.cycle_cost(&cycle, budget);
-    if scenario.cost(word.iter().copied(), budget) < cycle_cost { word } else { lap }
+    let mut best: (f64, Vec<usize>) = (f64::INFINITY, Vec::new());
+    for units in SEED_UNITS {
+        let until = budget.used().saturating_add(*units);
+        let cycle = two_opt::best_cycle(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
+        let until = budget.used().saturating_add(*units);
+        let word = wam::best_word(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
+        for word in [scenario.flown(cycle.iter().copied().cycle()), word] {
+            let cost = scenario.cost(word.iter().copied(), budget);
+            if best.1.is_empty() || cost < best.0 {
+                best = (cost, word);
+            }
+        }
+        if budget.exhausted() {
+            break;
+        }
+    }
+    best.1
 }
 
 struct Search<'s, 'p> {
