@@ -39,6 +39,8 @@ export class Player {
   showEnded = $state(true);
   find = $state('');
 
+  /** Until the user chooses a speed, it fits the record's length. */
+  private speedChosen = false;
   private growth: Growth | null = null;
   private readAt = 0;
   private rereadTimer: ReturnType<typeof setTimeout> | undefined;
@@ -165,6 +167,7 @@ export class Player {
 
   changeSpeed(direction: 1 | -1): void {
     this.speed = otherSpeed(this.speed, direction);
+    this.speedChosen = true;
   }
 
   zoomAt(atNs: number, factor: number): void {
@@ -236,6 +239,7 @@ export class Player {
     }
     this.trouble = null;
     if (sawAll) this.visible = { fromNs: this.visible.fromNs, toNs: this.range.toNs };
+    if (!this.speedChosen && !this.playing) this.speed = speedFor(this.range);
     if (this.following) this.seek(this.range.toNs, true);
     else this.ask();
   }

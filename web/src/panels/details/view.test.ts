@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Cause, Why } from '../../record/types';
-import { logLines, reportView, snippetLines, toneOf, whyView, withoutPlace } from './view';
+import { hasSource, logLines, reportView, snippetLines, toneOf, whyView, withoutPlace } from './view';
 
 function cause(id: number, more: Partial<Cause> = {}): Cause {
   return {
@@ -107,4 +107,5 @@ it('a report of any JSON can be drawn', () => {
 it('a snippet marks its place', () => {
   const lines = snippetLines({ name: 'a', line: 3, first_line: 2, lines: ['x', 'y'] });
   expect(lines[1]).toEqual({ number: 3, text: 'y', here: true });
+  expect([hasSource('a.pdl:3:1'), hasSource('<plan 3>:1:1')]).toEqual([true, false]);
 });

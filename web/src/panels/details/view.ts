@@ -177,6 +177,11 @@ function valueText(value: unknown): string {
   return typeof value === 'object' ? JSON.stringify(value) : String(value);
 }
 
+/** True for a place in a file of the mission; procedures made from plans have names like `<plan 3>` and no file. */
+export function hasSource(place: string): boolean {
+  return !place.startsWith('<');
+}
+
 /** Source lines with their numbers; `here` marks the place. */
 export function snippetLines(snippet: Snippet): { number: number; text: string; here: boolean }[] {
   return snippet.lines.map((text, index) => {
