@@ -3,10 +3,12 @@
 //! Runs: act phase, and when a step repeats or responds.  Reads: Procedure, context.  Writes: Task, Decision, monitors.
 //! Bound: O(1) per task besides looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
 
-use crate::control::monitoring_clauses;
-use crate::control::termination;
+use crate::control::selection::activity_of;
+use crate::control::{monitoring_clauses, termination};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, instantiate_partially};
+use crate::view::View;
+use apex_model::agent::Agent;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
@@ -17,6 +19,7 @@ use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::{HeldBack, Origin, Task, TaskId, TaskState};
+use apex_model::time::Time;
 use apex_model::value::Value;
 
 /// What a new task is made from.
@@ -78,27 +81,28 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
 
 /// The task's goal with what is bound now; unbound variables stay as they are written.
 pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
-    let Some(task) = cycle.task(id) else { return Value::nil() };
+    goal_in(cycle.agent, id, cycle.now)
+}
+
+/// The same, outside of a step.
+pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
+    let Some(task) = agent.task(id) else { return Value::nil() };
     if let Some(selection) = &task.selection {
         return selection.goal.clone();
     }
-    match task.origin {
-        Origin::Initial => cycle.agent.initial_task.clone(),
+    let view = View { agent, task: id, level: Level::Step, now };
+    let goal = match task.origin {
+        Origin::Initial => Some(agent.initial_task.clone()),
         Origin::Meanwhile(solver) => {
-            let declared = cycle.library.solvers.get(solver as usize).and_then(|solver| solver.meanwhile.as_ref());
-            let view = cycle.view(id, Level::Step);
-            declared.map_or_else(Value::nil, |goal| instantiate_partially(goal, &view))
+            let declared = agent.library.solvers.get(solver as usize).and_then(|solver| solver.meanwhile.as_ref());
+            declared.map(|goal| instantiate_partially(goal, &view))
         }
-        Origin::Step(_) | Origin::Item(_) | Origin::OnFailure(_) => {
-            let Some(handle) = cycle.step_of(id) else { return Value::nil() };
-            let Some(step) = handle.get() else { return Value::nil() };
-            let activity = match (task.origin, &step.on_failure) {
-                (Origin::OnFailure(_), Some(activity)) => activity,
-                _ => &step.activity,
-            };
-            activity_as_value(activity, &cycle.view(id, Level::Step))
+        Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => {
+            let template = agent.procedure(step.procedure).and_then(|each| each.steps.get(step.step as usize));
+            template.map(|step| activity_as_value(activity_of(Some(task.origin), step), &view))
         }
-    }
+    };
+    goal.unwrap_or_else(Value::nil)
 }
 
 /// An activity as its author would read it.

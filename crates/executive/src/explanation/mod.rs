@@ -1,1 +1,9 @@
-//! Explanations.
+//! Explanations: what a task is and what it waits for, read from the agent as it is now.
+//!
+//! Nothing here changes an agent. The words are the ones that `apex why`, Sherpa and Python show.
+
+mod reasons;
+mod task_view;
+
+pub use reasons::{Reason, ReasonKind, waiting};
+pub use task_view::{TaskView, agenda, describe_task};

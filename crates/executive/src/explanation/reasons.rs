@@ -1,0 +1,282 @@
+//! What a task waits for, part by part.
+
+use crate::control::priority::{defence, priority};
+use crate::monitoring;
+use crate::view::View;
+use apex_model::agent::Agent;
+use apex_model::clause::{Clause, Level};
+use apex_model::controller::{Controller, PrimitiveController};
+use apex_model::resource::Need;
+use apex_model::source::Place;
+use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::time::Time;
+use serde::Serialize;
+
+/// Kinds of reasons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReasonKind {
+    /// A part of a condition does not hold.
+    Condition,
+    /// The step before it has not ended.
+    Predecessor,
+    /// The result of another step is not there.
+    Result,
+    /// A least interval or a duration is not over.
+    Time,
+    /// A resource is in other hands.
+    Resource,
+    /// It, or an ancestor, is suspended, or its parent does not work.
+    Suspended,
+    /// A command has no answer.
+    Command,
+    /// A plan has not arrived.
+    Plan,
+    /// The operator has not answered.
+    Operator,
+    /// Subtasks have not ended.
+    Subtasks,
+    /// It has ended.
+    Ended,
+}
+
+/// One thing that a task waits for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reason {
+    /// What kind of thing.
+    pub kind: ReasonKind,
+    /// What is wanted, for people.
+    pub text: String,
+    /// What is known about it now.
+    pub now: Option<String>,
+    /// Since when that is so.
+    pub since: Option<Time>,
+    /// The task concerned, if another one is.
+    pub task: Option<TaskId>,
+    /// Where it stands in PDL.
+    pub place: Option<Place>,
+}
+
+impl Reason {
+    fn new(kind: ReasonKind, text: String) -> Reason {
+        Reason { kind, text, now: None, since: None, task: None, place: None }
+    }
+}
+
+/// What `task` waits for now. Empty for a task that nobody can refer to any more.
+pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
+    let Some(task) = agent.task(task) else { return Vec::new() };
+    let mut reasons = match task.state {
+        TaskState::Pending => preconditions(agent, task),
+        TaskState::Enabled | TaskState::Interrupted => resources(agent, task),
+        TaskState::Ongoing => controller(agent, task),
+        TaskState::Terminated => vec![ended(task)],
+    };
+    if !task.is_terminated() {
+        let before = suspensions(agent, task);
+        reasons.splice(0..0, before);
+    }
+    reasons
+}
+
+fn name(agent: &Agent, id: TaskId) -> String {
+    match agent.task(id) {
+        Some(task) => format!("{id} ({})", agent.tag(task)),
+        None => id.to_string(),
+    }
+}
+
+fn place(agent: &Agent, task: &Task) -> Option<Place> {
+    let step = task.step()?;
+    agent.procedure(step.procedure)?.steps.get(step.step as usize).map(|step| step.place)
+}
+
+fn preconditions(agent: &Agent, task: &Task) -> Vec<Reason> {
+    let mut reasons = Vec::new();
+    if task.held_back.by_predecessor {
+        reasons.extend(predecessor(agent, task));
+    }
+    if task.held_back.by_result {
+        reasons.extend(result(agent, task));
+    }
+    if task.held_back.by_interval {
+        let wake = task.extras.as_ref().and_then(|extras| extras.wake);
+        let text = match wake {
+            Some(wake) => format!("its least interval is over at {}", wake.at),
+            None => "its least interval is not over".to_string(),
+        };
+        reasons.push(Reason { place: place(agent, task), ..Reason::new(ReasonKind::Time, text) });
+    }
+    reasons.extend(unmet(agent, task, |clause| clause == Clause::Waitfor));
+    reasons
+}
+
+/// The parts of the task's watched clauses that do not hold.
+fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Reason> {
+    let mut reasons = Vec::new();
+    for id in &task.monitors {
+        let Some(watch) = agent.watches.get(id.0).filter(|watch| wanted(watch.clause)) else { continue };
+        let view = View { agent, task: task.id, level: watch.level, now: agent.now };
+        for part in monitoring::unmet(&watch.monitor, &view) {
+            let text = format!("{} {}", watch.clause.word(), part.what);
+            reasons.push(Reason {
+                now: Some(part.now),
+                since: part.since,
+                place: Some(part.place),
+                ..Reason::new(ReasonKind::Condition, text)
+            });
+        }
+    }
+    reasons
+}
+
+fn predecessor(agent: &Agent, task: &Task) -> Option<Reason> {
+    let step = task.step()?;
+    let parent = agent.task(task.parent?)?;
+    let Some(Controller::Procedure(controller)) = parent.controller.as_deref() else { return None };
+    let before = controller.current.get((step.step as usize).checked_sub(1)?).copied().flatten()?;
+    let found = agent.task(before)?;
+    let text = format!("the end of the step before it, {}", name(agent, before));
+    Some(Reason {
+        now: Some(format!("it is {}", found.state)),
+        since: Some(found.since),
+        task: Some(before),
+        place: place(agent, found),
+        ..Reason::new(ReasonKind::Predecessor, text)
+    })
+}
+
+fn result(agent: &Agent, task: &Task) -> Vec<Reason> {
+    use crate::expression::Surroundings;
+    let Some(step) = task.step() else { return Vec::new() };
+    let Some(index) = agent.procedure_index(step.procedure) else { return Vec::new() };
+    let view = View { agent, task: task.id, level: Level::Step, now: agent.now };
+    let awaits = index.steps.get(step.step as usize).map(|step| step.awaits.as_slice()).unwrap_or_default();
+    let missing = awaits.iter().filter(|name| view.variable(name).is_none());
+    missing
+        .map(|name| Reason {
+            now: Some("it has no value".to_string()),
+            since: Some(task.created_at),
+            place: place(agent, task),
+            ..Reason::new(ReasonKind::Result, format!("the value of ?{name}, which another step yields"))
+        })
+        .collect()
+}
+
+fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
+    let mut reasons = Vec::new();
+    let mut next = Some(task.id);
+    while let Some(each) = next.and_then(|id| agent.task(id)) {
+        if each.suspended {
+            let text = format!("{} is suspended", name(agent, each.id));
+            let task = Some(each.id);
+            reasons.push(Reason { since: Some(each.since), task, ..Reason::new(ReasonKind::Suspended, text) });
+            reasons.extend(unmet(agent, each, |clause| matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen)));
+        }
+        next = each.parent;
+    }
+    let parent = task.parent.and_then(|parent| agent.task(parent));
+    if let Some(parent) = parent.filter(|parent| task.state == TaskState::Enabled && parent.state != TaskState::Ongoing)
+    {
+        reasons.push(Reason {
+            now: Some(format!("it is {}", parent.state)),
+            since: Some(parent.since),
+            task: Some(parent.id),
+            ..Reason::new(ReasonKind::Suspended, format!("its parent {} does not work", name(agent, parent.id)))
+        });
+    }
+    reasons
+}
+
+fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
+    let needs = task.selection.as_ref().map(|selection| selection.needs.as_slice()).unwrap_or_default();
+    needs.iter().flat_map(|need| rivals(agent, task, need)).collect()
+}
+
+/// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
+fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
+    let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
+    let own = priority(agent, task.id, agent.now);
+    let refused = task.extras.as_ref().and_then(|extras| extras.refused);
+    let claimant = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner);
+    let holders = resource.holders.iter().map(|holding| holding.task);
+    let holders: Vec<TaskId> =
+        holders.filter(|holder| !crate::control::conflict::related(agent, *holder, task.id)).collect();
+    let rivals = if holders.is_empty() { claimant.into_iter().collect() } else { holders };
+    let reason = |rival: TaskId| {
+        let holds = resource.holders.iter().any(|holding| holding.task == rival);
+        let (word, strength) = if holds {
+            ("holds it and defends it with", defence(agent, rival, agent.now))
+        } else {
+            ("claims it too with", priority(agent, rival, agent.now))
+        };
+        Reason {
+            now: Some(format!("{} {word} priority {strength}, against {own}", name(agent, rival))),
+            since: agent.task(rival).map(|task| task.since),
+            task: Some(rival),
+            place: place(agent, task),
+            ..Reason::new(ReasonKind::Resource, format!("{}", resource.name))
+        }
+    };
+    rivals.into_iter().map(reason).collect()
+}
+
+fn controller(agent: &Agent, task: &Task) -> Vec<Reason> {
+    match task.controller.as_deref() {
+        Some(Controller::Primitive(state)) => primitive(agent, task, state),
+        Some(Controller::Question(state)) => {
+            let now = state.wake.map(|wake| format!("{} is taken at {}", state.default, wake.at));
+            let text = format!("the operator's answer to question {}", state.question.0);
+            vec![Reason { now, since: Some(task.since), ..Reason::new(ReasonKind::Operator, text) }]
+        }
+        Some(Controller::Planning(state)) => {
+            let text = format!("a plan for {} (request {})", state.goal, state.request.0);
+            let now = state.meanwhile.map(|child| format!("{} is pursued meanwhile", name(agent, child)));
+            vec![Reason { now, since: Some(task.since), ..Reason::new(ReasonKind::Plan, text) }]
+        }
+        Some(other @ (Controller::Procedure(_) | Controller::Items(_) | Controller::Handling(_))) => {
+            let living = other.children().into_iter().filter_map(|child| agent.task(child));
+            living.filter(|child| !child.is_terminated()).map(|child| subtask(agent, child)).collect()
+        }
+        Some(Controller::BuiltIn) | None => Vec::new(),
+    }
+}
+
+fn subtask(agent: &Agent, child: &Task) -> Reason {
+    Reason {
+        now: Some(format!("it is {}", child.state)),
+        since: Some(child.since),
+        task: Some(child.id),
+        place: place(agent, child),
+        ..Reason::new(ReasonKind::Subtasks, format!("the end of {}", name(agent, child.id)))
+    }
+}
+
+fn primitive(agent: &Agent, task: &Task, state: &PrimitiveController) -> Vec<Reason> {
+    let place = agent.library.primitives.get(state.primitive as usize).map(|primitive| primitive.place);
+    let mut reasons = Vec::new();
+    for (id, open) in state.commands.iter().filter_map(|id| Some((id, agent.commands.get(id)?))) {
+        let text = format!("the vehicle's answer to command {} {}", id.0, open.form);
+        let now = Some(format!("it has failed without answer at {}", open.timeout.at));
+        reasons.push(Reason { now, since: Some(open.sent_at), place, ..Reason::new(ReasonKind::Command, text) });
+    }
+    if let Some(end) = state.end {
+        let text = format!("the end of its duration at {}", end.at);
+        reasons.push(Reason { since: Some(task.since), place, ..Reason::new(ReasonKind::Time, text) });
+    }
+    if let Some(update) = state.update.filter(|_| reasons.is_empty()) {
+        let text = format!("its own (complete), looked for at {}", update.at);
+        reasons.push(Reason { since: Some(task.since), place, ..Reason::new(ReasonKind::Time, text) });
+    }
+    reasons
+}
+
+fn ended(task: &Task) -> Reason {
+    let text = match task.outcome.as_deref() {
+        Some(apex_model::task::Outcome::Success(value)) if value.is_true() => format!("it ended with {value}"),
+        Some(apex_model::task::Outcome::Failure) => "it failed".to_string(),
+        Some(apex_model::task::Outcome::Cut) => "it was cut".to_string(),
+        Some(apex_model::task::Outcome::Success(_)) | None => "it ended".to_string(),
+    };
+    Reason { since: Some(task.since), ..Reason::new(ReasonKind::Ended, text) }
+}

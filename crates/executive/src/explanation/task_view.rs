@@ -1,0 +1,113 @@
+//! What a task is, in plain data.
+
+use crate::control::priority::priority;
+use apex_model::agent::Agent;
+use apex_model::controller::Way;
+use apex_model::effect::Method;
+use apex_model::source::Place;
+use apex_model::task::{Origin, Outcome, Task, TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde::Serialize;
+
+/// A task as people look at it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TaskView {
+    /// Its number.
+    pub id: TaskId,
+    /// Whose step it is; none for the root.
+    pub parent: Option<TaskId>,
+    /// Its step's tag, printed.
+    pub tag: String,
+    /// Its goal, with what is known of it.
+    pub goal: Value,
+    /// Its state.
+    pub state: TaskState,
+    /// Since when.
+    pub since: Time,
+    /// When this instance was created.
+    pub created_at: Time,
+    /// When it first became ongoing.
+    pub started_at: Option<Time>,
+    /// Suspended by a clause or an activity: claims nothing until resumed.
+    pub suspended: bool,
+    /// Its priority now.
+    pub priority: f64,
+    /// Added to the priority when it defends its resources; none before it has a method.
+    pub interrupt_cost: Option<f64>,
+    /// Names of the resources that it holds.
+    pub resources: Vec<Value>,
+    /// Names of the resources that it needs to be ongoing.
+    pub needs: Vec<Value>,
+    /// How its goal is pursued; none while pending or terminated.
+    pub method: Option<Method>,
+    /// How it ended.
+    pub outcome: Option<Outcome>,
+    /// Its step in PDL.
+    pub place: Option<Place>,
+    /// Nesting: the root has 0.
+    pub depth: u32,
+    /// Subtasks that somebody may still refer to, in order of creation.
+    pub children: Vec<TaskId>,
+}
+
+/// The task with this number, while somebody may still refer to it.
+pub fn describe_task(agent: &Agent, task: TaskId) -> Option<TaskView> {
+    agent.task(task).map(|found| view(agent, found))
+}
+
+/// All tasks that have not ended, in order of creation.
+pub fn agenda(agent: &Agent) -> Vec<TaskView> {
+    agent.tasks.iter().filter(|(_, task)| !task.is_terminated()).map(|(_, task)| view(agent, task)).collect()
+}
+
+fn view(agent: &Agent, task: &Task) -> TaskView {
+    let selection = task.selection.as_ref();
+    let holds = |each: &&apex_model::resource::Resource| each.holders.iter().any(|holding| holding.task == task.id);
+    let needs = selection.into_iter().flat_map(|selection| &selection.needs);
+    let needs = needs.filter_map(|need| Some(agent.resources.get(need.resource)?.name.clone()));
+    let step = task.step().and_then(|step| {
+        let place = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.place;
+        Some(place)
+    });
+    TaskView {
+        id: task.id,
+        parent: task.parent,
+        tag: agent.tag(task).to_string(),
+        goal: goal(agent, task),
+        state: task.state,
+        since: task.since,
+        created_at: task.created_at,
+        started_at: task.started_at,
+        suspended: task.suspended,
+        priority: priority(agent, task.id, agent.now),
+        interrupt_cost: selection.map(|selection| selection.interrupt_cost),
+        resources: agent.resources.iter().map(|(_, each)| each).filter(holds).map(|each| each.name.clone()).collect(),
+        needs: needs.collect(),
+        method: selection.and_then(|selection| method(agent, &selection.way)),
+        outcome: task.outcome.as_deref().cloned(),
+        place: step,
+        depth: task.depth,
+        children: task.controller.as_deref().map(apex_model::controller::Controller::children).unwrap_or_default(),
+    }
+}
+
+fn method(agent: &Agent, way: &Way) -> Option<Method> {
+    match way {
+        Way::Procedure(reference, _) => agent.procedure(*reference).map(|each| Method::Procedure(each.place)),
+        Way::Primitive(index, _) => {
+            agent.library.primitives.get(*index as usize).map(|each| Method::Primitive(each.place))
+        }
+        Way::Solver(index) => agent.library.solvers.get(*index as usize).map(|each| Method::Solver(each.name.clone())),
+        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate => Some(Method::BuiltIn),
+    }
+}
+
+/// The goal with its variables filled in as far as they are known.
+fn goal(agent: &Agent, task: &Task) -> Value {
+    match (&task.selection, task.origin) {
+        (Some(selection), _) => selection.goal.clone(),
+        (None, Origin::Initial) => agent.initial_task.clone(),
+        (None, _) => crate::control::instantiation::goal_in(agent, task.id, agent.now),
+    }
+}
