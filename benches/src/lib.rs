@@ -116,7 +116,7 @@ pub fn command_in(effects: &[Effect]) -> Option<CommandId> {
 /// A PDL text of about `lines` lines, with everything that the checker has to look at.
 pub fn long_program(lines: usize) -> String {
     let mut text = String::from("(procedure (index (do-domain))\n  (step s (job 0 alpha)))\n");
-    for number in 0..lines / 10 {
+    for number in 0..lines / 9 {
         text.push_str(&format!(
             "(procedure (index (job {number} ?target))
   (profile camera-{number})
