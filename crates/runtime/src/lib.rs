@@ -4,6 +4,7 @@
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
 pub mod error;
+pub mod explain;
 pub mod inbox;
 pub mod input_lines;
 pub mod limits;

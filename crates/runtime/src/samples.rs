@@ -69,7 +69,7 @@ pub(crate) fn created(task: u64, parent: Option<u64>, tag: &str, words: &[&str])
 }
 
 pub(crate) fn transition(task: u64, from: TaskState, to: TaskState, cause: Cause) -> Effect {
-    let outcome = (to == TaskState::Terminated).then(|| Outcome::Success(Value::Integer(7)));
+    let outcome = (to == TaskState::Terminated).then_some(Outcome::Success(Value::Integer(7)));
     decided(task, DecisionKind::Transition { from, to, outcome }, Because::new(cause, place(4)))
 }
 

@@ -40,10 +40,11 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] when the record cannot be read or its mission not loaded.
     pub fn restore_with(&self, at: Time, program: &Program) -> Result<Agent, RecordError> {
-        // A snapshot of an Apex with other state is no harm: everything can be had from the inputs.
-        let snapshot = self
-            .snapshot_before(at)?
-            .and_then(|(batch, body)| postcard::from_bytes::<Agent>(&body).ok().map(|agent| (batch, agent)));
+        // Another version's snapshot may decode into nonsense. It is no loss: everything can be had from the inputs.
+        let ours = self.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+        let stored = if ours { self.snapshot_before(at)? } else { None };
+        let snapshot =
+            stored.and_then(|(batch, body)| postcard::from_bytes::<Agent>(&body).ok().map(|agent| (batch, agent)));
         let (first, mut agent) = match snapshot {
             Some((batch, mut agent)) => {
                 agent.attach(Arc::clone(&program.0), program.2.clone());

@@ -1,0 +1,114 @@
+//! Which task is meant: by number, or by words of its goal or tag.
+
+use crate::error::RecordError;
+use crate::limits::CANDIDATES_MAX;
+use crate::record::TaskRow;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+
+/// The task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has.
+///
+/// # Errors
+/// [`RecordError::Question`] with candidates when none or several are meant.
+pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a TaskRow, RecordError> {
+    let known: Vec<&TaskRow> = tasks.iter().filter(|task| task.created <= at).collect();
+    let name = name.trim();
+    let digits = name.strip_prefix(['T', 't']).unwrap_or(name);
+    if let Ok(number) = digits.parse::<u64>() {
+        return by_number(tasks, &known, TaskId(number), at);
+    }
+    let folded = name.to_lowercase();
+    let same = |text: &str| text.to_lowercase() == folded;
+    let bare = |goal: &str| goal.trim_start_matches('(').trim_end_matches(')').to_owned();
+    let exact: Vec<&TaskRow> =
+        known.iter().copied().filter(|task| same(&task.tag) || same(&task.goal) || same(&bare(&task.goal))).collect();
+    let loose = || -> Vec<&TaskRow> {
+        known.iter().copied().filter(|task| task.goal.to_lowercase().contains(&folded)).collect()
+    };
+    let found = if exact.is_empty() { loose() } else { exact };
+    match found.as_slice() {
+        [one] => Ok(one),
+        [] => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
+        several => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
+    }
+}
+
+fn by_number<'a>(
+    tasks: &'a [TaskRow],
+    known: &[&'a TaskRow],
+    id: TaskId,
+    at: Time,
+) -> Result<&'a TaskRow, RecordError> {
+    match tasks.iter().find(|task| task.id == id) {
+        Some(task) if task.created <= at => Ok(task),
+        Some(task) => {
+            let text =
+                format!("{id} {} is created at {}, later than {at}. Ask for a later instant.", task.goal, task.created);
+            Err(RecordError::Question(text))
+        }
+        None => Err(question(format!("There is no task {id} in this flight."), "Tasks are", known)),
+    }
+}
+
+fn question(what: String, introduction: &str, candidates: &[&TaskRow]) -> RecordError {
+    if candidates.is_empty() {
+        return RecordError::Question(format!("{what} There are no tasks at that instant."));
+    }
+    let mut text = format!("{what} {introduction}:");
+    for task in candidates.iter().take(CANDIDATES_MAX) {
+        text.push_str(&format!("\n  {} {}, created at {}", task.id, task.goal, task.created));
+    }
+    if candidates.len() > CANDIDATES_MAX {
+        text.push_str(&format!("\n  and {} more", candidates.len() - CANDIDATES_MAX));
+    }
+    RecordError::Question(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(id: u64, tag: &str, goal: &str, created_s: f64) -> TaskRow {
+        TaskRow {
+            id: TaskId(id),
+            parent: None,
+            tag: tag.into(),
+            goal: goal.into(),
+            created: Time::from_seconds(created_s),
+            ended: None,
+            outcome: None,
+            method: None,
+            place: None,
+        }
+    }
+
+    fn ask(name: &str) -> String {
+        let tasks = [
+            task(1, "root", "(fly mission)", 0.0),
+            task(2, "power", "(power-up camera-1)", 1.0),
+            task(3, "power-2", "(power-up camera-2)", 1.0),
+            task(4, "late", "(land)", 50.0),
+        ];
+        match find_task(&tasks, name, Time::from_seconds(10.0)) {
+            Ok(task) => task.id.to_string(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn numbers_tags_goals_and_parts_of_goals_name_tasks() {
+        let names = ["T2", "t2", "2", "power", "POWER-UP CAMERA-1", "(power-up camera-1)", "camera-1"];
+        assert!(names.into_iter().all(|name| ask(name) == "T2"));
+    }
+
+    #[test]
+    fn unclear_names_are_answered_with_candidates() {
+        assert_eq!(
+            ask("power-up"),
+            "`power-up` may be one of 2 tasks. Say which:\n  T2 (power-up camera-1), created at 1s\n  T3 (power-up camera-2), created at 1s"
+        );
+        assert!(ask("dance").starts_with("No task is called `dance` at 10s. Tasks are:\n  T1 (fly mission)"));
+        assert!(ask("T99").starts_with("There is no task T99 in this flight."));
+        assert_eq!(ask("T4"), "T4 (land) is created at 50s, later than 10s. Ask for a later instant.");
+    }
+}

@@ -1,0 +1,44 @@
+//! Explanations: why a task waits, is interrupted, ended.
+
+use crate::support::{camera, load};
+use apex_model::time::Time;
+use apex_runtime::explain::why;
+
+#[test]
+fn why_a_task_waits_and_since_when() {
+    let reader = camera().reader_kept();
+    let waiting = why(&reader.0, "high", Time::from_seconds(2.0), &load).unwrap();
+    assert_eq!(waiting.state, "pending");
+    assert_eq!(waiting.waiting.len(), 1, "{waiting:?}");
+    assert!(waiting.waiting[0].now.contains("(altitude ac-1) = 6500"), "{waiting:?}");
+    assert_eq!(waiting.waiting[0].since, Some(1.0), "{waiting:?}");
+    let text = waiting.to_string();
+    assert!(text.contains("is pending at 2s") && text.contains("since 1s"), "{text}");
+}
+
+#[test]
+fn why_a_task_is_interrupted_and_by_whom() {
+    let reader = camera().reader_kept();
+    let interrupted = why(&reader.0, "patrol", Time::from_seconds(5.0), &load).unwrap();
+    assert_eq!(interrupted.state, "interrupted");
+    let blocked = interrupted.blocked.clone().unwrap();
+    assert_eq!((blocked.goal.as_str(), blocked.resource.as_str()), ("(look-at fire)", "flight-path"));
+    assert!((blocked.since - 3.5).abs() < 1e-9 && blocked.winner_priority > blocked.loser_priority);
+    assert!(interrupted.to_string().contains("(look-at fire) has flight-path since 3.5s"), "{interrupted}");
+    let later = why(&reader.0, "patrol", Time::from_seconds(10.0), &load).unwrap();
+    assert_eq!((later.state.as_str(), later.blocked), ("ongoing", None));
+}
+
+#[test]
+fn why_a_task_ended_and_what_an_ongoing_one_works_through() {
+    let reader = camera().reader_kept();
+    let ended = why(&reader.0, "look-at fire", Time::from_seconds(19.0), &load).unwrap();
+    assert_eq!((ended.state.as_str(), ended.waiting.len()), ("terminated", 0));
+    let last = ended.history.last().unwrap();
+    assert!(last.because.contains("its duration of P5S is over"), "{ended}");
+    let root = why(&reader.0, "T0", Time::from_seconds(2.0), &load).unwrap();
+    assert_eq!(root.goal, "(do-domain)");
+    assert!(root.subtasks.iter().any(|task| task.goal == "(patrol)" && task.state == "ongoing"), "{root}");
+    let json = serde_json::to_value(&root).unwrap();
+    assert_eq!(json["state"], "ongoing");
+}

@@ -1,0 +1,6 @@
+//! Whole programs: PDL in, flown without a vehicle, recorded, replayed, restored, explained.
+#![cfg(test)]
+
+mod explaining;
+mod recording;
+mod support;

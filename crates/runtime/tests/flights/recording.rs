@@ -1,0 +1,161 @@
+//! What a record is good for: traces, replay, restoring, plans that are never made again.
+
+use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
+use apex_model::effect::{Effect, SolveRequest};
+use apex_model::event::PlannedProcedure;
+use apex_model::expression::Template;
+use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_runtime::mission_loop::EndReason;
+use apex_runtime::ports::{Deliberator, SolverAnswer};
+use apex_runtime::program::NoDeliberator;
+use apex_runtime::record::RecordReader;
+use apex_runtime::replay::replay;
+use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer, trace_record};
+use rusqlite::{Connection, params};
+use std::path::Path;
+use std::sync::Arc;
+
+fn transitions(reader: &RecordReader) -> String {
+    let filter = TraceFilter { kinds: ["transition".to_owned(), "event".into()].into(), ..TraceFilter::default() };
+    String::from_utf8(trace_record(reader, Vec::new(), TraceFormat::Text, filter).unwrap()).unwrap()
+}
+
+#[test]
+fn a_program_runs_without_a_vehicle_and_its_trace_tells_why() {
+    let flight = camera();
+    assert!(matches!(flight.end.reason, EndReason::Application(_)), "{:?}", flight.end);
+    assert_eq!(flight.end.at, Time::from_seconds(20.0));
+    let text = transitions(&flight.reader());
+    for line in [
+        "3.5s  event (fire-seen)",
+        "(look-at fire): enabled -> ongoing because it was granted flight-path",
+        "(patrol): ongoing -> interrupted because",
+        "8.5s  T2 (look-at fire): ongoing -> terminated (success) because its duration of P5S is over",
+        "(patrol): interrupted -> ongoing because it was granted flight-path",
+    ] {
+        assert!(text.contains(line), "`{line}` is missing in\n{text}");
+    }
+    assert_eq!(text.matches("(looking fire)").count(), 1, "an inform is told once:\n{text}");
+}
+
+#[test]
+fn live_trace_and_recorded_trace_are_the_same() {
+    let (library, _, _) = program(CAMERA);
+    let mut tracer = Tracer::new(Vec::new(), TraceFormat::JsonLines, TraceFilter::default(), &library);
+    let flight = record(CAMERA, camera_inputs(), &mut NoDeliberator, &mut [&mut tracer]);
+    let live = String::from_utf8(tracer.into_inner().unwrap()).unwrap();
+    let out = trace_record(&flight.reader(), Vec::new(), TraceFormat::JsonLines, TraceFilter::default()).unwrap();
+    assert_eq!(live, String::from_utf8(out).unwrap());
+    assert!(live.lines().count() > 20);
+}
+
+#[test]
+fn replay_confirms_an_honest_record() {
+    let flight = camera();
+    let report = replay(&flight.reader(), &load).unwrap();
+    assert_eq!(report.difference, None, "{report}");
+    assert_eq!((report.batches, report.effects), (flight.end.steps, flight.end.effects));
+    assert!(report.to_string().starts_with("The record is confirmed:"), "{report}");
+}
+
+fn tamper(path: &Path, sql: &str, body: Option<Vec<u8>>) {
+    let changed = Connection::open(path).unwrap().execute(sql, params![body]).unwrap();
+    assert_eq!(changed, 1, "the test must change something");
+}
+
+#[test]
+fn replay_finds_a_changed_effect_and_tells_both() {
+    let flight = camera();
+    let task = apex_model::task::TaskId(4);
+    let lie = postcard::to_stdvec(&Effect::Print { task, text: "low".into() }).unwrap();
+    tamper(&flight.path, "UPDATE effect SET body = ?1 WHERE kind = 'print'", Some(lie));
+    let report = replay(&flight.reader(), &load).unwrap();
+    let difference = report.difference.clone().unwrap();
+    assert_eq!(difference.at, Time::from_seconds(20.0));
+    assert!(difference.recorded.unwrap().ends_with("; low"));
+    assert!(difference.replayed.unwrap().ends_with("; high"));
+    assert!(report.to_string().starts_with("The replay differs at 20s, batch "), "{report}");
+}
+
+#[test]
+fn replay_finds_missing_effects_and_changed_programs() {
+    let flight = camera();
+    let sql = "DELETE FROM effect WHERE ?1 IS NULL AND id = (SELECT max(id) FROM effect)";
+    tamper(&flight.path, sql, None);
+    let difference = replay(&flight.reader(), &load).unwrap().difference.unwrap();
+    assert_eq!((difference.recorded.is_none(), difference.replayed.is_some()), (true, true));
+    let flight = camera();
+    let slower = CAMERA.replace("(duration 5s)", "(duration 6s)").into_bytes();
+    tamper(&flight.path, "UPDATE source SET body = ?1", Some(slower));
+    let difference = replay(&flight.reader(), &load).unwrap().difference.unwrap();
+    assert!(difference.at <= Time::from_seconds(8.5), "{difference:?}");
+    tamper(&flight.path, "UPDATE source SET body = ?1", Some(b"(procedure".to_vec()));
+    let message = replay(&flight.reader(), &load).unwrap_err().to_string();
+    assert!(message.starts_with("The mission inside "), "{message}");
+}
+
+#[test]
+fn any_instant_is_restored_from_snapshot_or_from_inputs() {
+    let inputs =
+        (0..3000_u32).map(|second| altitude(f64::from(second) * 0.03, 6000 + i64::from(second % 900))).collect();
+    let flight = record(CAMERA, inputs, &mut NoDeliberator, &mut []);
+    let reader = flight.reader();
+    let connection = Connection::open(&flight.path).unwrap();
+    let count = || connection.query_row("SELECT count(*) FROM snapshot", [], |row| row.get::<_, i64>(0)).unwrap();
+    assert!(count() > 0, "this test needs snapshots");
+    let at = |seconds| postcard::to_stdvec(&reader.restore(Time::from_seconds(seconds), &load).unwrap()).unwrap();
+    let from_snapshot = [at(10.0), at(40.0), at(89.0)];
+    let last = postcard::to_stdvec(&flight.agent).unwrap();
+    assert_eq!(at(1e6), last, "the end is the agent that flew");
+    for sql in ["UPDATE meta SET value = '0.0.1' WHERE key = 'apex_version'", "UPDATE snapshot SET body = x'00'"] {
+        connection.execute(sql, []).unwrap();
+        assert_eq!(at(40.0), from_snapshot[1], "inputs are enough: {sql}");
+    }
+    connection.execute("UPDATE meta SET value = ?1 WHERE key = 'apex_version'", [env!("CARGO_PKG_VERSION")]).unwrap();
+    assert_eq!(at(40.0), from_snapshot[1], "a snapshot that cannot be read is passed over");
+    connection.execute("DELETE FROM snapshot", []).unwrap();
+    assert_eq!([at(10.0), at(40.0), at(89.0)], from_snapshot);
+}
+
+/// Plans two visits after 4 s of thinking; counts how often it was asked.
+#[derive(Default)]
+struct Planner(u32);
+
+impl Deliberator for Planner {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+        self.0 += 1;
+        let visit = |place: &str| Template::Constant(apex_pdl::read_value(&format!("(visit {place})")).unwrap());
+        let text = format!("(procedure\n  (index {})\n  (step s1 (visit a))\n  (step s2 (visit b)))", request.goal);
+        let plan = PlannedProcedure {
+            solver: Symbol::new("two-opt"),
+            summary: "2 sites".into(),
+            steps: vec![(Symbol::new("s1"), visit("a")), (Symbol::new("s2"), visit("b"))],
+            repeat: false,
+            source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from(text) },
+        };
+        SolverAnswer { result: Ok(plan), charged: Duration::from_seconds(4.0) }
+    }
+}
+
+const TOUR: &str = r#"
+(solver auto (index (tour ?sites)))
+(procedure (index (do-domain)) (step t (tour (a b))) (step e (end-application) (waitfor ?t)))
+(primitive (index (visit ?site)) (duration 10s))
+"#;
+
+#[test]
+fn plans_are_flown_named_and_never_made_again() {
+    let mut planner = Planner::default();
+    let flight = record(TOUR, Vec::new(), &mut planner, &mut []);
+    assert_eq!((planner.0, flight.end.at), (1, Time::from_seconds(24.0)));
+    let reader = flight.reader();
+    let report = replay(&reader, &load).unwrap();
+    assert_eq!(report.difference, None, "{report}");
+    let tasks = reader.tasks().unwrap();
+    let visit = tasks.iter().find(|task| task.goal == "(visit b)").unwrap();
+    assert_eq!(visit.place.as_deref(), Some("<plan 1>:4:1"));
+    let tour = tasks.iter().find(|task| task.goal == "(tour (a b))").unwrap();
+    assert_eq!(tour.method.as_deref(), Some("procedure <plan 1>:1:1"));
+}
