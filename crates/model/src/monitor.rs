@@ -257,7 +257,7 @@ pub struct EpisodePart {
 }
 
 /// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjectRun {
     /// Order of the object's first appearance.
     pub rank: u64,
@@ -274,7 +274,7 @@ pub struct ObjectRun {
 }
 
 /// The newest sample of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSample {
     /// Its instant.
     pub at: Time,

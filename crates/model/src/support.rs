@@ -2,13 +2,17 @@
 //!
 //! Each function answers with the name of the unsupported construct as its author writes it.
 
-use crate::condition::{Condition, ConditionKind, EpisodeCondition};
+use crate::condition::{Condition, ConditionKind, EpisodeCondition, Estimation};
 use crate::procedure::{Procedure, Step};
 
 /// The first construct of `condition` (its parts included) that the executive cannot evaluate.
 pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
     match &condition.kind {
-        ConditionKind::Measurement(measurement) => measurement.estimation.as_ref().map(|_| ":estimation"),
+        ConditionKind::Measurement(measurement) => match &measurement.estimation {
+            Some(Estimation::LinearRegression(_)) => Some(":linear-regression"),
+            Some(Estimation::Persist(_)) if !measurement.timestamp.is_empty() => Some(":persist with :timestamp"),
+            Some(Estimation::Persist(_)) | None => None,
+        },
         ConditionKind::Episode(episode) => unsupported_episode(episode),
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
             parts.iter().find_map(unsupported_condition)
@@ -32,10 +36,6 @@ fn unsupported_episode(episode: &EpisodeCondition) -> Option<&'static str> {
         Some(":stats")
     } else if !episode.trend.is_empty() {
         Some(":trend")
-    } else if !episode.first_value.is_empty() {
-        Some(":first-value")
-    } else if !episode.last_value.is_empty() {
-        Some(":last-value")
     } else {
         None
     }

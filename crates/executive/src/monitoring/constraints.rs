@@ -109,6 +109,18 @@ pub(super) fn satisfies_all(
     Ok(true)
 }
 
+/// Does `value` satisfy all `tests`, as far as that needs no evaluation? None when it does.
+pub(super) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
+    let mut holds = true;
+    for test in tests {
+        match test {
+            Test::Fixed { relation, right } => holds &= ordered(*relation, value.order(right)?),
+            Test::General(_) => return None,
+        }
+    }
+    Some(holds)
+}
+
 /// Does `value` satisfy all `constraints`, whose right sides are read as `reading` says?
 ///
 /// # Errors

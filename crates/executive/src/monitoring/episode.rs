@@ -10,7 +10,7 @@
 use super::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
 use super::runs::{Judged, advance_run};
 use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
-use super::{Site, Troubles, Truth, remember};
+use super::{Site, Troubles, Truth, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::bindings::Bindings;
@@ -103,6 +103,9 @@ pub(super) fn notice(
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
+    if quick_runs::notice(part, site, sample) {
+        return;
+    }
     let late = part.runs.get(&sample.variable.object).is_some_and(|run| sample.at < run.newest.at);
     if late && sample.at >= site.window.start {
         let kept =
@@ -126,26 +129,26 @@ fn feed(
         return;
     }
     let object = &sample.variable.object;
-    let before = match part.runs.remove(object) {
+    let objects = part.runs.len();
+    let before = match part.runs.get_mut(object).map(std::mem::take) {
         Some(object_run) if sample.at > object_run.newest.at => {
             settle(part, site, object, object_run, sample.at, surroundings, troubles)
         }
         Some(object_run) => object_run,
-        None if part.runs.len() >= MONITOR_OBJECTS_MAX => {
+        None if objects >= MONITOR_OBJECTS_MAX => {
             troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
             return;
         }
-        None => ObjectRun {
-            rank: part.runs.len() as u64,
-            run: None,
-            newest: RunSample { at: sample.at, holds: None, joins: false, first_holds: true, last_holds: true },
-            found: None,
-            contradicted: false,
-            gap: None,
-        },
+        None => ObjectRun { rank: objects as u64, ..ObjectRun::default() },
     };
     let newest = judge(part, site, sample, before.run.as_ref(), surroundings, troubles);
-    part.runs.insert(object.clone(), ObjectRun { newest, ..before });
+    let after = ObjectRun { newest, ..before };
+    match part.runs.get_mut(object) {
+        Some(slot) => *slot = after,
+        None => {
+            part.runs.insert(object.clone(), after);
+        }
+    }
 }
 
 /// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
@@ -272,6 +275,10 @@ pub(super) fn truth(
     }
     let mut open = part.blind || part.runs.is_empty();
     for (object, object_run) in &part.runs {
+        if let Some(undetermined) = quick_runs::undecided(part, object_run, now) {
+            open |= undetermined;
+            continue;
+        }
         let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
         if judged.found.is_some() || !judged.over.is_empty() || judged.closed_by_time.is_some() {
             return Truth::True;

@@ -7,7 +7,7 @@
 //! PDL: `:and`, `:or`, `:not`, `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
-use super::time_conditions::{Kind, delays};
+use super::time_conditions::delays;
 use super::{Asking, Truth, episode, measurement, task_state, time_conditions};
 use crate::expression::{WithBindings, evaluate};
 use apex_model::because::Evidence;

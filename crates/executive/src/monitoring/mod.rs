@@ -11,6 +11,7 @@ mod histories;
 mod logic;
 mod measurement;
 pub(crate) mod pattern_matching;
+mod quick_runs;
 mod retention;
 mod runs;
 mod samples;
@@ -21,8 +22,8 @@ mod time_conditions;
 mod unmet;
 pub(crate) mod words;
 
-pub(crate) use histories::{Recording, record_event, record_sample};
-pub(crate) use retention::{prepare, prepare_procedure};
+pub(crate) use histories::{record_event, record_sample};
+pub(crate) use retention::prepare;
 
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::Condition;

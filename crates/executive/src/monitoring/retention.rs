@@ -34,11 +34,6 @@ pub(crate) fn prepare(histories: &mut Histories, library: &Library) {
     library.functions.values().for_each(|function| survey.exprs(&function.body));
 }
 
-/// Prepares `histories` for a procedure that was added to the library later.
-pub(crate) fn prepare_procedure(histories: &mut Histories, procedure: &Procedure) {
-    Survey { histories }.procedure(procedure);
-}
-
 /// Walks through definitions and notes what looks back.
 struct Survey<'a> {
     histories: &'a mut Histories,
@@ -120,7 +115,9 @@ impl Survey<'_> {
                     self.histories.require_lookback(&measurement.variable.attribute, Duration::MAX);
                 }
                 self.pattern(&measurement.variable.object);
-                [&measurement.value, &measurement.object, &measurement.timestamp].map(|each| self.constraints(each));
+                [&measurement.value, &measurement.object, &measurement.timestamp]
+                    .into_iter()
+                    .for_each(|each| self.constraints(each));
                 match &measurement.estimation {
                     Some(Estimation::Persist(timeout)) => self.all(timeout),
                     Some(Estimation::LinearRegression(options)) => options.iter().for_each(|(_, expr)| self.expr(expr)),
@@ -136,7 +133,8 @@ impl Survey<'_> {
                 }
                 self.pattern(&episode.variable.object);
                 [&episode.value, &episode.first_value, &episode.last_value, &episode.object]
-                    .map(|each| self.constraints(each));
+                    .into_iter()
+                    .for_each(|each| self.constraints(each));
                 self.timing(&episode.timing);
                 episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
             }
@@ -174,7 +172,7 @@ impl Survey<'_> {
     }
 
     fn timing(&mut self, timing: &Timing) {
-        [&timing.start, &timing.end, &timing.duration].map(|each| self.constraints(each));
+        [&timing.start, &timing.end, &timing.duration].into_iter().for_each(|each| self.constraints(each));
     }
 
     fn constraints(&mut self, constraints: &[Constraint]) {
