@@ -17,6 +17,7 @@ pub fn error_codes() -> &'static [ErrorCode] {
 ///
 /// # Errors
 /// A message when the text is no PDL or holds no datum or several.
+#[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub fn read_value(text: &str) -> Result<Value, Diagnostic> {
     let read = read_file(0, text);
     if let Some(diagnostic) = read.diagnostics.into_iter().next() {
@@ -70,7 +71,7 @@ pub fn parse_condition(text: &str, options: CheckOptions<'_>) -> ParsedCondition
         None => None,
     };
     if !options.fragment {
-        lowering.finish_scope();
+        lowering.finish_scope(condition.is_some());
     }
     lowering.report_unknown_names();
     diagnostics.append(&mut lowering.diagnostics);

@@ -6,6 +6,9 @@ use apex_model::source::SourceFile;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+/// A marked span and what is written at it.
+type Mark<'d> = (Span, AnnotationKind, Option<&'d str>);
+
 /// Renders `diagnostics` over the `sources` that their spans index, in order; with terminal colours if `color`.
 pub fn render(diagnostics: &[Diagnostic], sources: &[SourceFile], color: bool) -> String {
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
@@ -23,7 +26,7 @@ fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Render
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut by_file: BTreeMap<u32, Vec<(Span, AnnotationKind, Option<&str>)>> = BTreeMap::new();
+    let mut by_file: BTreeMap<u32, Vec<Mark<'_>>> = BTreeMap::new();
     by_file.entry(diagnostic.span.file).or_default().push((diagnostic.span, AnnotationKind::Primary, None));
     for label in &diagnostic.labels {
         by_file.entry(label.span.file).or_default().push((label.span, AnnotationKind::Context, Some(&label.text)));
@@ -48,10 +51,7 @@ fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Render
 
 /// The lines that the spans stand on, with the spans marked. Long spans are cut after their first line, so that a
 /// message about a form does not print the whole form.
-fn snippet<'s>(
-    source: &'s SourceFile,
-    spans: &[(Span, AnnotationKind, Option<&'s str>)],
-) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
+fn snippet<'s>(source: &'s SourceFile, spans: &[Mark<'s>]) -> Snippet<'s, annotate_snippets::Annotation<'s>> {
     let ranges: Vec<Range<usize>> = spans.iter().map(|(span, ..)| first_line(&source.text, span)).collect();
     let start = ranges.iter().map(|range| range.start).min().unwrap_or(0);
     let end = ranges.iter().map(|range| range.end).max().unwrap_or(0);

@@ -14,6 +14,7 @@ pub(crate) const LINE_CHARACTERS_MAX: usize = 100;
 ///
 /// # Errors
 /// The first flaw of a text that is not well formed: such text is not touched.
+#[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub fn format(text: &str) -> Result<String, Diagnostic> {
     let flaws = read_file(0, text).diagnostics;
     match flaws.into_iter().find(|each| each.severity == Severity::Error) {

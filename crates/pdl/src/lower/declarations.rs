@@ -333,7 +333,7 @@ impl Lowering {
             Some(datum) => Some(self.goal(datum)?),
             None => None,
         };
-        self.finish_scope();
+        self.finish_scope(true);
         Some(SolverDeclaration { name, index, budget, meanwhile, place: form.span.place() })
     }
 }

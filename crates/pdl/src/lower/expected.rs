@@ -140,9 +140,7 @@ pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(_, dimension)| dimension),
         ExprKind::Call { function, arguments } => match (function.folded(), arguments.as_slice()) {
-            ("+" | "-" | "max" | "min" | "mod" | "rem", all) => {
-                all.iter().filter_map(dimension_of).find(|dimension| *dimension != Dimension::NONE)
-            }
+            ("+" | "-" | "max" | "min" | "mod" | "rem", all) => dimension_of_sum(all),
             ("abs", [one]) => dimension_of(one),
             ("*", all) => {
                 all.iter().try_fold(Dimension::NONE, |product, part| Some(product.times(dimension_of(part)?)))
@@ -157,6 +155,18 @@ pub(crate) fn dimension_of(expr: &Expr) -> Option<Dimension> {
         },
         ExprKind::Indexical(name) if name.is("tot") => Some(Dimension::TIME),
         _ => None,
+    }
+}
+
+/// The dimension of a sum. Next to a part that may be an instant, a duration does not make the sum a duration.
+fn dimension_of_sum(parts: &[Expr]) -> Option<Dimension> {
+    let known: Vec<Option<Dimension>> = parts.iter().map(dimension_of).collect();
+    let found = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE);
+    match found {
+        Some(Dimension::TIME) if known.contains(&None) => None,
+        Some(dimension) => Some(dimension),
+        None if known.contains(&None) => None,
+        None => Some(Dimension::NONE),
     }
 }
 
@@ -245,11 +255,12 @@ impl Lowering {
     }
 
     fn check_type(&mut self, value: &Value, span: Span, expected: &Expected) -> Option<()> {
-        let wrong = match (expected.value_type.as_ref().map(Symbol::folded), value) {
-            (Some("real" | "integer" | "number"), Value::Symbol(_) | Value::Text(_)) => true,
-            (Some("symbol"), Value::Text(_)) | (Some("string"), Value::Symbol(_)) => true,
-            _ => false,
-        };
+        let wrong = matches!(
+            (expected.value_type.as_ref().map(Symbol::folded), value),
+            (Some("real" | "integer" | "number"), Value::Symbol(_) | Value::Text(_))
+                | (Some("symbol"), Value::Text(_))
+                | (Some("string"), Value::Symbol(_))
+        );
         let is_number = matches!(expected.kind, ExpectedKind::Duration | ExpectedKind::Rate(..))
             && matches!(value, Value::Symbol(_) | Value::Text(_));
         if !wrong && !is_number {

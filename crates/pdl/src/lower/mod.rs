@@ -21,6 +21,7 @@ mod pattern;
 mod primitive;
 mod procedure;
 mod scope;
+mod shared;
 mod special;
 mod step;
 mod support;

@@ -49,7 +49,7 @@ impl Lowering {
         for clause in locals.into_iter().chain(others) {
             complete &= self.primitive_clause(clause, &mut primitive).is_some();
         }
-        self.finish_scope();
+        self.finish_scope(complete);
         complete.then_some(primitive)
     }
 

@@ -1,19 +1,14 @@
 //! Procedures (`pdl.md` section 3): kind, index, clauses, steps; clauses shared with steps and primitives.
 
-use super::clauses::groups;
 use super::step::StepSource;
 use super::{Lowering, Scope, Served};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::nearest;
-use apex_model::expression::{Expr, ExprKind};
-use apex_model::library::ResourceKind;
 use apex_model::pattern::Pattern;
-use apex_model::procedure::{Activity, Hooks, LogPolicy, Procedure, ProcedureKind, ResourceNeed, Step, Transitions};
+use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::symbol::Symbol;
-use apex_model::time::Duration;
-use apex_model::value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 const CLAUSES: &[&str] = &[
@@ -74,7 +69,7 @@ impl Lowering {
                 None => complete = false,
             }
         }
-        self.finish_scope();
+        self.finish_scope(complete);
         complete.then_some(())?;
         self.check_procedure_support(&procedure, datum.span)?;
         self.finish_kind(datum, &mut procedure);
@@ -196,8 +191,9 @@ impl Lowering {
             if let Some(first) = taken.insert(step.tag.clone(), step.tag_span) {
                 unique = false;
                 let message = format!("two steps are tagged `{}`", step.tag);
-                let diagnostic =
-                    Diagnostic::error(codes::DUPLICATE_TAG, step.tag_span, message).label(first, "first used here");
+                let diagnostic = Diagnostic::error(codes::DUPLICATE_TAG, step.tag_span, message)
+                    .label(first, "first used here")
+                    .help("give each step its own tag");
                 self.report(diagnostic);
             }
         }
@@ -248,185 +244,6 @@ impl Lowering {
             _ => {}
         }
         Some(())
-    }
-
-    /// `(end-when C)`, `(terminate (when C))`, `(suspend-when C until C)`, `(suspend (when C) (until C))` and relatives.
-    pub(crate) fn transition(&mut self, clause: &Datum, transitions: &mut Transitions) -> Option<()> {
-        let name = clause.head_name();
-        let items = clause.tail();
-        let (when, until) = match items {
-            [when] if when.head_name() == "when" => (when.tail(), None),
-            [when, until] if when.head_name() == "when" && until.head_name() == "until" => {
-                (when.tail(), Some(until.tail()))
-            }
-            [when, word, until] if word.is("until") => (std::slice::from_ref(when), Some(std::slice::from_ref(until))),
-            [when, until] if until.head_name() == "until" => (std::slice::from_ref(when), Some(until.tail())),
-            [word, when] if word.is("when") => (std::slice::from_ref(when), None),
-            all => (all, None),
-        };
-        let is_suspend = name.starts_with("suspend");
-        if when.is_empty() || (until.is_some() && !is_suspend) {
-            let shape = if is_suspend { "(suspend-when CONDITION [until CONDITION])" } else { "(end-when CONDITION)" };
-            return self.missing_part(clause.span, &format!("this `{name}` has the wrong parts"), shape);
-        }
-        let condition = self.clause_condition(name, when, clause)?;
-        let slot = match name {
-            "end-when" | "terminate" => &mut transitions.end_when,
-            "restart" | "restart-when" => &mut transitions.restart_when,
-            "resume" | "resume-when" => &mut transitions.resume_when,
-            _ => &mut transitions.suspend_when,
-        };
-        if slot.replace(condition).is_some() {
-            let diagnostic = Diagnostic::error(
-                codes::CLAUSE_TWICE,
-                clause.span,
-                format!("`{name}` says again when this task changes state"),
-            )
-            .reason("the same clause stands here already in another spelling")
-            .help("keep one of them, or join the conditions with `(:or ..)`");
-            return self.refuse(diagnostic);
-        }
-        if let Some(until) = until {
-            transitions.suspend_until = Some(self.clause_condition(name, until, clause)?);
-        }
-        Some(())
-    }
-
-    /// The one condition of a clause; `:quality Q` may follow an episode.
-    fn clause_condition(
-        &mut self,
-        name: &str,
-        items: &[Datum],
-        clause: &Datum,
-    ) -> Option<apex_model::condition::Condition> {
-        let mut lowered = self.conditions(items)?;
-        match (lowered.pop(), lowered.is_empty()) {
-            (Some(condition), true) => {
-                self.check_condition_support(&condition, clause)?;
-                Some(condition)
-            }
-            _ => {
-                let diagnostic = Diagnostic::error(
-                    codes::MALFORMED,
-                    super::span_of(items, clause.span),
-                    format!("`{name}` takes one condition"),
-                )
-                .help("join them: `(:and ..)` or `(:or ..)`");
-                self.refuse(diagnostic)
-            }
-        }
-    }
-
-    /// A hook: forms with effects.
-    pub(crate) fn hook(&mut self, clause: &Datum, hooks: &mut Hooks) -> Option<()> {
-        let forms = self.body(clause.tail())?;
-        match clause.head_name() {
-            "on-end" => hooks.on_end.extend(forms),
-            "on-suspend" => hooks.on_suspend.extend(forms),
-            "on-resume" => hooks.on_resume.extend(forms),
-            _ => hooks.on_start.extend(forms),
-        }
-        Some(())
-    }
-
-    /// `(profile NAME.. (NAME AMOUNT)..)`
-    pub(crate) fn profile(&mut self, clause: &Datum) -> Option<Vec<ResourceNeed>> {
-        self.all(clause.tail(), |lowering, item| {
-            let place = item.span.place();
-            match &item.kind {
-                DatumKind::Symbol(_) | DatumKind::Variable(_) | DatumKind::Bound(_) | DatumKind::Indexical(_) => {
-                    let resource = lowering.template(item)?;
-                    Some(ResourceNeed { resource, amount: None, place })
-                }
-                DatumKind::List(parts) => match parts.as_slice() {
-                    [name, amount] => {
-                        lowering.check_amount(name, amount)?;
-                        let resource = lowering.template(name);
-                        let amount = lowering.pure_expression(amount, "a profile clause");
-                        Some(ResourceNeed { resource: resource?, amount: Some(amount?), place })
-                    }
-                    _ => lowering.missing_part(item.span, "a resource has the wrong parts", "NAME or (NAME AMOUNT)"),
-                },
-                _ => lowering.missing_part(item.span, "this is no resource", "NAME or (NAME AMOUNT)"),
-            }
-        })
-    }
-
-    fn check_amount(&mut self, name: &Datum, amount: &Datum) -> Option<()> {
-        let Some(symbol) = name.as_symbol() else { return Some(()) };
-        let severity = self.undefined();
-        match self.names.resources.get(symbol) {
-            Some((ResourceKind::Unitary, span)) => {
-                let message = format!("resource `{symbol}` has no amount: one task at a time holds all of it");
-                let diagnostic = Diagnostic::error(codes::RESOURCE_AMOUNT, amount.span, message)
-                    .label(*span, "declared here")
-                    .help(format!("declare `(resource {symbol} :capacity N)` or `(resource {symbol} :depletable Q)`"));
-                self.refuse(diagnostic)
-            }
-            None => {
-                let message = format!("an amount is asked of `{symbol}`, which is not declared");
-                let diagnostic = Diagnostic::new(severity, codes::RESOURCE_AMOUNT, amount.span, message)
-                    .help(format!("declare `(resource {symbol} :capacity N)` or `(resource {symbol} :depletable Q)`"));
-                self.report(diagnostic);
-                self.fragment.then_some(())
-            }
-            Some((ResourceKind::Depletable(total), span)) => {
-                let (wanted, found) = (total.as_number(), amount.to_value().as_number());
-                match (wanted, found) {
-                    (Some((_, wanted)), Some((_, found))) if wanted != found => {
-                        let message = format!("resource `{symbol}` is measured in {wanted}, but this is {found}");
-                        let diagnostic = Diagnostic::error(codes::DIMENSION, amount.span, message)
-                            .label(*span, format!("declared as {total} here"));
-                        self.refuse(diagnostic)
-                    }
-                    _ => Some(()),
-                }
-            }
-            Some((ResourceKind::Capacity(_), _)) => Some(()),
-        }
-    }
-
-    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`
-    fn log(&mut self, clause: &Datum) -> Option<Vec<LogPolicy>> {
-        self.all(clause.tail(), |lowering, item| {
-            let nested = Lowering::is_nested(item);
-            let (variable, options) = match item.as_list().and_then(<[Datum]>::split_first) {
-                Some((variable, options)) if nested => (variable, options),
-                Some(_) => (item, [].as_slice()),
-                None => {
-                    return lowering.missing_part(
-                        item.span,
-                        "a log policy names a state variable",
-                        "(log (ATTRIBUTE OBJECT) ..)",
-                    );
-                }
-            };
-            let (stray, options) = groups(options);
-            lowering.no_stray(stray)?;
-            lowering.check_groups(&options, &["frequency-limit", "time-limit", "count-limit"], "`log`")?;
-            let frequency = lowering.optional(&options, "frequency-limit", Lowering::literal_duration)?;
-            let time = lowering.optional(&options, "time-limit", Lowering::literal_duration)?;
-            let count = lowering.optional(&options, "count-limit", |lowering, datum| match datum.kind {
-                DatumKind::Integer(count) if count >= 0 => u64::try_from(count).ok(),
-                _ => lowering.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "a count is a whole number")),
-            })?;
-            let variable = lowering.template(variable)?;
-            Some(LogPolicy { variable, frequency_limit: frequency, time_limit: time, count_limit: count })
-        })
-    }
-
-    /// A duration that is known at load time; a frequency stands for its interval.
-    pub(crate) fn literal_duration(&mut self, datum: &Datum) -> Option<Duration> {
-        let expr: Expr = self.interval_or_frequency(datum)?;
-        match expr.kind {
-            ExprKind::Constant(Value::Duration(duration)) => Some(duration),
-            _ => {
-                let diagnostic =
-                    Diagnostic::error(codes::DURATION_EXPECTED, datum.span, "a literal duration is needed here")
-                        .help("write a duration with its unit: `5s`, `P1M30S`, `(1 hr 30 min)`");
-                self.refuse(diagnostic)
-            }
-        }
     }
 
     /// Adds the end of a sequential procedure; remarks on a concurrent one without end.

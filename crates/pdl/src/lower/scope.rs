@@ -76,9 +76,13 @@ impl Scope {
 }
 
 impl Lowering {
-    /// Reports every use of a variable that nothing binds, and forgets the scope.
-    pub(crate) fn finish_scope(&mut self) {
+    /// Reports every use of a variable that nothing binds, and forgets the scope. Without a `complete` scope nothing is
+    /// reported: a clause that was refused may bind what is missed.
+    pub(crate) fn finish_scope(&mut self, complete: bool) {
         let scope = std::mem::take(&mut self.scope);
+        if !complete {
+            return;
+        }
         let mut reported: BTreeSet<&Symbol> = BTreeSet::new();
         for (name, step, span) in &scope.uses {
             if scope.is_visible(name, *step) || !reported.insert(name) {

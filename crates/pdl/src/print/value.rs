@@ -33,24 +33,16 @@ fn quantity_text(quantity: &Quantity) -> String {
     in_unit.or_else(in_si).unwrap_or_else(|| quantity.to_string())
 }
 
-/// True when the value's text, standing where holes are allowed, would be read as something else.
-pub(super) fn needs_quote(value: &Value) -> bool {
-    match value {
-        Value::Symbol(symbol) => looks_like_hole(symbol),
-        Value::List(items) => {
-            items.first().and_then(Value::as_symbol).is_some_and(|head| head.is("quote"))
-                || items.iter().any(needs_quote)
-        }
-        _ => false,
-    }
-}
-
 fn looks_like_hole(symbol: &Symbol) -> bool {
     let text = symbol.folded();
     text.starts_with('?') || text.starts_with("<?") || (text.len() > 2 && text.starts_with('+') && text.ends_with('+'))
 }
 
-/// The value where holes are allowed: quoted if it would be read as something else.
+/// The value where holes are allowed: symbols that would be read as holes are quoted.
 pub(super) fn literal_text(value: &Value) -> String {
-    if needs_quote(value) { format!("'{}", value_text(value)) } else { value_text(value) }
+    match value {
+        Value::Symbol(symbol) if looks_like_hole(symbol) => format!("'{symbol}"),
+        Value::List(items) if !items.is_empty() => super::list_text("", items.iter().map(literal_text)),
+        other => value_text(other),
+    }
 }

@@ -105,7 +105,8 @@ impl Reader {
             Atom::Indexical(name) => DatumKind::Indexical(name),
             Atom::OutOfRange => {
                 let message = format!("`{text}` is too large for a number");
-                self.diagnostics.push(Diagnostic::error(codes::NUMBER_RANGE, span, message));
+                let help = "write a smaller number, or the same quantity in a larger unit";
+                self.diagnostics.push(Diagnostic::error(codes::NUMBER_RANGE, span, message).help(help));
                 DatumKind::Symbol(Symbol::new(text))
             }
         }

@@ -11,7 +11,12 @@ const FLAWS_MAX: usize = 50;
 /// The tree of `text`. Never fails.
 pub(crate) fn parse(text: &str) -> Parse {
     let tokens = tokens(text);
-    let balanced = run(&tokens, false);
+    let mut balanced = run(&tokens, false);
+    let swallowed = |flaw: &Flaw| matches!(flaw.kind, FlawKind::UnclosedText | FlawKind::UnclosedComment);
+    if balanced.1.iter().any(swallowed) {
+        // The open string or comment has swallowed the closing parentheses: they are not missing.
+        balanced.1.retain(|flaw| !matches!(flaw.kind, FlawKind::UnclosedList { .. }));
+    }
     let cut_short = balanced.1.iter().any(|flaw| matches!(flaw.kind, FlawKind::UnclosedList { .. }));
     // Only a text that lacks a `)` is cut where a new form starts in the first column.
     let (root, flaws) = if cut_short { run(&tokens, true) } else { balanced };
