@@ -29,6 +29,7 @@ pub fn cost_at(cost: &CostFunction, age_s: f64) -> f64 {
         CostFunction::Logistic { maximum, rate_per_s, midpoint_s } => {
             maximum / (1.0 + libm::exp(-rate_per_s * (age_s - midpoint_s)))
         }
+        CostFunction::Delayed { response_s, cost } => cost_at(cost, age_s + response_s),
         CostFunction::Table { points } => table_at(points, age_s),
     }
 }
@@ -57,6 +58,9 @@ pub fn cost_integral(cost: &CostFunction, age_s: f64) -> f64 {
         CostFunction::Logistic { maximum, rate_per_s, midpoint_s } => {
             let (until, from) = (rate_per_s * (age_s - midpoint_s), -rate_per_s * midpoint_s);
             maximum / rate_per_s * (softplus(until) - softplus(from))
+        }
+        CostFunction::Delayed { response_s, cost } => {
+            cost_integral(cost, age_s + response_s) - cost_integral(cost, *response_s)
         }
         CostFunction::Table { points } => table_integral(points, age_s),
     }
@@ -203,6 +207,11 @@ mod tests {
     }
 
     fn families() -> impl Strategy<Value = CostFunction> {
+        let delayed = |(response_s, cost): (f64, CostFunction)| CostFunction::Delayed { response_s, cost: Box::new(cost) };
+        prop_oneof![3 => simple_families(), 1 => (0.0..900.0f64, simple_families()).prop_map(delayed)]
+    }
+
+    fn simple_families() -> impl Strategy<Value = CostFunction> {
         prop_oneof![
             (0.0..5.0f64).prop_map(|cost_per_s| CostFunction::Linear { cost_per_s }),
             (0.1..5.0f64, 1e-7..0.1f64)
@@ -226,6 +235,7 @@ mod tests {
         match cost {
             CostFunction::Step { deadline_s, .. } => vec![*deadline_s],
             CostFunction::Table { points } => points.iter().map(|(age, _)| *age).collect(),
+            CostFunction::Delayed { response_s, cost } => jumps(cost).into_iter().map(|age| age - response_s).collect(),
             _ => Vec::new(),
         }
     }

@@ -46,6 +46,10 @@ fn cost_function(name: &str, cost: &CostFunction) -> Result<(), String> {
         CostFunction::Saturating { maximum, rate_per_s } => vec![*maximum, *rate_per_s],
         CostFunction::Step { deadline_s, maximum } => vec![*deadline_s, *maximum],
         CostFunction::Logistic { maximum, rate_per_s, midpoint_s } => vec![*maximum, *rate_per_s, *midpoint_s],
+        CostFunction::Delayed { response_s, cost } => {
+            cost_function(name, cost)?;
+            vec![*response_s]
+        }
         CostFunction::Table { points } => points.iter().flat_map(|(age_s, cost)| [*age_s, *cost]).collect(),
     };
     if numbers.iter().any(|number| !number.is_finite() || *number < 0.0) {

@@ -53,14 +53,20 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
     found
 }
 
+/// Ages at which a cost function is not smooth.
+fn jumps(cost: &CostFunction) -> Vec<f64> {
+    match cost {
+        CostFunction::Step { deadline_s, .. } => vec![*deadline_s],
+        CostFunction::Table { points } => points.iter().map(|(age_s, _)| *age_s).collect(),
+        CostFunction::Delayed { response_s, cost } => jumps(cost).into_iter().map(|age_s| age_s - response_s).collect(),
+        CostFunction::Linear { .. } | CostFunction::Saturating { .. } | CostFunction::Logistic { .. } => Vec::new(),
+    }
+}
+
 /// Expected cost of one target by quadrature, not by the planners' closed forms. Constant-rate intervals of equal
 /// length recur in cycles, so each length is integrated once.
 fn cost(target: &SurveillanceTarget, ends_s: &[f64], horizon_s: f64) -> Result<f64, String> {
-    let jumps = match &target.cost {
-        CostFunction::Step { deadline_s, .. } => vec![*deadline_s],
-        CostFunction::Table { points } => points.iter().map(|(age_s, _)| *age_s).collect(),
-        _ => Vec::new(),
-    };
+    let jumps = jumps(&target.cost);
     let constant = target.rate.steps.len() <= 1;
     let mut known: Vec<(f64, f64)> = Vec::new();
     let mut last_s = -target.initial_age_s;

@@ -22,7 +22,7 @@ fn surveillance() -> (Problem, SurveillancePlan) {
 fn fire() -> (SingleVisitProblem, SingleVisitPlan) {
     let problem = fires::western_states(40_000.0);
     let asked = Problem::SingleVisit(problem.clone());
-    let Ok(Plan::SingleVisit(plan)) = solve(&SingleVisit, &asked, 1, 30_000) else { panic!("there is a plan") };
+    let Ok(Plan::SingleVisit(plan)) = solve(&SingleVisit, &asked, 1, 300_000) else { panic!("there is a plan") };
     (problem, plan)
 }
 
@@ -99,7 +99,7 @@ proptest! {
     #[test]
     fn the_single_visit_planner_passes_on_random_missions(count in 1..12usize, seed in 0..100_000u64) {
         let problem = Problem::SingleVisit(fires::random(count, seed));
-        match solve(&SingleVisit, &problem, seed, 3_000) {
+        match solve(&SingleVisit, &problem, seed, 30_000) {
             Ok(plan) => prop_assert_eq!(violations(&problem, &plan), Vec::<String>::new()),
             Err(reason) => prop_assert!(reason.starts_with("No target") || reason.starts_with("The start"), "{reason}"),
         }

@@ -32,12 +32,24 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
     if data.value * best_quality <= 0.0 {
         return Some("is worth nothing: its value or every manoeuvre's quality is 0".to_string());
     }
+    // What is closed now may be open after other visits: when a zone's time is over.
+    let openings: Vec<f64> = schedule
+        .problem
+        .zones
+        .iter()
+        .flat_map(|zone| [zone.active.from_s, zone.active.until_s])
+        .filter(|time_s| *time_s > schedule.problem.start_s && *time_s < schedule.limit_s)
+        .collect();
     let mut first_trouble: Option<String> = None;
     let mut least_over_s = f64::INFINITY;
     for manoeuvre in 0..data.manoeuvres.len() {
         let choice = Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
-        match flown_alone(schedule, choice) {
-            Ok(()) => return None,
+        let outcome = flown_alone(schedule, choice, schedule.problem.start_s);
+        if outcome.is_ok() || openings.iter().any(|open_s| flown_alone(schedule, choice, *open_s).is_ok()) {
+            return None;
+        }
+        match outcome {
+            Ok(()) => {}
             Err(Refusal::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
             Err(Refusal::Impossible(trouble)) => {
                 first_trouble.get_or_insert(trouble);
@@ -60,9 +72,9 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
     }
 }
 
-/// Can the one target be flown to, observed and flown home from? Names airspace before anything else.
-fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice) -> Result<(), Refusal> {
-    let start_s = schedule.problem.start_s;
+/// Can the one target be flown to, observed and flown home from, leaving at `start_s`? Names airspace before anything
+/// else.
+fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Refusal> {
     let entry = Node::Entry(choice.target, choice.manoeuvre);
     let exit = Node::Exit(choice.target, choice.manoeuvre);
     let there = schedule.travel.way(Node::Start, entry, start_s).map_err(Refusal::Impossible)?;

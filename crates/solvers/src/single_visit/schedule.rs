@@ -7,6 +7,9 @@ use apex_metrics::mission_score;
 use apex_model::problem::{Light, SingleVisitProblem, TimeWindow};
 use apex_model::solver::Budget;
 
+/// Work units charged for one leg: a leg with its wind, airspace and windows takes a microsecond, a unit a tenth of that.
+pub const UNITS_PER_LEG: u64 = 10;
+
 /// One visit of a plan in the making.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
@@ -115,11 +118,30 @@ impl<'a> Schedule<'a> {
     /// # Errors
     /// Why it cannot be flown.
     pub fn judge(&mut self, order: &[Choice], budget: &mut dyn Budget) -> Result<Judged, Refusal> {
+        self.judge_after(&[], order, budget)
+    }
+
+    /// As [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
+    ///
+    /// # Errors
+    /// Why it cannot be flown.
+    pub fn judge_after(
+        &mut self,
+        known: &[Timed],
+        order: &[Choice],
+        budget: &mut dyn Budget,
+    ) -> Result<Judged, Refusal> {
         self.check_order(order)?;
-        budget.charge(order.len() as u64 + 1);
+        let same = known.len().min(order.len());
         let mut visits = Vec::with_capacity(order.len());
+        visits.extend(known.iter().take(same).copied());
         let (mut node, mut time_s) = (Node::Start, self.problem.start_s);
-        for choice in order {
+        let last = same.checked_sub(1).and_then(|last| Some((order.get(last)?, known.get(last)?)));
+        if let Some((choice, timed)) = last {
+            (node, time_s) = (Node::Exit(choice.target, choice.manoeuvre), timed.end_s);
+        }
+        budget.charge(UNITS_PER_LEG * ((order.len() - same) as u64 + 1));
+        for choice in order.iter().skip(same) {
             let visit = self.visit(node, time_s, *choice)?;
             (node, time_s) = (Node::Exit(choice.target, choice.manoeuvre), visit.end_s);
             visits.push(visit);

@@ -5,8 +5,8 @@ use apex_model::problem::{CrewMember, LandingPlace, Light, Position, SingleVisit
 use apex_model::solver::WorkBudget;
 use proptest::prelude::*;
 
-fn solve(problem: &SingleVisitProblem, units: u64) -> Result<SingleVisitPlan, String> {
-    let mut budget = WorkBudget::new(units);
+fn solve(problem: &SingleVisitProblem, legs: u64) -> Result<SingleVisitPlan, String> {
+    let mut budget = WorkBudget::new(legs * schedule::UNITS_PER_LEG);
     let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut |_| {} };
     match SingleVisit.solve(&Problem::SingleVisit(problem.clone()), &mut environment)? {
         Plan::SingleVisit(plan) => Ok(plan),

@@ -10,6 +10,7 @@ mod order;
 mod subset;
 pub mod tour;
 
+use crate::nearest_neighbour;
 use crate::surveillance::scenario::Scenario;
 use apex_model::problem::{CostFunction, Plan, Problem, SurveillanceProblem};
 use apex_model::solver::{Budget, Environment, Solver};
@@ -48,6 +49,9 @@ pub fn best_cycle(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut
     search.descend(budget, report);
     search.grow_from_one(budget, report);
     if !targets_are_equal(scenario.problem()) {
+        // Where the horizon ends within a lap, even the nearest-neighbour order may do better than the shortest tour.
+        let nearest = nearest_neighbour::cycle_from(scenario, None, scenario.usable(), budget);
+        search.offer(nearest, budget, report);
         order::refine(&mut search, budget, report);
     }
     search.into_best()
