@@ -207,7 +207,8 @@ mod tests {
     }
 
     fn families() -> impl Strategy<Value = CostFunction> {
-        let delayed = |(response_s, cost): (f64, CostFunction)| CostFunction::Delayed { response_s, cost: Box::new(cost) };
+        let delayed =
+            |(response_s, cost): (f64, CostFunction)| CostFunction::Delayed { response_s, cost: Box::new(cost) };
         prop_oneof![3 => simple_families(), 1 => (0.0..900.0f64, simple_families()).prop_map(delayed)]
     }
 

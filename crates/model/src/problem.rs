@@ -22,7 +22,10 @@ use serde::{Deserialize, Serialize};
 
 /// A planning problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "there are a handful of problems; a box would burden everyone who matches")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are a handful of problems; a box would burden everyone who matches"
+)]
 pub enum Problem {
     /// Watch targets again and again; minimise the expected cost of ignorance.
     Surveillance(SurveillanceProblem),

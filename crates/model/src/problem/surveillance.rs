@@ -89,6 +89,13 @@ pub enum CostFunction {
         /// Age of half the maximum.
         midpoint_s: f64,
     },
+    /// Another function of the age plus the time that help needs to arrive.
+    Delayed {
+        /// Added to the age before the cost is taken.
+        response_s: f64,
+        /// The cost by age of the event when help arrives.
+        cost: Box<CostFunction>,
+    },
     /// Straight lines between points, constant before the first and after the last.
     Table {
         /// `(age_s, cost)` by rising age.
