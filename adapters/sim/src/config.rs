@@ -148,13 +148,22 @@ pub struct GroundPatch {
 }
 
 impl Ground {
-    /// Elevation at `position`. O(patches); far patches are dismissed by latitude alone.
+    /// Elevation at `position`. O(patches); far patches are dismissed without a geodesic.
     pub fn elevation_m_at(&self, position: Position) -> f64 {
-        // No degree of latitude is shorter than this.
+        // No degree of latitude is shorter than this, nor one of longitude at the equator.
         const METRES_PER_DEGREE_MIN: f64 = 110_000.0;
         let inside = |patch: &&GroundPatch| {
-            let north_m = (patch.position.latitude_deg - position.latitude_deg).abs() * METRES_PER_DEGREE_MIN;
-            north_m <= patch.radius_m && geodesy::distance_m(patch.position, position) <= patch.radius_m
+            let middle = patch.position;
+            let north_m = (middle.latitude_deg - position.latitude_deg).abs() * METRES_PER_DEGREE_MIN;
+            if north_m > patch.radius_m {
+                return false;
+            }
+            let poleward_deg = middle.latitude_deg.abs().max(position.latitude_deg.abs());
+            let parallel = libm::cos(poleward_deg * geodesy::RAD_PER_DEG);
+            let east_deg = geodesy::wrap_180(middle.longitude_deg - position.longitude_deg).abs();
+            // The chord along a parallel is longer than the geodesic, hence the factor; near patches only.
+            let far = east_deg < 10.0 && 0.99 * east_deg * parallel * METRES_PER_DEGREE_MIN > patch.radius_m;
+            !far && geodesy::distance_m(middle, position) <= patch.radius_m
         };
         self.patches.iter().rev().find(inside).map_or(self.elevation_m, |patch| patch.elevation_m)
     }
@@ -260,4 +269,22 @@ pub enum Happening {
     Occurrence(Value),
     /// A sample, for example of `(likelihood site-4)`.
     Measurement(StateVariable, Value),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_are_found_up_to_their_edge_and_later_ones_win() {
+        let patch =
+            |radius_m, elevation_m| GroundPatch { position: Position::new(47.0, -114.0), radius_m, elevation_m };
+        let ground = Ground { elevation_m: 5.0, patches: vec![patch(30_000.0, 100.0), patch(1_000.0, 200.0)] };
+        for azimuth_deg in [0.0, 45.0, 90.0, 135.0, 270.0] {
+            let at = |distance_m| {
+                ground.elevation_m_at(geodesy::destination(Position::new(47.0, -114.0), azimuth_deg, distance_m))
+            };
+            assert_eq!((at(900.0), at(29_990.0), at(30_010.0)), (200.0, 100.0, 5.0), "{azimuth_deg}");
+        }
+    }
 }

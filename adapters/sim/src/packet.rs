@@ -8,6 +8,7 @@ use crate::radio::Radio;
 use apex_geo::geodesy::{self, RAD_PER_DEG, wrap_180};
 use apex_geo::wind::Wind;
 use apex_model::event::{EventKind, StateVariable};
+use apex_model::problem::Position;
 use apex_model::quantity::{Dimension, Quantity, UNITS};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -56,7 +57,7 @@ pub(crate) struct Snapshot<'a> {
     pub(crate) distance_to_go_m: f64,
     pub(crate) altitude_m_commanded: f64,
     pub(crate) true_airspeed_commanded: f64,
-    pub(crate) ground_distance_m: f64,
+    pub(crate) home: Position,
     /// None: no scanner on board.
     pub(crate) scanner_on: Option<bool>,
     pub(crate) scan_valid: bool,
@@ -119,7 +120,7 @@ pub const VARIABLES: &[Variable] = &[
     other("endurance-remaining", Slow, endurance),
     number("commanded-altitude", "m", Slow, |s| s.altitude_m_commanded),
     number("commanded-speed", "m/s", Slow, |s| s.true_airspeed_commanded),
-    number("ground-distance", "m", Slow, |s| s.ground_distance_m),
+    number("ground-distance", "m", Slow, |s| geodesy::distance_m(s.home, s.state.position)),
     number("distance-flown", "m", Slow, |s| s.state.distance_flown_m),
     other("flight-time", Slow, |s| Value::Duration(Duration::from_seconds(s.state.flight_time_s))),
     number("outside-temperature", "K", Slow, |s| s.air.temperature_k),

@@ -6,7 +6,7 @@ use crate::packet::Snapshot;
 use crate::phase::Phase;
 use crate::radio::LinkChange;
 use crate::world::SimulatedWorld;
-use apex_geo::geodesy::{self, RAD_PER_DEG};
+use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::event::EventKind;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
@@ -58,7 +58,7 @@ impl SimulatedWorld {
             distance_to_go_m: self.flight.to_go_m,
             altitude_m_commanded: self.altitude_m,
             true_airspeed_commanded: self.true_airspeed,
-            ground_distance_m: geodesy::distance_m(self.home, self.state.position),
+            home: self.home,
             scanner_on: scanner.map(|_| self.scanner_on),
             scan_valid: self.scanner_on && level && !self.state.on_ground,
             footprint_m,

@@ -330,14 +330,15 @@ impl SimulatedWorld {
             self.report(full, inputs);
         }
         self.changed = false;
+        let mut obeyed = !report;
         while let Some((_, received)) = self.pending.pop_front_if(|(at, _)| *at <= self.now) {
-            self.settled = false;
+            (self.settled, obeyed) = (false, true);
             match received {
                 Received::Command(command, form) => self.obey(command, &form, inputs),
                 Received::Withdrawal(command) => self.give_up(command),
             }
         }
-        if let Some(mut reporter) = self.reporter.take() {
+        if obeyed && let Some(mut reporter) = self.reporter.take() {
             reporter.changes(self.now, &self.snapshot(), &self.cameras, inputs);
             self.reporter = Some(reporter);
         }
