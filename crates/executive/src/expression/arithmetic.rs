@@ -2,6 +2,7 @@
 //!
 //! Integers stay exact or fail; dimensions are checked: addition needs equal ones, products and quotients combine them.
 
+use super::rounding;
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -26,9 +27,11 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
         ("min", [first, rest @ ..]) => extreme(first, rest, Ordering::Less),
         ("max", [first, rest @ ..]) => extreme(first, rest, Ordering::Greater),
         ("abs", [value]) => absolute(value),
-        ("mod" | "rem", [value, divisor]) => remainder(value, divisor, name == "mod"),
-        ("round" | "floor" | "ceiling" | "truncate", [value]) => to_integer(name, value),
-        ("round" | "floor" | "ceiling" | "truncate", [value, divisor]) => divide_to_integer(name, value, divisor),
+        ("mod" | "rem", [value, divisor]) => rounding::remainder(value, divisor, name == "mod"),
+        ("round" | "floor" | "ceiling" | "truncate", [value]) => rounding::to_integer(name, value),
+        ("round" | "floor" | "ceiling" | "truncate", [value, divisor]) => {
+            rounding::divide_to_integer(name, value, divisor)
+        }
         ("sqrt", [value]) => square_root(value),
         ("expt", [base, exponent]) => power(base, exponent),
         ("exp", [value]) => pure_number(value).map(|number| Value::Real(libm::exp(number))),
@@ -160,7 +163,7 @@ fn multiply(left: &Value, right: &Value) -> Outcome {
     }
 }
 
-fn divide(left: &Value, right: &Value) -> Outcome {
+pub(super) fn divide(left: &Value, right: &Value) -> Outcome {
     let ((a, dimension_a), (b, dimension_b)) = (number(left)?, number(right)?);
     if b == 0.0 {
         return Err(format!("division of {left} by zero"));
@@ -178,7 +181,7 @@ fn divide(left: &Value, right: &Value) -> Outcome {
 }
 
 /// A result of `dimension`, printed in the unit of the argument that has that dimension too.
-fn in_unit_of(si: f64, dimension: Dimension, left: &Value, right: &Value) -> Value {
+pub(super) fn in_unit_of(si: f64, dimension: Dimension, left: &Value, right: &Value) -> Value {
     for argument in [left, right] {
         if let Value::Quantity(quantity) = argument
             && quantity.dimension == dimension
@@ -272,69 +275,6 @@ fn extreme(first: &Value, rest: &[Value], wanted: Ordering) -> Outcome {
         }
     }
     Ok(best.clone())
-}
-
-fn remainder(value: &Value, divisor: &Value, sign_of_divisor: bool) -> Outcome {
-    let ((a, dimension_a), (b, dimension_b)) = (number(value)?, number(divisor)?);
-    if dimension_a != dimension_b {
-        return Err(format!("cannot divide {} by {} with a remainder", described(value), described(divisor)));
-    }
-    if b == 0.0 {
-        return Err(format!("division of {value} by zero"));
-    }
-    let whole = |a: i64, b: i64| {
-        let remainder = a.wrapping_rem(b);
-        if sign_of_divisor && remainder != 0 && (remainder < 0) != (b < 0) { remainder + b } else { remainder }
-    };
-    match (value, divisor) {
-        (Value::Integer(a), Value::Integer(b)) => Ok(Value::Integer(whole(*a, *b))),
-        (Value::Duration(a), Value::Duration(b)) => Ok(Value::Duration(Duration(whole(a.0, b.0)))),
-        _ => {
-            let remainder = libm::fmod(a, b);
-            let other_sign = remainder != 0.0 && (remainder < 0.0) != (b < 0.0);
-            let result = if sign_of_divisor && other_sign { remainder + b } else { remainder };
-            Ok(in_unit_of(result, dimension_a, value, divisor))
-        }
-    }
-}
-
-fn to_integer(name: &str, value: &Value) -> Outcome {
-    if let Value::Integer(_) = value {
-        return Ok(value.clone());
-    }
-    let number = pure_number(value).map_err(|_| {
-        format!("{name} needs a pure number or a divisor of the same dimension, found {}", described(value))
-    })?;
-    let whole = match name {
-        "round" => libm::rint(number),
-        "floor" => libm::floor(number),
-        "ceiling" => libm::ceil(number),
-        _ => libm::trunc(number),
-    };
-    // 2^63: every real below it in magnitude is an integer of 64 bits.
-    if whole.abs() < 9_223_372_036_854_775_808.0 {
-        Ok(Value::Integer(whole as i64))
-    } else {
-        Err(format!("{number} is too large for an integer"))
-    }
-}
-
-fn divide_to_integer(name: &str, value: &Value, divisor: &Value) -> Outcome {
-    if let (Value::Integer(a), Value::Integer(b)) = (value, divisor)
-        && let (Some(quotient), Some(rest)) = (a.checked_div(*b), a.checked_rem(*b))
-    {
-        let negative = (rest < 0) != (*b < 0);
-        let double = (i128::from(rest) * 2).abs().cmp(&i128::from(*b).abs());
-        let away = match name {
-            "floor" => rest != 0 && negative,
-            "ceiling" => rest != 0 && !negative,
-            "round" => double == Ordering::Greater || (double == Ordering::Equal && quotient % 2 != 0),
-            _ => false,
-        };
-        let step = if negative { -1 } else { 1 };
-        return Ok(Value::Integer(if away { quotient + step } else { quotient }));
-    }
-    to_integer(name, &divide(value, divisor)?)
 }
 
 fn square_root(value: &Value) -> Outcome {
@@ -451,11 +391,11 @@ fn in_unit(value: &Value, unit: &Value) -> Outcome {
     }
 }
 
-fn number(value: &Value) -> Result<(f64, Dimension), String> {
+pub(super) fn number(value: &Value) -> Result<(f64, Dimension), String> {
     value.as_number().ok_or_else(|| format!("expected a number, found {}", described(value)))
 }
 
-fn pure_number(value: &Value) -> Result<f64, String> {
+pub(super) fn pure_number(value: &Value) -> Result<f64, String> {
     match number(value)? {
         (number, Dimension::NONE) => Ok(number),
         _ => Err(format!("expected a pure number, found {}", described(value))),

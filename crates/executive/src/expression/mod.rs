@@ -9,6 +9,7 @@ mod evaluator;
 mod higher_order;
 pub(crate) mod history_queries;
 mod lists;
+mod rounding;
 mod strings;
 mod surroundings;
 mod templates;

@@ -7,7 +7,7 @@
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
-use super::pattern_matching::variables;
+use super::specificity::variables;
 use super::{Troubles, episode, event, measurement, task_state, time_conditions};
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};

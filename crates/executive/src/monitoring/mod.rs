@@ -15,12 +15,13 @@ mod quick_runs;
 mod retention;
 mod runs;
 mod samples;
+pub(crate) mod specificity;
 mod task_state;
 #[cfg(test)]
 mod tests;
 mod time_conditions;
 mod unmet;
-pub(crate) mod words;
+mod words;
 
 pub(crate) use histories::{record_event, record_sample};
 pub(crate) use retention::prepare;

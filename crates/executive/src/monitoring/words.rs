@@ -1,8 +1,7 @@
 //! Conditions in words: the PDL text of a condition or of one of its parts, for `apex why`.
 
 use apex_model::condition::{
-    Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
-    VariablePattern,
+    Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::pattern::Pattern;
@@ -168,29 +167,6 @@ fn sign(relation: Relation) -> &'static str {
         Relation::LessOrEqual => "<=",
         Relation::Greater => ">",
         Relation::GreaterOrEqual => ">=",
-    }
-}
-
-/// The text of a whole condition.
-pub(crate) fn condition(whole: &Condition) -> String {
-    let several = |name: &str, parts: &[Condition]| list(name, parts.iter().map(condition));
-    match &whole.kind {
-        ConditionKind::Measurement(part) => measurement(part),
-        ConditionKind::Episode(part) => episode(part),
-        ConditionKind::And(parts, _) => several(":and", parts),
-        ConditionKind::Or(parts, _) => several(":or", parts),
-        ConditionKind::InOrder(parts, _) => several(":in-order", parts),
-        ConditionKind::Not(part) => format!("(:not {})", condition(part)),
-        ConditionKind::Absent(part, span) => format!("(:absent {} :for {})", condition(part), expression(span)),
-        ConditionKind::Allen { relation, parts, .. } => several(&format!(":{relation:?}").to_lowercase(), parts),
-        ConditionKind::Delay(from, to) => span(":delay", from, to.as_ref()),
-        ConditionKind::Timestamp(from, to) => span(":timestamp", from, to.as_ref()),
-        ConditionKind::Event { pattern: form, timing } => event(form, timing),
-        ConditionKind::TaskEnded(name) => format!("?{name}"),
-        ConditionKind::TaskState { task, state } => task_state(task, state),
-        ConditionKind::Function(expr) => format!("(:function {})", expression(expr)),
-        ConditionKind::Probing { condition: part, .. } => format!("(:probing {} ..)", condition(part)),
-        ConditionKind::Cyclic { variable: each, .. } => format!("(:cyclic ({}) ..)", variable(each)),
     }
 }
 

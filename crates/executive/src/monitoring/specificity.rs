@@ -1,0 +1,108 @@
+//! Specificity (M&I)
+//! What: which of two matching patterns says more, and which variables a pattern can bind.
+//! Runs: at procedure selection, at monitor creation.
+//! Reads: the pattern.
+//! Writes: nothing.
+//! Bound: linear in the pattern.
+//! PDL: section 2, selection among matching procedures.
+//! Paper: section III, procedure selection.
+
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+
+/// How specific a pattern is. Orders from general to specific: the greatest is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Specificity {
+    variables: Reverse<usize>,
+    constant_prefix: usize,
+    segments: Reverse<usize>,
+}
+
+/// Fewest variables first, then the longest constant prefix, then fewest segments.
+pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
+    let mut count = Count::default();
+    count.add(pattern);
+    Specificity {
+        variables: Reverse(count.named.len() + count.nameless),
+        constant_prefix: constant_prefix(pattern),
+        segments: Reverse(count.segments),
+    }
+}
+
+/// The variables that `pattern` can bind, in order of name.
+pub(crate) fn variables(pattern: &Pattern) -> BTreeSet<&Symbol> {
+    let mut count = Count::default();
+    count.add(pattern);
+    count.named
+}
+
+#[derive(Default)]
+struct Count<'a> {
+    named: BTreeSet<&'a Symbol>,
+    nameless: usize,
+    segments: usize,
+}
+
+impl<'a> Count<'a> {
+    fn add(&mut self, pattern: &'a Pattern) {
+        match pattern {
+            Pattern::Literal(_) | Pattern::BoundVariable(_) | Pattern::Computed(_) | Pattern::Guard(_) => {}
+            Pattern::Variable(name) | Pattern::Is { variable: name, .. } => {
+                self.named.insert(name);
+            }
+            Pattern::Anonymous => self.nameless += 1,
+            Pattern::Segment { variable, .. } => {
+                self.segments += 1;
+                match variable {
+                    Some(name) => {
+                        self.named.insert(name);
+                    }
+                    None => self.nameless += 1,
+                }
+            }
+            Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+                parts.iter().for_each(|part| self.add(part));
+            }
+            Pattern::Not(_) => {}
+        }
+    }
+}
+
+fn constant_prefix(pattern: &Pattern) -> usize {
+    match pattern {
+        Pattern::List(parts) => parts.iter().take_while(|part| matches!(part, Pattern::Literal(_))).count(),
+        Pattern::Literal(Value::List(items)) => items.len(),
+        Pattern::Literal(_) => 1,
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn variable(name: &str) -> Pattern {
+        Pattern::Variable(Symbol::new(name))
+    }
+
+    fn literal(name: &str) -> Pattern {
+        Pattern::Literal(Value::symbol(name))
+    }
+
+    fn segment(name: &str, minimum: u8, maximum: Option<u8>) -> Pattern {
+        Pattern::Segment { variable: Some(Symbol::new(name)), minimum, maximum }
+    }
+
+    #[test]
+    fn the_more_specific_index_is_greater() {
+        let goal = |parts: Vec<Pattern>| specificity(&Pattern::List(parts));
+        let both = goal(vec![literal("move"), variable("x"), variable("y")]);
+        let one = goal(vec![literal("move"), variable("x"), literal("home")]);
+        let prefix = goal(vec![literal("move"), literal("home"), variable("x")]);
+        let segment = goal(vec![literal("move"), literal("home"), segment("x", 0, None)]);
+        assert!(prefix > one && one > both && prefix > segment);
+    }
+}
