@@ -46,7 +46,7 @@ pub(crate) struct Setpoint {
     pub(crate) answer: Value,
 }
 
-/// The simulated world with its one vehicle. See the crate's README for commands and variables.
+/// The simulated world with its one vehicle. Commands and variables: `docs/reference/simulator.md`.
 #[derive(Clone, Debug)]
 pub struct SimulatedWorld {
     pub(crate) vehicle: String,
