@@ -1,4 +1,10 @@
 //! What must hold for every text: reading never panics, formatting keeps comments and data, printing loads again.
+#![allow(
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a helper that fails is a test that fails"
+)]
 
 use apex_model::expression::ExprKind;
 use apex_model::library::Library;
@@ -16,22 +22,11 @@ fn checked(text: &str, fragment: bool) -> Checked {
     check(vec![source], CheckOptions { fragment, host: &[], resolve: &mut resolve })
 }
 
-/// The nouns without their places: serialised, with every place made the same.
+/// The debug text of nouns with every place left out.
 fn without_places(text: &str) -> String {
-    let start = text.find("Place {");
-    match start.and_then(|at| text[at..].find('}').map(|end| (at, at + end + 1))) {
-        Some(_) => {
-            let mut rest = text;
-            let mut out = String::new();
-            while let Some(at) = rest.find("Place {") {
-                out.push_str(&rest[..at]);
-                let end = rest[at..].find('}').unwrap() + at + 1;
-                rest = &rest[end..];
-            }
-            out + rest
-        }
-        None => text.to_string(),
-    }
+    let mut parts = text.split("Place {");
+    let first = parts.next().unwrap_or_default().to_string();
+    parts.filter_map(|part| part.split_once('}')).fold(first, |kept, (_, after)| kept + after)
 }
 
 fn procedure_key(procedure: &Procedure) -> String {
