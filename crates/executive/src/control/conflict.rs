@@ -1,7 +1,7 @@
 //! Resource conflict resolution (TC)
 //! What: decides which claimants get their resources, who loses them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
-//! Bound: O(c log c) for c claimants of the resources concerned; O(c^2) where ranks are stated.
+//! Bound: O(c log c) for c claimants of the resources concerned; O(c^2) where ranks are stated, O(c^3) where they clash.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::{priority, resources};
@@ -42,7 +42,7 @@ pub(crate) struct Loss {
     pub(crate) winner_priority: f64,
     /// The loser's.
     pub(crate) loser_priority: f64,
-    /// The winner holds the resource now; else it claims it too.
+    /// The winner has the resource, or gets it now; else it claims it too.
     pub(crate) winner_holds: bool,
 }
 
@@ -52,6 +52,8 @@ struct Claimant {
     needs: Vec<Need>,
     priority: f64,
     order: (TaskId, u32, TaskId),
+    /// The task and its ancestors from the root down, with their ranks; empty where nobody has one.
+    path: Vec<(TaskId, Option<f64>)>,
 }
 
 /// A share of a resource that counts against later claimants.
@@ -125,16 +127,20 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
 /// Arbitrates all resources in `dirty`, with everything their claimants need besides.
 pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut remaining = claimants(cycle, dirty);
-    let ranked = remaining.iter().any(|claimant| has_rank(cycle, claimant.id));
+    let ranked = remaining.len() > 1 && rank_all(cycle, &mut remaining);
     let mut field = Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new() };
     let mut result = Arbitration::default();
     while !remaining.is_empty() {
-        let index = if ranked { first_by_rank(cycle, &remaining) } else { 0 };
+        let index = if ranked { first_unbeaten(&remaining) } else { 0 };
         let claimant = remaining.remove(index);
         match field.place(&claimant) {
             Placement::Granted(losses) => {
                 for loss in losses {
-                    insert_in_order(&mut remaining, as_claimant(cycle, loss.loser));
+                    let mut loser = as_claimant(cycle, loss.loser);
+                    if ranked {
+                        loser.path = rank_path(cycle, loser.id);
+                    }
+                    insert_in_order(&mut remaining, loser);
                     result.displaced.push(loss);
                 }
                 result.granted.push(claimant.id);
@@ -173,7 +179,7 @@ fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<Claimant> {
 
 fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     let priority = priority::priority(cycle.agent, id, cycle.now);
-    Claimant { id, needs: resources::needs_of(cycle, id), priority, order: order_of(cycle.agent, id) }
+    Claimant { id, needs: resources::needs_of(cycle, id), priority, order: order_of(cycle.agent, id), path: Vec::new() }
 }
 
 /// Written order among siblings, creation order among others.
@@ -195,33 +201,44 @@ fn insert_in_order(list: &mut Vec<Claimant>, claimant: Claimant) {
     list.insert(index, claimant);
 }
 
-fn has_rank(cycle: &Cycle<'_>, id: TaskId) -> bool {
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| cycle.task(id)) {
-        if priority::rank(cycle.agent, task.id, cycle.now).is_some() {
-            return true;
-        }
-        next = task.parent;
+/// Notes the ranks of all claimants. False when nobody has one.
+fn rank_all(cycle: &Cycle<'_>, claimants: &mut [Claimant]) -> bool {
+    let mut ranked = false;
+    for claimant in claimants.iter_mut() {
+        claimant.path = rank_path(cycle, claimant.id);
+        ranked |= claimant.path.iter().any(|(_, rank)| rank.is_some());
     }
-    false
+    ranked
 }
 
-/// The first by priority, unless another comes before it by rank; then the first of those, and so on. Rank alone is a
-/// strict partial order, so this ends.
-fn first_by_rank(cycle: &Cycle<'_>, remaining: &[Claimant]) -> usize {
-    let mut best = 0;
-    loop {
-        let Some(current) = remaining.get(best) else { return 0 };
-        let before = |other: &Claimant| {
-            shares(&current.needs, &other.needs)
-                && !related(cycle.agent, current.id, other.id)
-                && rank_order(cycle.agent, other.id, current.id, cycle.now)
-                    .is_some_and(|(order, ..)| order == Ordering::Less)
-        };
-        match remaining.iter().position(before) {
-            Some(index) => best = index,
-            None => return best,
-        }
+fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f64>)> {
+    let mut path = Vec::new();
+    let mut next = Some(id);
+    while let Some(task) = next.and_then(|id| cycle.task(id)) {
+        path.push((task.id, priority::rank(cycle.agent, task.id, cycle.now)));
+        next = task.parent;
+    }
+    path.reverse();
+    path
+}
+
+/// The first in order that no other claimant beats. Rank and priority can beat one another in a ring; then it is the
+/// first in order.
+fn first_unbeaten(remaining: &[Claimant]) -> usize {
+    let unbeaten = |claimant: &Claimant| {
+        let mut others = remaining.iter().filter(|other| shares(&claimant.needs, &other.needs));
+        !others.any(|other| beats(other, claimant))
+    };
+    remaining.iter().position(unbeaten).unwrap_or(0)
+}
+
+/// Does `a` come before `b`, both claimants? Tasks of one line do not compete.
+fn beats(a: &Claimant, b: &Claimant) -> bool {
+    let pair = a.path.iter().zip(&b.path).find(|(first, second)| first.0 != second.0);
+    match pair {
+        None => false,
+        Some(((_, Some(first)), (_, Some(second)))) if first != second => first < second,
+        Some(_) => compare(a, b) == Ordering::Less,
     }
 }
 
@@ -293,7 +310,7 @@ impl Field<'_, '_> {
     fn expected_end(&self, loss: &Loss) -> Option<Time> {
         let task = self.cycle.task(loss.winner).filter(|_| loss.winner_holds)?;
         let expected = task.selection.as_ref()?.expected?;
-        Some(task.started_at? + expected)
+        Some(task.started_at.unwrap_or(self.cycle.now) + expected)
     }
 
     /// Who must lose so that the claimant's need is met.
@@ -404,7 +421,7 @@ impl Field<'_, '_> {
             rule,
             winner_priority,
             loser_priority,
-            winner_holds: holds,
+            winner_holds: !matches!(rival.kind, UseKind::Awaited(_)),
         };
         let win = |rule, winner_priority, loser_priority| Loss {
             loser: rival.task,

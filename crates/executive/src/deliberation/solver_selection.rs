@@ -6,7 +6,7 @@
 
 use crate::control::selection::{self, index_of, match_index};
 use crate::cycle::Cycle;
-use crate::monitoring::pattern_matching::specificity;
+use crate::monitoring::specificity::specificity;
 use apex_model::bindings::Bindings;
 use apex_model::index::Candidate;
 use apex_model::task::TaskId;

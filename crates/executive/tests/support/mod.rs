@@ -2,6 +2,8 @@
 #![allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
 
+pub mod programs;
+
 use apex_executive::{Agent, load, step};
 use apex_model::effect::{CommandId, DecisionKind, Effect};
 use apex_model::event::{Batch, Event, EventKind, StateVariable};
