@@ -1,2 +1,34 @@
-//! The `apex` command.
-fn main() {}
+//! The `apex` command: check, run, fly, replay, explain, plan, serve.
+
+mod commands;
+mod mission;
+mod options;
+mod sources;
+mod trouble;
+
+use clap::Parser;
+use options::{Command, Options};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let outcome = match Options::parse().command {
+        Command::Check(options) => commands::check::run(&options),
+        Command::Fmt(options) => commands::format::run(&options),
+        Command::Run(options) => commands::run::run(&options),
+        Command::Fly(options) => commands::fly::run(&options),
+        Command::Replay(options) => commands::replay::run(&options),
+        Command::Why(options) => commands::why::run(&options),
+        Command::Trace(options) => commands::trace::run(&options),
+        Command::Plan(options) => commands::plan::run(&options),
+        Command::Serve(options) => commands::serve::run(&options),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(trouble) => {
+            if !trouble.message.is_empty() {
+                eprintln!("{trouble}");
+            }
+            trouble.exit_code()
+        }
+    }
+}

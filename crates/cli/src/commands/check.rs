@@ -1,0 +1,59 @@
+//! `apex check`: every mistake of an author before anything flies.
+
+use crate::options::CheckOptions;
+use crate::sources;
+use crate::trouble::{Outcome, Trouble};
+use apex_pdl::{Checked, Severity};
+use std::io::IsTerminal;
+
+/// Checks each file by itself with what it requires.
+pub fn run(options: &CheckOptions) -> Outcome {
+    let mut wrong = false;
+    for file in &options.files {
+        let checked = sources::check_program(file, options.fragment)?;
+        wrong |= checked.has_errors();
+        if options.json {
+            print_json(&checked);
+        } else {
+            let color = std::io::stdout().is_terminal();
+            print!("{}", apex_pdl::render(&checked.diagnostics, &checked.library.sources, color));
+            println!("{}: {}", sources::program_path(file).display(), summary(&checked));
+        }
+    }
+    if wrong { Err(Trouble::told()) } else { Ok(()) }
+}
+
+fn summary(checked: &Checked) -> String {
+    let count = |severity: Severity| checked.diagnostics.iter().filter(|each| each.severity == severity).count();
+    let library = &checked.library;
+    let found = [
+        (library.procedures.len(), "procedure"),
+        (library.primitives.len(), "primitive"),
+        (count(Severity::Error), "error"),
+        (count(Severity::Warning), "warning"),
+        (count(Severity::Note), "note"),
+    ];
+    let words: Vec<String> = found.iter().map(|(count, noun)| counted(*count, noun)).collect();
+    words.join(", ")
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
+fn print_json(checked: &Checked) {
+    for each in &checked.diagnostics {
+        let file = usize::try_from(each.span.file).ok().and_then(|index| checked.library.sources.get(index));
+        let line = serde_json::json!({
+            "code": each.code,
+            "severity": each.severity.word(),
+            "message": each.message,
+            "file": file.map(|file| file.name.to_string()),
+            "line": each.span.line,
+            "column": each.span.column,
+            "reason": each.reason,
+            "help": each.help,
+        });
+        println!("{line}");
+    }
+}

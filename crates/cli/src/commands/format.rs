@@ -1,0 +1,78 @@
+//! `apex fmt`: one layout for all PDL.
+
+use crate::options::FormatOptions;
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_model::source::SourceFile;
+use std::io::{Read, Write};
+use std::path::Path;
+
+/// Formats files in place; a file with a syntax error is reported and left alone.
+pub fn run(options: &FormatOptions) -> Outcome {
+    let mut wrong = false;
+    let mut unformatted = Vec::new();
+    for file in &options.files {
+        if file.as_os_str() == "-" {
+            wrong |= !format_standard_input()?;
+            continue;
+        }
+        let text = read_text(file)?;
+        let Some(formatted) = format_text(&text, &file.display().to_string()) else {
+            wrong = true;
+            continue;
+        };
+        if formatted == text {
+            continue;
+        }
+        if options.check {
+            unformatted.push(file.display().to_string());
+        } else {
+            replace(file, &formatted)?;
+            println!("formatted {}", file.display());
+        }
+    }
+    if !unformatted.is_empty() {
+        return Err(Trouble::user(format!("not formatted: {}", unformatted.join(", "))).help("run `apex fmt` on them"));
+    }
+    if wrong { Err(Trouble::told()) } else { Ok(()) }
+}
+
+fn format_standard_input() -> Outcome<bool> {
+    let mut text = String::new();
+    std::io::stdin()
+        .read_to_string(&mut text)
+        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+    match format_text(&text, "<standard input>") {
+        Some(formatted) => {
+            print!("{formatted}");
+            Ok(true)
+        }
+        None => Ok(false),
+    }
+}
+
+/// The formatted text, or none after printing why not.
+fn format_text(text: &str, name: &str) -> Option<String> {
+    match apex_pdl::format(text) {
+        Ok(formatted) => Some(formatted),
+        Err(diagnostic) => {
+            let source = SourceFile { name: name.into(), text: text.into() };
+            eprint!("{}", apex_pdl::render(&[diagnostic], &[source], false));
+            None
+        }
+    }
+}
+
+/// Writes beside the file and renames: a full disk cannot leave half a file.
+fn replace(file: &Path, text: &str) -> Outcome {
+    let mut temporary = file.as_os_str().to_owned();
+    temporary.push(".formatting");
+    let temporary = Path::new(&temporary);
+    let written = std::fs::File::create(temporary)
+        .and_then(|mut handle| handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()))
+        .and_then(|()| std::fs::rename(temporary, file));
+    written.map_err(|error| {
+        // The half-written copy must not stay behind; if it cannot be removed there is nothing more to do.
+        std::fs::remove_file(temporary).ok();
+        Trouble::failure(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
+    })
+}

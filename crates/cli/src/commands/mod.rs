@@ -1,0 +1,11 @@
+//! One file per command.
+
+pub mod check;
+pub mod fly;
+pub mod format;
+pub mod plan;
+pub mod replay;
+pub mod run;
+pub mod serve;
+pub mod trace;
+pub mod why;

@@ -1,0 +1,70 @@
+//! `apex serve`: Sherpa on a flight record, finished or still being written.
+
+use crate::options::ServeOptions;
+use crate::sources;
+use crate::trouble::{Outcome, Trouble};
+use apex_model::time::Time;
+use apex_runtime::explain;
+use apex_runtime::record::RecordReader;
+use apex_server::explain::Explainer;
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Serves until Ctrl-C.
+pub fn run(options: &ServeOptions) -> Outcome {
+    let address: IpAddr = options.address.parse().map_err(|error| {
+        Trouble::user(format!("`--address {}` is no address", options.address))
+            .because(error)
+            .help("write an IP address of this machine, for example 127.0.0.1")
+    })?;
+    // Opened once here so that a wrong file is told before a port is taken.
+    super::replay::open(&options.record)?;
+    let open = options.open;
+    serve(&options.record, address, options.port, move |url| {
+        println!("Sherpa: {url}  (Ctrl-C ends it)");
+        if open {
+            open_browser(url);
+        }
+    })
+}
+
+/// Serves `record` at `address:port`; calls `ready` with the page's address.
+pub fn serve(record: &Path, address: IpAddr, port: u16, ready: impl FnOnce(&str) + Send + 'static) -> Outcome {
+    let explainer = RecordExplainer { record: record.to_path_buf() };
+    apex_server::serve(apex_server::ServeOptions {
+        record: record.to_path_buf(),
+        address,
+        port,
+        explainer: Some(Arc::new(explainer)),
+        ready: Box::new(ready),
+    })
+    .map_err(|error| Trouble::failure(error.to_string()))
+}
+
+/// Asks the desktop for its browser; where there is none the printed address is enough.
+fn open_browser(url: &str) {
+    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let started = std::process::Command::new(program)
+        .arg(url)
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn();
+    if let Err(error) = started {
+        eprintln!("note: no browser could be opened ({program}: {error}); open the address yourself");
+    }
+}
+
+/// Answers the page's questions by restoring the agent at the asked instant.
+struct RecordExplainer {
+    record: PathBuf,
+}
+
+impl Explainer for RecordExplainer {
+    fn why(&self, task: u64, at_ns: i64) -> Result<serde_json::Value, String> {
+        let reader = RecordReader::open(&self.record).map_err(|error| error.to_string())?;
+        let why = explain::why(&reader, &format!("T{task}"), Time(at_ns), &sources::load_recorded)
+            .map_err(|error| error.to_string())?;
+        serde_json::to_value(&why).map_err(|error| error.to_string())
+    }
+}

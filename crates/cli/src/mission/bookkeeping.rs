@@ -1,0 +1,248 @@
+//! What a mission has achieved so far, read off the same batches and effects that the record stores.
+
+use super::lines::ScanLine;
+use apex_geo::geodesy;
+use apex_model::effect::{DecisionKind, Effect, Method};
+use apex_model::event::{Batch, EventKind, SolverReport};
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::task::TaskState;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::TargetState;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+/// Beyond this roll angle a line of the scanner is not valid (missions.md 1).
+const WINGS_LEVEL_DEG: f64 = 3.0;
+/// A sample farther from the line than this does not show the line.
+const CROSS_TRACK_M_MAX: f64 = 600.0;
+
+/// One observation of one target.
+#[derive(Debug, Clone)]
+pub struct Visit {
+    /// The target's name.
+    pub target: String,
+    /// When it began.
+    pub begin: Time,
+    /// When it ended; none while under way, or when it was broken off.
+    pub end: Option<Time>,
+    /// How many segments were flown again.
+    pub reflies: u32,
+    /// The lines flown, with what was seen of each.
+    pub lines: Vec<ScanLine>,
+    /// Sum and count of altitudes while scanning, for the mean.
+    altitude_m: (f64, u32),
+    /// The largest roll angle while on a line, degrees.
+    pub roll_deg_max: f64,
+}
+
+impl Visit {
+    /// Mean altitude above mean sea level while scanning.
+    pub fn altitude_m(&self) -> Option<f64> {
+        let (sum, count) = self.altitude_m;
+        (count > 0).then(|| sum / f64::from(count))
+    }
+}
+
+/// A decision worth telling.
+#[derive(Debug, Clone)]
+pub struct Note {
+    /// When.
+    pub at: Time,
+    /// What, one line.
+    pub text: String,
+}
+
+/// State of the vehicle as last reported.
+#[derive(Debug, Clone, Default)]
+pub struct VehicleState {
+    /// Where.
+    pub position: Option<Position>,
+    /// Altitude above mean sea level.
+    pub altitude_m: f64,
+    /// Fuel left.
+    pub fuel_kg: Option<f64>,
+    /// Flight time that the fuel allows.
+    pub endurance_s: Option<f64>,
+    roll_deg: f64,
+    on_line: bool,
+    scanning: bool,
+}
+
+/// Everything that planning, the report and Sherpa's targets need to know about the flight so far.
+#[derive(Debug, Default)]
+pub struct Bookkeeping {
+    /// Observations in order of their beginning.
+    pub visits: Vec<Visit>,
+    /// Decisions of note in order.
+    pub notes: Vec<Note>,
+    /// The vehicle.
+    pub vehicle: VehicleState,
+    /// Targets announced during the flight, by event `(new-target NAME)`.
+    pub announced: Vec<String>,
+    /// Changes of targets' states that are not in the record yet: target, time, state, detail.
+    pub target_changes: Vec<(String, Time, TargetState, String)>,
+    /// State transitions of tasks by resulting state.
+    pub transitions: BTreeMap<TaskState, u64>,
+}
+
+/// Bookkeeping shared between the observer, the deliberator and the report.
+pub type SharedBookkeeping = Arc<Mutex<Bookkeeping>>;
+
+/// Locks shared bookkeeping; a panic elsewhere does not make what is known unreadable.
+pub fn lock(shared: &SharedBookkeeping) -> std::sync::MutexGuard<'_, Bookkeeping> {
+    shared.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+impl Bookkeeping {
+    /// Targets whose observation has ended.
+    pub fn observed(&self) -> impl Iterator<Item = &Visit> {
+        self.visits.iter().filter(|visit| visit.end.is_some())
+    }
+
+    fn open_visit(&mut self) -> Option<&mut Visit> {
+        self.visits.last_mut().filter(|visit| visit.end.is_none())
+    }
+
+    fn note(&mut self, at: Time, text: String) {
+        self.notes.push(Note { at, text });
+    }
+
+    fn take_measurement(&mut self, attribute: &str, value: &Value) {
+        match (attribute, value) {
+            ("location", Value::List(_)) => {
+                if let Some((position, altitude_m)) = location(value) {
+                    self.vehicle.position = Some(position);
+                    self.vehicle.altitude_m = altitude_m;
+                }
+            }
+            ("fuel", Value::Quantity(fuel)) if fuel.dimension == Dimension::MASS => {
+                self.vehicle.fuel_kg = Some(fuel.si);
+            }
+            ("endurance-remaining", Value::Duration(left)) => self.vehicle.endurance_s = Some(left.seconds()),
+            ("roll-angle", Value::Quantity(roll)) => self.vehicle.roll_deg = roll.si.to_degrees(),
+            ("flight-phase", Value::Symbol(phase)) => self.vehicle.on_line = phase.is("line"),
+            ("scanner-state", Value::Symbol(state)) => self.vehicle.scanning = state.is("on"),
+            _ => {}
+        }
+    }
+
+    /// Marks what the scanner sees now on the line under way.
+    fn scan(&mut self) {
+        let VehicleState { position: Some(position), altitude_m, roll_deg, on_line: true, scanning: true, .. } =
+            self.vehicle
+        else {
+            return;
+        };
+        let Some(visit) = self.open_visit() else { return };
+        visit.altitude_m = (visit.altitude_m.0 + altitude_m, visit.altitude_m.1 + 1);
+        visit.roll_deg_max = visit.roll_deg_max.max(roll_deg.abs());
+        if let Some(line) = visit.lines.last_mut() {
+            let (along_m, cross_m) = geodesy::along_cross_track_m(line.from, line.to, position);
+            if cross_m.abs() <= CROSS_TRACK_M_MAX {
+                line.mark(along_m, roll_deg.abs() <= WINGS_LEVEL_DEG);
+            }
+        }
+    }
+
+    fn take_message(&mut self, at: Time, form: &Value) {
+        let Some([Value::Symbol(head), subject, ..]) = form.as_list() else { return };
+        let subject = subject.to_string();
+        match head.folded() {
+            "observing" => {
+                self.target_changes.push((subject.clone(), at, TargetState::Observing, String::new()));
+                self.visits.push(Visit {
+                    target: subject,
+                    begin: at,
+                    end: None,
+                    reflies: 0,
+                    lines: Vec::new(),
+                    altitude_m: (0.0, 0),
+                    roll_deg_max: 0.0,
+                });
+            }
+            "observed" => {
+                self.target_changes.push((subject.clone(), at, TargetState::Observed, String::new()));
+                if let Some(visit) = self.open_visit().filter(|visit| visit.target == subject) {
+                    visit.end = Some(at);
+                }
+            }
+            "wings-level-violation" => {
+                if let Some(visit) = self.open_visit() {
+                    visit.reflies += 1;
+                }
+                self.note(at, format!("re-fly: wings were not level over {subject}"));
+            }
+            "new-target" => {
+                self.note(at, format!("new target: {subject}"));
+                self.announced.push(subject);
+            }
+            "replan-wanted" => self.note(at, format!("replanning wanted: {subject}")),
+            "communication-lost" => self.note(at, format!("communication over {subject} lost: going back")),
+            "communication-regained" => self.note(at, format!("communication over {subject} regained")),
+            "image-in-memory" => {
+                self.target_changes.push((subject.clone(), at, TargetState::Observed, String::new()));
+                self.note(at, format!("picture of {subject} in memory"));
+            }
+            "low-fuel" => self.note(at, "fuel is low".to_string()),
+            _ => {}
+        }
+    }
+
+    fn take_effect(&mut self, now: Time, effect: &Effect) {
+        match effect {
+            Effect::Inform { form, .. } => self.take_message(now, form),
+            Effect::Decided(decision) => match &decision.kind {
+                DecisionKind::Transition { to, .. } => *self.transitions.entry(*to).or_default() += 1,
+                DecisionKind::Selected { goal, method: Method::Procedure(_), .. } => {
+                    if let (Some(line), Some(visit)) = (ScanLine::of_goal(goal), self.open_visit()) {
+                        visit.lines.push(line);
+                    }
+                }
+                DecisionKind::ProcedureAdded { summary, .. } => self.note(now, format!("new plan: {summary}")),
+                DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+}
+
+/// A location value as position and altitude.
+pub fn location(value: &Value) -> Option<(Position, f64)> {
+    let items = value.as_list()?;
+    let number = |index: usize| items.get(index).and_then(Value::as_number).map(|(number, _)| number);
+    Some((Position::new(number(0)?, number(1)?), number(2).unwrap_or(0.0)))
+}
+
+/// Feeds shared bookkeeping from a run.
+pub struct BookkeepingObserver(pub SharedBookkeeping);
+
+impl Observer for BookkeepingObserver {
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        let mut books = lock(&self.0);
+        let mut moved = false;
+        for event in &batch.events {
+            match &event.kind {
+                EventKind::Measurement(variable, value) => {
+                    moved |= variable.attribute.is("location");
+                    books.take_measurement(variable.attribute.folded(), value);
+                }
+                EventKind::Occurrence(form) => books.take_message(event.at, form),
+                EventKind::SolverReported(_, SolverReport::Failed(reason)) => {
+                    books.note(event.at, format!("no plan: {reason}"));
+                }
+                _ => {}
+            }
+        }
+        if moved {
+            books.scan();
+        }
+        for effect in effects {
+            books.take_effect(batch.now, effect);
+        }
+        Ok(())
+    }
+}

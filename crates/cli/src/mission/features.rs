@@ -1,0 +1,259 @@
+//! GeoJSON files with names, places and properties; every complaint names file, feature and property.
+
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_geo::geodesy;
+use apex_model::problem::{Position, TimeWindow};
+use geojson::{Feature, FeatureCollection, GeoJson, GeometryValue, JsonValue};
+use std::path::{Path, PathBuf};
+
+/// One feature of a file.
+#[derive(Debug)]
+pub struct NamedFeature {
+    file: PathBuf,
+    number: usize,
+    feature: Feature,
+    /// The property `id`, or else `name`.
+    pub id: String,
+    /// The property `name`, or else `id`.
+    pub name: String,
+}
+
+/// Reads a FeatureCollection whose features have unique ids.
+///
+/// # Errors
+/// Unreadable file, text that is not GeoJSON, a feature without id and name, an id given twice.
+pub fn read(path: &Path) -> Outcome<Vec<NamedFeature>> {
+    let text = read_text(path)?;
+    let parsed: GeoJson = text.parse().map_err(|error| {
+        Trouble::user(format!("{} is not GeoJSON", path.display()))
+            .because(error)
+            .help("export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude")
+    })?;
+    let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {
+        return Err(Trouble::user(format!("{} is not a FeatureCollection", path.display()))
+            .help("put the feature into {\"type\": \"FeatureCollection\", \"features\": [..]}"));
+    };
+    let mut found: Vec<NamedFeature> = Vec::new();
+    for (index, feature) in features.into_iter().enumerate() {
+        let named = NamedFeature::new(path, index + 1, feature)?;
+        if let Some(earlier) = found.iter().find(|earlier| earlier.id == named.id) {
+            return Err(Trouble::user(format!("{}: two features have the id `{}`", path.display(), named.id))
+                .because(format!("features {} and {}", earlier.number, named.number))
+                .help("give each its own id"));
+        }
+        found.push(named);
+    }
+    if found.is_empty() {
+        return Err(Trouble::user(format!("{} holds no features", path.display())));
+    }
+    Ok(found)
+}
+
+impl NamedFeature {
+    fn new(file: &Path, number: usize, feature: Feature) -> Outcome<NamedFeature> {
+        let mut named =
+            NamedFeature { file: file.to_path_buf(), number, feature, id: String::new(), name: String::new() };
+        let id = named.text("id")?;
+        let name = named.text("name")?;
+        let Some(id) = id.or_else(|| name.as_deref().map(hyphenated)) else {
+            return Err(named.trouble("it has neither `id` nor `name`").help("add the property `id`"));
+        };
+        named.name = name.unwrap_or_else(|| id.clone());
+        named.id = id;
+        Ok(named)
+    }
+
+    /// A complaint about this feature.
+    pub fn trouble(&self, what: impl std::fmt::Display) -> Trouble {
+        let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
+        Trouble::user(format!("{}: feature {}{which}: {what}", self.file.display(), self.number))
+    }
+
+    fn property(&self, key: &str) -> Option<&JsonValue> {
+        self.feature.property(key).filter(|value| !value.is_null())
+    }
+
+    /// A text property, if there.
+    pub fn text(&self, key: &str) -> Outcome<Option<String>> {
+        match self.property(key) {
+            None => Ok(None),
+            Some(JsonValue::String(text)) if !text.trim().is_empty() => Ok(Some(text.trim().to_string())),
+            Some(other) => Err(self.trouble(format!("`{key}` is {other}, not a text"))),
+        }
+    }
+
+    /// A list of texts, if there.
+    pub fn texts(&self, key: &str) -> Outcome<Vec<String>> {
+        let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of texts"));
+        match self.property(key) {
+            None => Ok(Vec::new()),
+            Some(value @ JsonValue::Array(items)) => {
+                items.iter().map(|item| item.as_str().map(str::to_string).ok_or_else(|| wrong(value))).collect()
+            }
+            Some(JsonValue::String(text)) => Ok(vec![text.clone()]),
+            Some(other) => Err(wrong(other)),
+        }
+    }
+
+    /// One of `words`, if there.
+    pub fn word(&self, key: &str, words: &[&'static str]) -> Outcome<Option<&'static str>> {
+        let Some(text) = self.text(key)? else { return Ok(None) };
+        let found = words.iter().copied().find(|word| *word == text);
+        found.map(Some).ok_or_else(|| {
+            self.trouble(format!("unknown `{key}`: `{text}`")).help(format!("known are {}", words.join(", ")))
+        })
+    }
+
+    /// Spans of hours of mission time as seconds: `[[from, until], ..]`.
+    pub fn spans_s(&self, key: &str) -> Outcome<Vec<TimeWindow>> {
+        let mut spans = Vec::new();
+        for (from_h, until_h) in self.pairs(key)? {
+            if until_h <= from_h {
+                return Err(self.trouble(format!("`{key}`: the span [{from_h}, {until_h}] ends before it begins")));
+            }
+            spans.push(TimeWindow { from_s: from_h * 3600.0, until_s: until_h * 3600.0 });
+        }
+        Ok(spans)
+    }
+
+    /// A list of lists of numbers, if there: `[[from, until], ..]`.
+    fn pairs(&self, key: &str) -> Outcome<Vec<(f64, f64)>> {
+        let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of pairs of numbers"));
+        let Some(value) = self.property(key) else { return Ok(Vec::new()) };
+        let items = value.as_array().ok_or_else(|| wrong(value))?;
+        let pair = |item: &JsonValue| match item.as_array().map(Vec::as_slice) {
+            Some([a, b]) => a.as_f64().zip(b.as_f64()),
+            _ => None,
+        };
+        items.iter().map(|item| pair(item).ok_or_else(|| wrong(value))).collect()
+    }
+
+    /// A number, if there, inside `[low, high]`.
+    pub fn number(&self, key: &str, low: f64, high: f64) -> Outcome<Option<f64>> {
+        match self.property(key).map(|value| (value, value.as_f64())) {
+            None => Ok(None),
+            Some((_, Some(number))) if (low..=high).contains(&number) => Ok(Some(number)),
+            Some((_, Some(number))) => {
+                Err(self.trouble(format!("`{key}` is {number}, which is not between {low} and {high}")))
+            }
+            Some((other, None)) => Err(self.trouble(format!("`{key}` is {other}, not a number"))),
+        }
+    }
+
+    /// A number that must be there.
+    pub fn required(&self, key: &str, low: f64, high: f64) -> Outcome<f64> {
+        self.number(key, low, high)?.ok_or_else(|| {
+            self.trouble(format!("the property `{key}` is missing")).help(format!("add `{key}`, a number"))
+        })
+    }
+
+    /// The feature's point, or the middle of its largest polygon.
+    pub fn position(&self) -> Outcome<Position> {
+        if let Some(polygon) = self.polygons()?.into_iter().next() {
+            let count = polygon.len() as f64;
+            let latitude_deg = polygon.iter().map(|corner| corner.latitude_deg).sum::<f64>() / count;
+            let longitude_deg = polygon.iter().map(|corner| corner.longitude_deg).sum::<f64>() / count;
+            return Ok(Position::new(latitude_deg, longitude_deg));
+        }
+        match self.geometry() {
+            Some(GeometryValue::Point { coordinates }) => self.checked(coordinates.as_slice()),
+            Some(other) => Err(self
+                .trouble(format!("its geometry is a {}", other.type_name()))
+                .help("use a Point, a Polygon or a MultiPolygon")),
+            None => Err(self.trouble("it has no geometry").help("use a Point or a Polygon")),
+        }
+    }
+
+    fn geometry(&self) -> Option<&GeometryValue> {
+        self.feature.geometry.as_ref().map(|geometry| &geometry.value)
+    }
+
+    /// The outer rings of the feature's polygons without the closing corner, largest first; empty for a point.
+    pub fn polygons(&self) -> Outcome<Vec<Vec<Position>>> {
+        let rings: Vec<_> = match self.geometry() {
+            Some(GeometryValue::Polygon { coordinates }) => coordinates.first().into_iter().collect(),
+            Some(GeometryValue::MultiPolygon { coordinates }) => {
+                coordinates.iter().filter_map(|polygon| polygon.first()).collect()
+            }
+            _ => return Ok(Vec::new()),
+        };
+        let mut polygons = rings.into_iter().map(|ring| self.ring(ring)).collect::<Outcome<Vec<_>>>()?;
+        polygons.sort_by(|a, b| area_m2(b).total_cmp(&area_m2(a)));
+        Ok(polygons)
+    }
+
+    fn ring(&self, ring: &[geojson::Position]) -> Outcome<Vec<Position>> {
+        let open = match (ring.first(), ring.last()) {
+            (Some(first), Some(last)) if first == last && ring.len() > 1 => ring.get(..ring.len() - 1).unwrap_or(ring),
+            _ => {
+                return Err(self.trouble("a ring is not closed").help("repeat its first position as the last one"));
+            }
+        };
+        let corners = open.iter().map(|corner| self.checked(corner.as_slice())).collect::<Outcome<Vec<_>>>()?;
+        if corners.len() < 3 {
+            return Err(self.trouble(format!("a ring has {} corners", corners.len())).help("give three or more"));
+        }
+        Ok(corners)
+    }
+
+    /// The feature's geometry as GeoJSON text, for Sherpa.
+    pub fn geometry_text(&self) -> String {
+        self.feature.geometry.as_ref().map(ToString::to_string).unwrap_or_default()
+    }
+
+    fn checked(&self, coordinates: &[f64]) -> Outcome<Position> {
+        let [longitude_deg, latitude_deg, ..] = coordinates else {
+            return Err(self.trouble("a position has fewer than two coordinates"));
+        };
+        let (longitude_deg, latitude_deg) = (*longitude_deg, *latitude_deg);
+        let position = Position::new(latitude_deg, longitude_deg);
+        if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0 {
+            return Ok(Position { longitude_deg: geodesy::wrap_180(position.longitude_deg), ..position });
+        }
+        let swapped = longitude_deg.abs() <= 90.0 && latitude_deg.abs() <= 180.0;
+        let help = if swapped {
+            "GeoJSON writes longitude first, then latitude; the two seem to be exchanged"
+        } else {
+            "latitude is between -90 and 90, longitude between -180 and 180 degrees"
+        };
+        Err(self
+            .trouble(format!("impossible coordinates: latitude {latitude_deg}, longitude {longitude_deg}"))
+            .help(help))
+    }
+}
+
+/// Lower case, every run of other characters a hyphen.
+fn hyphenated(name: &str) -> String {
+    let mut id = String::new();
+    for character in name.chars().flat_map(char::to_lowercase) {
+        if character.is_ascii_alphanumeric() {
+            id.push(character);
+        } else if !id.is_empty() && !id.ends_with('-') {
+            id.push('-');
+        }
+    }
+    id.trim_end_matches('-').to_string()
+}
+
+/// Area of a ring by the shoelace rule in a local projection.
+pub fn area_m2(ring: &[Position]) -> f64 {
+    let Some(first) = ring.first() else { return 0.0 };
+    let metres_per_degree = 111_195.0;
+    let shrink = first.latitude_deg.to_radians().cos();
+    let flat = |corner: &Position| {
+        (
+            (corner.longitude_deg - first.longitude_deg) * metres_per_degree * shrink,
+            (corner.latitude_deg - first.latitude_deg) * metres_per_degree,
+        )
+    };
+    let next = ring.iter().skip(1).chain(std::iter::once(first));
+    let twice: f64 = ring
+        .iter()
+        .zip(next)
+        .map(|(a, b)| {
+            let ((ax, ay), (bx, by)) = (flat(a), flat(b));
+            ax * by - bx * ay
+        })
+        .sum();
+    0.5 * twice.abs()
+}

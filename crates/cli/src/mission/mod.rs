@@ -1,0 +1,190 @@
+//! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
+
+pub mod bookkeeping;
+pub mod deliberator;
+mod features;
+mod lines;
+mod modems;
+pub mod problem;
+pub mod report;
+mod settings;
+mod surroundings;
+mod tables;
+mod targets;
+mod telling;
+pub mod world;
+
+pub use settings::Settings;
+pub use surroundings::Airfield;
+pub use targets::{Fire, Site, Target, TargetKind};
+
+use crate::sources;
+use crate::trouble::{Outcome, Trouble, read_bytes};
+use apex_model::library::{AgentDeclaration, Library};
+use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
+use apex_runtime::ports::Input;
+use apex_sim::VehicleModel;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What failure would cost where the mission does not say: a thousandth an hour, a whole aircraft of 400 points,
+/// half of a mission of 300.
+const FAILURE: FailureTerm = FailureTerm {
+    probability_per_hour: 1e-4,
+    vehicle_share: 1.0,
+    vehicle_cost: 400.0,
+    mission_share: 0.5,
+    mission_cost: 300.0,
+};
+
+/// A mission with all of its data.
+#[derive(Debug)]
+pub struct Mission {
+    /// What the application says.
+    pub settings: Settings,
+    /// The checked program.
+    pub library: Arc<Library>,
+    /// The agent that flies.
+    pub agent: AgentDeclaration,
+    /// The vehicle.
+    pub model: VehicleModel,
+    /// Where it starts and lands.
+    pub start: Position,
+    /// Altitude of the start above mean sea level.
+    pub start_altitude_m: f64,
+    /// What to observe, and named places among it.
+    pub targets: Vec<Target>,
+    /// Airspace.
+    pub zones: Vec<AirspaceZone>,
+    /// Airfields.
+    pub airfields: Vec<Airfield>,
+    /// Wind that the planner believes in.
+    pub forecast: WindField,
+    /// Wind that blows.
+    pub weather: WindField,
+    /// Who works.
+    pub crew: Vec<CrewMember>,
+    /// What failure costs.
+    pub failure: FailureTerm,
+    /// Scripted inputs.
+    pub scenario: Vec<Input>,
+    /// Radios.
+    pub modems: Vec<apex_sim::Modem>,
+    /// Data files by name with their bytes, for the record.
+    pub data: Vec<(String, Vec<u8>)>,
+}
+
+impl Mission {
+    /// Loads the mission in a folder, or of a `mission.pdl`.
+    ///
+    /// # Errors
+    /// Everything that can be wrong with the program or the data; diagnostics of the program have been printed.
+    pub fn load(path: &Path) -> Outcome<Mission> {
+        let program = sources::program_path(path);
+        let library = sources::load_program(&program)?;
+        let settings = settings::read(&library)?;
+        let mut files = Files { folder: program.parent().map(Path::to_path_buf).unwrap_or_default(), data: Vec::new() };
+        let model = VehicleModel::named(&settings.model).map_err(|error| {
+            Trouble::user("the mission's vehicle is unknown").because(error).help("write a known `:model` in :vehicle")
+        })?;
+        let targets = files.read(&settings.targets, targets::read)?.unwrap_or_default();
+        let airfields = files.read(&settings.airfields, surroundings::airfields)?.unwrap_or_default();
+        let forecast = files.read(&settings.forecast, surroundings::wind)?;
+        let weather = files.read(&settings.weather, surroundings::wind)?;
+        let mut mission = Mission {
+            agent: sources::agent_of(&library),
+            zones: files.read(&settings.airspace, surroundings::airspace)?.unwrap_or_default(),
+            crew: files.read(&settings.people, surroundings::people)?.unwrap_or_default(),
+            scenario: files.read(&settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),
+            weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
+            forecast: forecast.unwrap_or_default(),
+            failure: FAILURE,
+            start: Position::default(),
+            start_altitude_m: 0.0,
+            modems: Vec::new(),
+            data: Vec::new(),
+            library,
+            settings,
+            model,
+            targets,
+            airfields,
+        };
+        (mission.start, mission.start_altitude_m) = mission.start_place()?;
+        mission.modems = modems::read(&mission)?;
+        mission.data = files.data;
+        Ok(mission)
+    }
+
+    fn start_place(&self) -> Outcome<(Position, f64)> {
+        let start = &self.settings.start;
+        self.place(start).ok_or_else(|| {
+            let mut names: Vec<&str> = self.place_names().collect();
+            names.truncate(12);
+            Trouble::user(format!("the vehicle's start `:at {start}` is no place"))
+                .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
+        })
+    }
+
+    fn place_names(&self) -> impl Iterator<Item = &str> {
+        let airfields = self.airfields.iter().map(|airfield| airfield.id.as_str());
+        airfields.chain(self.targets.iter().map(|target| target.id.as_str()))
+    }
+
+    /// Where a location value or the name of an airfield or target is, with its altitude above mean sea level.
+    pub fn place(&self, value: &apex_model::value::Value) -> Option<(Position, f64)> {
+        if let Some(location) = bookkeeping::location(value) {
+            return possible(location.0).then_some(location);
+        }
+        let name = value.as_symbol()?.folded();
+        let airfield = self.airfields.iter().find(|airfield| airfield.id == name);
+        let target = self.targets.iter().find(|target| target.id == name);
+        airfield
+            .map(|airfield| (airfield.position, airfield.elevation_m))
+            .or_else(|| target.map(|target| (target.position, target.elevation_m)))
+    }
+
+    /// Emergency landing places: all airfields and bases.
+    pub fn landing_places(&self) -> Vec<LandingPlace> {
+        let airfields = self.airfields.iter().map(|airfield| (&airfield.id, airfield.position));
+        let bases = self.targets.iter().filter(|target| matches!(target.kind, TargetKind::Base));
+        airfields
+            .chain(bases.map(|base| (&base.id, base.position)))
+            .map(|(name, position)| LandingPlace { name: name.clone(), position })
+            .collect()
+    }
+
+    /// A short name for files: the folder's, or the program's.
+    pub fn short_name(path: &Path) -> String {
+        let program = sources::program_path(path);
+        let absolute = std::fs::canonicalize(&program).unwrap_or(program);
+        let of_folder = absolute.parent().and_then(Path::file_name);
+        let name = if absolute.file_name().is_some_and(|name| name == "mission.pdl") {
+            of_folder
+        } else {
+            absolute.file_stem()
+        };
+        name.map_or_else(|| "mission".to_string(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+fn possible(position: Position) -> bool {
+    position.latitude_deg.abs() <= 90.0 && position.longitude_deg.abs() <= 180.0
+}
+
+/// Reads data files beside the program and keeps their bytes for the record.
+struct Files {
+    folder: PathBuf,
+    data: Vec<(String, Vec<u8>)>,
+}
+
+impl Files {
+    fn read<T>(&mut self, name: &Option<String>, read: impl Fn(&Path) -> Outcome<T>) -> Outcome<Option<T>> {
+        let Some(name) = name else { return Ok(None) };
+        let path = self.folder.join(name);
+        let read = read(&path)?;
+        if !self.data.iter().any(|(known, _)| known == name) {
+            self.data.push((name.clone(), read_bytes(&path)?));
+        }
+        Ok(Some(read))
+    }
+}

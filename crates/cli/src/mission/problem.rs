@@ -1,0 +1,216 @@
+//! From a mission and its state now to a planning problem.
+
+use super::bookkeeping::Bookkeeping;
+use super::{Fire, Mission, Site, TargetKind};
+use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
+use apex_model::problem::{
+    Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
+    SurveillanceTarget, WindField,
+};
+use apex_model::time::Time;
+use apex_solvers::surveillance::travel::{Transit, travel_times};
+
+/// Share of the endurance and fuel that must be left at the end.
+const RESERVE_SHARE: f64 = 0.08;
+/// Distance kept from the edges of airspace zones.
+const ZONE_MARGIN_M: f64 = 3_000.0;
+/// Steps of altitude among which the planner chooses, above the ground of the target.
+const ALTITUDES_M: [f64; 5] = [4_500.0, 5_500.0, 6_500.0, 7_500.0, 9_000.0];
+/// Cruise altitude of a fixed wing.
+const CRUISE_ALTITUDE_M: f64 = 7_000.0;
+
+/// The problem that a plan made at `at` has to solve: what has been observed already is left out.
+///
+/// # Errors
+/// A sentence when nothing is left to plan for, or the data make no sense.
+pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, String> {
+    if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
+        single_visit(mission, books, at).map(Problem::SingleVisit)
+    } else {
+        surveillance(mission, books, at).map(Problem::Surveillance)
+    }
+}
+
+fn here(mission: &Mission, books: &Bookkeeping) -> Position {
+    books.vehicle.position.unwrap_or(mission.start)
+}
+
+fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SingleVisitProblem, String> {
+    let model = &mission.model;
+    let now_s = at.seconds();
+    let flight_s = mission.settings.duration.seconds() - now_s;
+    let fuel_kg = books.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
+    let endurance_s = books.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
+    let start = here(mission, books);
+    let open: Vec<&super::Target> = mission
+        .targets
+        .iter()
+        .filter(|target| !books.observed().any(|visit| visit.target == target.id))
+        .filter(|target| !target.is_announced_late() || books.announced.contains(&target.id))
+        .collect();
+    if open.is_empty() {
+        return Err("every known target has been observed".to_string());
+    }
+    let mut precedence = Vec::new();
+    let mut targets = Vec::new();
+    for target in &open {
+        let TargetKind::Fire(fire) = &target.kind else { continue };
+        // An order that names a target already observed is fulfilled.
+        let pending = fire.after.iter().filter(|earlier| open.iter().any(|other| other.id == **earlier));
+        precedence.extend(pending.map(|earlier| (earlier.clone(), target.id.clone())));
+        targets.push(SingleVisitTarget {
+            name: target.id.clone(),
+            position: target.position,
+            value: fire.value,
+            manoeuvres: manoeuvres(mission, target, fire, start, now_s)?,
+            windows: fire.windows.clone(),
+            light: fire.light,
+            timing: Vec::new(),
+        });
+    }
+    Ok(SingleVisitProblem {
+        targets,
+        vehicle: SingleVisitVehicle {
+            true_airspeed_mps: model.true_airspeed_m_s_cruise,
+            cruise_altitude_m: CRUISE_ALTITUDE_M.min(model.ceiling_m),
+            climb_rate_mps: model.climb_rate_m_s_max * 0.5,
+            descent_rate_mps: model.descent_rate_m_s_max * 0.5,
+            fuel_kg,
+            fuel_reserve_kg: model.fuel.capacity_kg * RESERVE_SHARE,
+            fuel_flow_kg_per_s: model.fuel.flow_kg_h_reference / 3600.0,
+            endurance_s,
+            endurance_reserve_s: mission.settings.duration.seconds() * RESERVE_SHARE,
+        },
+        start,
+        start_altitude_m: books.vehicle.altitude_m.max(mission.start_altitude_m),
+        start_s: now_s,
+        base: Some(mission.start),
+        end_s: Some(now_s + flight_s * (1.0 - RESERVE_SHARE * 0.25)),
+        zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
+        precedence,
+        zones: mission.zones.clone(),
+        zone_margin_m: ZONE_MARGIN_M,
+        landing_places: mission.landing_places(),
+        landing_distance_m_max: mission.settings.landing_distance_m_max,
+        wind: mission.forecast.clone(),
+        crew: mission.crew.clone(),
+        failure: mission.failure,
+    })
+}
+
+/// One sweep for each altitude that the vehicle can hold, best product of factors first; worse and slower ones are
+/// dropped.
+fn manoeuvres(
+    mission: &Mission,
+    target: &super::Target,
+    fire: &Fire,
+    approach: Position,
+    now_s: f64,
+) -> Result<Vec<Manoeuvre>, String> {
+    let scanner = LineScanner {
+        field_of_view_deg: mission.model.scanner.as_ref().map_or(86.0, |scanner| scanner.field_of_view_deg),
+        ..LineScanner::FIRE
+    };
+    let grounds: Vec<Ground> = if target.polygons.is_empty() {
+        vec![Ground::Circle { centre: target.position, radius_m: fire.radius_m }]
+    } else {
+        target.polygons.iter().cloned().map(Ground::Polygon).collect()
+    };
+    let mut made: Vec<Manoeuvre> = Vec::new();
+    let mut reason = String::new();
+    for height_m in ALTITUDES_M {
+        let altitude_m = target.elevation_m + height_m;
+        if altitude_m > mission.model.ceiling_m * 0.95 {
+            continue;
+        }
+        let flight = LineFlight {
+            altitude_m,
+            true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
+            bank_deg: mission.model.bank_deg_max,
+            start_s: now_s,
+        };
+        match sweep(&grounds, target.elevation_m, fire, &scanner, &flight, &mission.forecast, approach) {
+            Ok(manoeuvre) => made.push(manoeuvre),
+            Err(error) => reason = error,
+        }
+    }
+    let better = |a: &Manoeuvre, b: &Manoeuvre| {
+        a.quality.product() >= b.quality.product() && a.duration_s <= b.duration_s && a.name != b.name
+    };
+    let kept: Vec<Manoeuvre> =
+        made.iter().filter(|each| !made.iter().any(|other| better(other, each))).cloned().collect();
+    if kept.is_empty() { Err(format!("{}: no way to observe it: {reason}", target.id)) } else { Ok(kept) }
+}
+
+/// The sweeps of all parts of a target one after the other; worst quality of the parts.
+fn sweep(
+    grounds: &[Ground],
+    elevation_m: f64,
+    fire: &Fire,
+    scanner: &LineScanner,
+    flight: &LineFlight,
+    forecast: &WindField,
+    approach: Position,
+) -> Result<Manoeuvre, String> {
+    let mut whole: Option<Manoeuvre> = None;
+    let mut entry = approach;
+    for ground in grounds {
+        let wish = ObservationWish {
+            ground: ground.clone(),
+            ground_elevation_m: elevation_m,
+            resolution_m: fire.resolution_m,
+        };
+        let part = sweep_manoeuvre(&wish, scanner, flight, forecast, entry)?;
+        entry = part.lines.last().map_or(entry, |(_, exit)| *exit);
+        match &mut whole {
+            None => whole = Some(part),
+            Some(whole) => {
+                if part.quality.product() < whole.quality.product() {
+                    whole.quality = part.quality;
+                }
+                whole.lines.extend(part.lines);
+                (whole.duration_s, whole.length_m) = fly_lines(&whole.lines, flight, forecast)?;
+            }
+        }
+    }
+    whole.ok_or_else(|| "there is nothing to see".to_string())
+}
+
+fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SurveillanceProblem, String> {
+    let now_s = at.seconds();
+    let mut targets = Vec::new();
+    let mut positions = Vec::new();
+    for target in &mission.targets {
+        let TargetKind::Site(site) = &target.kind else { continue };
+        positions.push(target.position);
+        targets.push(site_target(target, site, books, now_s));
+    }
+    let start = here(mission, books);
+    let transit = Transit {
+        true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
+        altitude_m: books.vehicle.altitude_m,
+        wind: &mission.forecast,
+        time_s: now_s,
+    };
+    let travel = travel_times(start, &positions, mission.start, &transit);
+    let endurance_s = books.vehicle.endurance_s.map(|left| left * (1.0 - RESERVE_SHARE));
+    Ok(SurveillanceProblem {
+        targets,
+        travel,
+        horizon_s: mission.settings.duration.seconds() - now_s,
+        return_to_base: false,
+        endurance_s,
+    })
+}
+
+fn site_target(target: &super::Target, site: &Site, books: &Bookkeeping, now_s: f64) -> SurveillanceTarget {
+    let seen = books.observed().filter(|visit| visit.target == target.id).filter_map(|visit| visit.end).max();
+    SurveillanceTarget {
+        name: target.id.clone(),
+        position: target.position,
+        dwell_s: site.dwell_s,
+        rate: site.rate.clone(),
+        cost: site.cost.clone(),
+        initial_age_s: now_s - seen.map_or(-site.initial_age_s, Time::seconds),
+    }
+}

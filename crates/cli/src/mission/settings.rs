@@ -1,0 +1,208 @@
+//! What `(defapplication ..)` says about a mission, read into plain settings.
+
+use crate::trouble::{Outcome, Trouble};
+use apex_model::library::{Application, Library};
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use time::OffsetDateTime;
+use time::format_description::well_known::Rfc3339;
+
+/// The options of an application that the command understands; all units SI.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// The mission's title.
+    pub name: String,
+    /// The vehicle model's name, for example `predator-b`.
+    pub model: String,
+    /// Where the vehicle stands at the start: a location or the name of a place in the data.
+    pub start: Value,
+    /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
+    pub epoch_unix_s: Option<f64>,
+    /// The same as written, for the record.
+    pub epoch_text: Option<String>,
+    /// When the flight ends at the latest.
+    pub duration: Duration,
+    /// Seed of the simulated world.
+    pub seed: u64,
+    /// Data files by role, relative to the mission's folder.
+    pub targets: Option<String>,
+    /// Zones.
+    pub airspace: Option<String>,
+    /// Emergency landing places and bases.
+    pub airfields: Option<String>,
+    /// Wind that the planner believes in.
+    pub forecast: Option<String>,
+    /// Wind that blows.
+    pub weather: Option<String>,
+    /// Who works.
+    pub people: Option<String>,
+    /// Events that happen by the script: JSON lines as for `apex run`.
+    pub scenario: Option<String>,
+    /// Greatest distance from an emergency landing place, m.
+    pub landing_distance_m_max: Option<f64>,
+    /// Radios as written.
+    pub modems: Vec<Value>,
+}
+
+const KNOWN: &[&str] = &[
+    "vehicle",
+    "start",
+    "duration",
+    "seed",
+    "targets",
+    "airspace",
+    "airfields",
+    "forecast",
+    "weather",
+    "people",
+    "scenario",
+    "landing-distance",
+    "modems",
+    "libraries",
+    "files",
+    "agents",
+    "type",
+];
+
+/// Reads the settings of the library's application.
+///
+/// # Errors
+/// No application, an option that the command does not know or cannot read.
+pub fn read(library: &Library) -> Outcome<Settings> {
+    let Some(application) = &library.application else {
+        return Err(Trouble::user("this program is no mission: it has no (defapplication ..)")
+            .help("add one that names the vehicle, or run the program without a vehicle: `apex run PROGRAM.pdl`"));
+    };
+    let place = library.describe_place(application.place);
+    for (key, _) in &application.options {
+        if !KNOWN.contains(&key.folded()) {
+            return Err(Trouble::user(format!("{place}: unknown option :{key} of (defapplication ..)"))
+                .help(format!("known are :{}", KNOWN.join(" :"))));
+        }
+    }
+    let reader = Reader { application, place };
+    let (model, start) = reader.vehicle()?;
+    let epoch_text = reader.text("start")?;
+    Ok(Settings {
+        name: application.name.to_string(),
+        model,
+        start,
+        epoch_unix_s: epoch_text.as_deref().map(|text| reader.epoch(text)).transpose()?,
+        epoch_text,
+        duration: reader.duration()?,
+        seed: reader.seed()?,
+        targets: reader.text("targets")?,
+        airspace: reader.text("airspace")?,
+        airfields: reader.text("airfields")?,
+        forecast: reader.text("forecast")?,
+        weather: reader.text("weather")?,
+        people: reader.text("people")?,
+        scenario: reader.text("scenario")?,
+        landing_distance_m_max: reader.length("landing-distance")?,
+        modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
+    })
+}
+
+struct Reader<'a> {
+    application: &'a Application,
+    place: String,
+}
+
+impl Reader<'_> {
+    fn wrong(&self, option: &str, found: &Value, wanted: &str) -> Trouble {
+        Trouble::user(format!("{}: `:{option} {found}` cannot be read", self.place)).help(format!("write {wanted}"))
+    }
+
+    fn text(&self, option: &str) -> Outcome<Option<String>> {
+        match self.application.option(option) {
+            None => Ok(None),
+            Some(Value::Text(text)) => Ok(Some(text.to_string())),
+            Some(other) => Err(self.wrong(option, other, &format!("a string, for example `:{option} \"..\"`"))),
+        }
+    }
+
+    fn duration(&self) -> Outcome<Duration> {
+        match self.application.option("duration") {
+            None => Ok(Duration::from_seconds(24.0 * 3600.0)),
+            Some(Value::Duration(duration)) if *duration > Duration::ZERO => Ok(*duration),
+            Some(other) => Err(self.wrong("duration", other, "a positive duration: `:duration 24h`")),
+        }
+    }
+
+    fn seed(&self) -> Outcome<u64> {
+        match self.application.option("seed") {
+            None => Ok(1),
+            Some(Value::Integer(seed)) if *seed >= 0 => Ok(seed.unsigned_abs()),
+            Some(other) => Err(self.wrong("seed", other, "a whole number: `:seed 7`")),
+        }
+    }
+
+    fn length(&self, option: &str) -> Outcome<Option<f64>> {
+        use apex_model::quantity::Dimension;
+        match self.application.option(option).map(|value| (value, value.as_number())) {
+            None => Ok(None),
+            Some((_, Some((si, Dimension::LENGTH | Dimension::NONE)))) if si > 0.0 => Ok(Some(si)),
+            Some((other, _)) => Err(self.wrong(option, other, &format!("a length: `:{option} 150nm`"))),
+        }
+    }
+
+    fn epoch(&self, text: &str) -> Outcome<f64> {
+        parse_utc(text).ok_or_else(|| {
+            self.wrong("start", &Value::text(text), "a civil time with its offset: `:start \"2007-09-08T01:00:00Z\"`")
+        })
+    }
+
+    /// `(sim :model NAME :at PLACE)`
+    fn vehicle(&self) -> Outcome<(String, Value)> {
+        let Some(form) = self.application.option("vehicle") else {
+            return Err(Trouble::user(format!("{}: the mission names no vehicle", self.place))
+                .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
+        };
+        let items = form.as_list().unwrap_or_default();
+        let wanted = "`:vehicle (sim :model NAME :at PLACE)`";
+        match items.first() {
+            Some(Value::Symbol(kind)) if kind.is("sim") => {}
+            Some(Value::Symbol(kind)) => {
+                return Err(Trouble::user(format!("{}: unknown kind of vehicle `{kind}`", self.place))
+                    .because("only the built-in simulator `sim` can be flown so far")
+                    .help(format!("write {wanted}")));
+            }
+            _ => return Err(self.wrong("vehicle", form, wanted)),
+        }
+        let mut model = None;
+        let mut start = None;
+        for pair in items.get(1..).unwrap_or_default().chunks(2) {
+            match pair {
+                [Value::Symbol(key), Value::Symbol(name)] if key.is(":model") => {
+                    model = Some(name.folded().to_string())
+                }
+                [Value::Symbol(key), place] if key.is(":at") => start = Some(place.clone()),
+                _ => return Err(self.wrong("vehicle", form, wanted)),
+            }
+        }
+        match (model, start) {
+            (Some(model), Some(start)) => Ok((model, start)),
+            _ => Err(self.wrong("vehicle", form, wanted)),
+        }
+    }
+}
+
+/// Seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.
+pub fn parse_utc(text: &str) -> Option<f64> {
+    let time = OffsetDateTime::parse(text, &Rfc3339).ok()?;
+    Some(time.unix_timestamp() as f64 + f64::from(time.millisecond()) / 1000.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn civil_times_are_read_with_their_offset() {
+        assert_eq!(parse_utc("1970-01-02T00:00:00Z"), Some(86_400.0));
+        assert_eq!(parse_utc("2007-09-07T18:00:00-07:00"), parse_utc("2007-09-08T01:00:00Z"));
+        assert_eq!(parse_utc("2007-09-08T01:00:00Z"), Some(1_189_213_200.0));
+        assert_eq!(parse_utc("yesterday"), None);
+        assert_eq!(parse_utc("2007-13-08T01:00:00Z"), None);
+    }
+}

@@ -1,0 +1,153 @@
+//! What surrounds a mission: airspace, airfields, wind, people (docs/reference/mission-data.md).
+
+use super::{features, tables};
+use crate::trouble::Outcome;
+use apex_model::problem::{
+    AirspaceZone, Area, CrewMember, FOREVER_S, Position, TimeWindow, WindField, WindLayer, ZoneKind,
+};
+use std::path::Path;
+
+/// A place where the vehicle can land.
+#[derive(Debug, Clone)]
+pub struct Airfield {
+    /// Its name in PDL.
+    pub id: String,
+    /// Where.
+    pub position: Position,
+    /// Above mean sea level.
+    pub elevation_m: f64,
+}
+
+/// Reads airspace zones. A zone with several polygons or several spans of time becomes several zones.
+///
+/// # Errors
+/// As docs/reference/mission-data.md lists them.
+pub fn airspace(path: &Path) -> Outcome<Vec<AirspaceZone>> {
+    let mut zones = Vec::new();
+    for feature in features::read(path)? {
+        let kind = match feature.word("kind", &["restricted", "permitted"])? {
+            Some("permitted") => ZoneKind::Permitted,
+            _ => ZoneKind::Restricted,
+        };
+        let altitude_m_min = feature.number("altitude_m_min", -500.0, 1e6)?.unwrap_or(0.0);
+        let altitude_m_max = feature.number("altitude_m_max", -500.0, 1e6)?.unwrap_or(100_000.0);
+        if altitude_m_max <= altitude_m_min {
+            return Err(feature.trouble(format!(
+                "its upper face ({altitude_m_max} m) is not above its lower face ({altitude_m_min} m)"
+            )));
+        }
+        let polygons = feature.polygons()?;
+        if polygons.is_empty() {
+            return Err(feature.trouble("airspace must be a Polygon or MultiPolygon"));
+        }
+        let mut spans = feature.spans_s("active_h")?;
+        if spans.is_empty() {
+            spans.push(TimeWindow::ALWAYS);
+        }
+        for corners in polygons {
+            for active in &spans {
+                zones.push(AirspaceZone {
+                    name: feature.name.clone(),
+                    kind,
+                    corners: corners.clone(),
+                    altitude_m_min,
+                    altitude_m_max,
+                    active: *active,
+                });
+            }
+        }
+    }
+    Ok(zones)
+}
+
+/// Reads airfields.
+///
+/// # Errors
+/// As docs/reference/mission-data.md lists them.
+pub fn airfields(path: &Path) -> Outcome<Vec<Airfield>> {
+    features::read(path)?
+        .iter()
+        .map(|feature| {
+            feature.word("kind", &["base", "landing-place"])?;
+            Ok(Airfield {
+                id: feature.id.clone(),
+                position: feature.position()?,
+                elevation_m: feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0),
+            })
+        })
+        .collect()
+}
+
+const WIND_COLUMNS: &[&str] = &["altitude_m_min", "altitude_m_max", "wind_from_deg", "wind_speed_mps"];
+const WIND_COLUMNS_OPTIONAL: &[&str] =
+    &["south_deg", "north_deg", "west_deg", "east_deg", "from_h", "until_h", "turbulence"];
+
+/// Reads a wind field.
+///
+/// # Errors
+/// As docs/reference/mission-data.md lists them.
+pub fn wind(path: &Path) -> Outcome<WindField> {
+    let table = tables::read(path, WIND_COLUMNS, WIND_COLUMNS_OPTIONAL)?;
+    let layers = table.rows().map(|row| wind_layer(&row)).collect::<Outcome<Vec<_>>>()?;
+    Ok(WindField { layers, blend: true })
+}
+
+fn wind_layer(row: &tables::Row<'_>) -> Outcome<WindLayer> {
+    let edges = [
+        row.number("south_deg", -90.0, 90.0)?,
+        row.number("north_deg", -90.0, 90.0)?,
+        row.number("west_deg", -180.0, 180.0)?,
+        row.number("east_deg", -180.0, 180.0)?,
+    ];
+    let area = match edges {
+        [None, None, None, None] => None,
+        [Some(south_deg), Some(north_deg), Some(west_deg), Some(east_deg)] if south_deg < north_deg => {
+            Some(Area { south_deg, north_deg, west_deg, east_deg })
+        }
+        [Some(_), Some(_), Some(_), Some(_)] => {
+            return Err(row.trouble("the area's southern edge is not south of its northern edge"));
+        }
+        _ => return Err(row.trouble("an area needs all four edges, or none of them")),
+    };
+    let altitude_m_min = row.required("altitude_m_min", -500.0, 1e6)?;
+    let altitude_m_max = row.required("altitude_m_max", -500.0, 1e6)?;
+    let from_s = row.number("from_h", -1e6, 1e6)?.map_or(-FOREVER_S, |hours| hours * 3600.0);
+    let until_s = row.number("until_h", -1e6, 1e6)?.map_or(FOREVER_S, |hours| hours * 3600.0);
+    if altitude_m_max <= altitude_m_min {
+        return Err(row.trouble("the layer's upper face is not above its lower face"));
+    }
+    if until_s <= from_s {
+        return Err(row.trouble("the layer ends before it begins"));
+    }
+    let towards_rad = (row.required("wind_from_deg", 0.0, 360.0)? + 180.0).to_radians();
+    let speed_mps = row.required("wind_speed_mps", 0.0, 150.0)?;
+    Ok(WindLayer {
+        area,
+        altitude_m_min,
+        altitude_m_max,
+        from_s,
+        until_s,
+        wind_east_mps: speed_mps * libm::sin(towards_rad),
+        wind_north_mps: speed_mps * libm::cos(towards_rad),
+        turbulence: row.number("turbulence", 0.0, 1.0)?.unwrap_or(0.0),
+    })
+}
+
+/// Reads the people who work on the mission.
+///
+/// # Errors
+/// As docs/reference/mission-data.md lists them.
+pub fn people(path: &Path) -> Outcome<Vec<CrewMember>> {
+    let table = tables::read(path, &["role", "wage_per_hour"], &["fixed_hours", "flight_share"])?;
+    table
+        .rows()
+        .map(|row| {
+            Ok(CrewMember {
+                role: row.text("role").ok_or_else(|| row.trouble("`role` is empty"))?.to_string(),
+                wage_per_hour: row.required("wage_per_hour", 0.0, 1e9)?,
+                fixed_hours: row.number("fixed_hours", 0.0, 1e6)?.unwrap_or(0.0),
+                flight_share: row.number("flight_share", 0.0, 1.0)?.unwrap_or(1.0),
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,201 @@
+//! Targets of a mission: fires, structures, places to look at and to start from (docs/reference/mission-data.md).
+
+use super::features::{self, NamedFeature};
+use crate::trouble::Outcome;
+use apex_model::problem::{CostFunction, EventRate, Light, Position, TimeWindow};
+use std::path::Path;
+
+const SQUARE_METRES_PER_ACRE: f64 = 4_046.856_422_4;
+
+/// Something to observe, or a place with a name.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// Its name in PDL.
+    pub id: String,
+    /// Its name for people.
+    pub name: String,
+    /// Its middle.
+    pub position: Position,
+    /// Ground above mean sea level.
+    pub elevation_m: f64,
+    /// Height of the thing itself above the ground.
+    pub height_m: f64,
+    /// Perimeters, largest first; empty for a point.
+    pub polygons: Vec<Vec<Position>>,
+    /// GeoJSON of its geometry.
+    pub geometry: String,
+    /// What it is.
+    pub kind: TargetKind,
+}
+
+/// Kinds of targets.
+#[derive(Debug, Clone)]
+pub enum TargetKind {
+    /// Observed once.
+    Fire(Fire),
+    /// Watched again and again.
+    Site(Site),
+    /// Something a camera may look at.
+    Plain,
+    /// A place to start from and land at.
+    Base,
+}
+
+/// Wishes for the observation of a fire.
+#[derive(Debug, Clone)]
+pub struct Fire {
+    /// Worth of a perfect observation.
+    pub value: f64,
+    /// Radius of the circle that stands for it where there is no perimeter.
+    pub radius_m: f64,
+    /// Wanted metres per pixel.
+    pub resolution_m: f64,
+    /// Only the perimeter must be seen.
+    pub perimeter_only: bool,
+    /// Share that is enough.
+    pub share: f64,
+    /// The observation must begin in one of these; empty is any time.
+    pub windows: Vec<TimeWindow>,
+    /// Light wanted.
+    pub light: Light,
+    /// Targets to be observed before it.
+    pub after: Vec<String>,
+    /// Not known before an event `(new-target ID)`.
+    pub announced_late: bool,
+}
+
+/// What makes a structure worth a look.
+#[derive(Debug, Clone)]
+pub struct Site {
+    /// How long one look takes.
+    pub dwell_s: f64,
+    /// Likelihood of the event.
+    pub rate: EventRate,
+    /// Cost of not knowing.
+    pub cost: CostFunction,
+    /// Time since the last look when the mission starts.
+    pub initial_age_s: f64,
+}
+
+impl Target {
+    /// True when the planner must not know of it before it is announced.
+    pub fn is_announced_late(&self) -> bool {
+        matches!(&self.kind, TargetKind::Fire(fire) if fire.announced_late)
+    }
+
+    /// Worth of a perfect observation, or importance, for display.
+    pub fn worth(&self) -> f64 {
+        match &self.kind {
+            TargetKind::Fire(fire) => fire.value,
+            TargetKind::Site(site) => maximum(&site.cost),
+            TargetKind::Plain | TargetKind::Base => 0.0,
+        }
+    }
+
+    /// True for what is to be observed.
+    pub fn is_observable(&self) -> bool {
+        !matches!(self.kind, TargetKind::Base)
+    }
+}
+
+fn maximum(cost: &CostFunction) -> f64 {
+    match cost {
+        CostFunction::Linear { cost_per_s } => cost_per_s * 3600.0,
+        CostFunction::Saturating { maximum, .. }
+        | CostFunction::Step { maximum, .. }
+        | CostFunction::Logistic { maximum, .. } => *maximum,
+        CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),
+        CostFunction::Delayed { cost, .. } => maximum(cost),
+    }
+}
+
+/// Reads the targets' file.
+///
+/// # Errors
+/// As docs/reference/mission-data.md lists them, each with file, feature and property.
+pub fn read(path: &Path) -> Outcome<Vec<Target>> {
+    let features = features::read(path)?;
+    let targets = features.iter().map(target).collect::<Outcome<Vec<_>>>()?;
+    for (feature, target) in features.iter().zip(&targets) {
+        let TargetKind::Fire(fire) = &target.kind else { continue };
+        let known = |name: &String| targets.iter().any(|other| other.id == *name);
+        if let Some(unknown) = fire.after.iter().find(|name| !known(name)) {
+            return Err(feature
+                .trouble(format!("`after` names `{unknown}`, which is no target"))
+                .help("name the `id` of another feature of this file"));
+        }
+    }
+    Ok(targets)
+}
+
+fn target(feature: &NamedFeature) -> Outcome<Target> {
+    let polygons = feature.polygons()?;
+    let kind = feature.word("kind", &["fire", "structure", "target", "base"])?;
+    let kind = match kind.unwrap_or(if polygons.is_empty() { "target" } else { "fire" }) {
+        "fire" => TargetKind::Fire(fire(feature, &polygons)?),
+        "structure" => TargetKind::Site(site(feature)?),
+        "base" => TargetKind::Base,
+        _ => TargetKind::Plain,
+    };
+    Ok(Target {
+        id: feature.id.clone(),
+        name: feature.name.clone(),
+        position: feature.position()?,
+        elevation_m: feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0),
+        height_m: feature.number("height_m", 0.0, 9_000.0)?.unwrap_or(0.0),
+        polygons,
+        geometry: feature.geometry_text(),
+        kind,
+    })
+}
+
+fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> Outcome<Fire> {
+    let acres = feature.number("acres", f64::MIN_POSITIVE, 1e9)?;
+    let area_m2 = match (acres, polygons.is_empty()) {
+        (_, false) => polygons.iter().map(|ring| features::area_m2(ring)).sum(),
+        (Some(acres), true) => acres * SQUARE_METRES_PER_ACRE,
+        (None, true) => {
+            return Err(feature
+                .trouble("a fire that is a Point needs `acres`")
+                .help("add `acres`, or draw its perimeter"));
+        }
+    };
+    let light = match feature.word("light", &["any", "day", "night"])? {
+        Some("day") => Light::Day,
+        Some("night") => Light::Night,
+        _ => Light::Any,
+    };
+    Ok(Fire {
+        value: feature.number("value", 0.0, 1e9)?.unwrap_or(1.0),
+        radius_m: (area_m2 / std::f64::consts::PI).sqrt(),
+        resolution_m: feature.number("resolution_m", f64::MIN_POSITIVE, 1e6)?.unwrap_or(1e6),
+        perimeter_only: feature.word("coverage", &["perimeter", "interior"])? == Some("perimeter"),
+        share: feature.number("share", f64::MIN_POSITIVE, 1.0)?.unwrap_or(1.0),
+        windows: feature.spans_s("windows_h")?,
+        light,
+        after: feature.texts("after")?,
+        announced_late: feature.word("announced", &["at-start", "by-event"])? == Some("by-event"),
+    })
+}
+
+fn site(feature: &NamedFeature) -> Outcome<Site> {
+    let importance = feature.number("importance", f64::MIN_POSITIVE, 1e9)?.unwrap_or(100.0);
+    let growth_per_s = feature.number("cost_growth_per_h", f64::MIN_POSITIVE, 1e6)?.unwrap_or(2.0) / 3600.0;
+    let delay_s = feature.number("cost_delay_s", 0.0, 1e7)?.unwrap_or(600.0);
+    let family = feature.word("cost", &["linear", "saturating", "step", "logistic"])?;
+    let cost = match family.unwrap_or("saturating") {
+        "linear" => CostFunction::Linear { cost_per_s: importance * growth_per_s },
+        "step" => CostFunction::Step { deadline_s: delay_s, maximum: importance },
+        "logistic" => CostFunction::Logistic { maximum: importance, rate_per_s: growth_per_s, midpoint_s: delay_s },
+        _ => CostFunction::Saturating { maximum: importance, rate_per_s: growth_per_s },
+    };
+    let response_s = feature.number("response_s", 0.0, 1e7)?.unwrap_or(0.0);
+    let cost = if response_s > 0.0 { CostFunction::Delayed { response_s, cost: Box::new(cost) } } else { cost };
+    let events_per_s = feature.number("rate_per_h", 0.0, 1e6)?.unwrap_or(0.1) / 3600.0;
+    Ok(Site {
+        dwell_s: feature.number("dwell_s", f64::MIN_POSITIVE, 1e6)?.unwrap_or(30.0),
+        rate: EventRate::constant(events_per_s),
+        cost,
+        initial_age_s: feature.number("initial_age_s", 0.0, 1e9)?.unwrap_or(0.0),
+    })
+}

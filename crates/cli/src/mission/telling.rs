@@ -1,0 +1,206 @@
+//! The report as text for the terminal and as JSON for the record and for programs.
+
+use super::bookkeeping::Visit;
+use super::report::{MissionValue, Report};
+use apex_metrics::eci::ExpectedCost;
+use apex_metrics::mission_score::MissionScore;
+use apex_model::time::Time;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Notes printed on the terminal; all are in the record.
+const NOTES_PRINTED_MAX: usize = 30;
+
+impl Report {
+    /// The report's sections as JSON, in order.
+    pub fn sections(&self) -> Vec<(&'static str, Value)> {
+        let visits: Vec<Value> = self.visits.iter().map(visit_json).collect();
+        let left_out: Vec<Value> =
+            self.left_out.iter().map(|(target, reason)| json!({"target": target, "reason": reason})).collect();
+        let notes: Vec<Value> =
+            self.notes.iter().map(|note| json!({"t": note.at.seconds(), "text": note.text})).collect();
+        let end = json!({"mission": self.mission, "t": self.end.0.seconds(), "reason": self.end.1});
+        vec![
+            ("end", end),
+            ("score", self.value_json()),
+            ("visits", Value::Array(visits)),
+            ("left-out", Value::Array(left_out)),
+            ("notes", Value::Array(notes)),
+        ]
+    }
+
+    fn value_json(&self) -> Value {
+        match &self.value {
+            MissionValue::Score(score) => score_json(score),
+            MissionValue::Ignorance(cost) => json!({
+                "kind": "expected-cost-of-ignorance",
+                "value": cost.total,
+                "targets": cost.targets.iter().map(|target| json!({
+                    "target": target.target,
+                    "expected_cost": target.expected_cost,
+                    "observations": target.observations,
+                    "longest_gap_s": target.longest_gap_s,
+                })).collect::<Vec<_>>(),
+            }),
+            MissionValue::None => Value::Null,
+        }
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "\n{}: ended at {} because {}", self.mission, self.end.0, self.end.1)?;
+        match &self.value {
+            MissionValue::Score(score) => write_score(out, score)?,
+            MissionValue::Ignorance(cost) => write_ignorance(out, cost)?,
+            MissionValue::None => {}
+        }
+        self.write_visits(out)?;
+        if !self.left_out.is_empty() {
+            writeln!(out, "\nNot observed")?;
+            self.left_out.iter().try_for_each(|(target, reason)| writeln!(out, "  {target:<16} {reason}"))?;
+        }
+        if !self.notes.is_empty() {
+            writeln!(out, "\nDecisions of note")?;
+        }
+        for note in self.notes.iter().take(NOTES_PRINTED_MAX) {
+            writeln!(out, "  {:>12}  {}", note.at.to_string(), note.text)?;
+        }
+        if self.notes.len() > NOTES_PRINTED_MAX {
+            writeln!(out, "  .. and {} more: `apex trace` has them all", self.notes.len() - NOTES_PRINTED_MAX)?;
+        }
+        Ok(())
+    }
+
+    fn write_visits(&self, out: &mut String) -> std::fmt::Result {
+        if self.visits.is_empty() || matches!(self.value, MissionValue::Ignorance(_)) {
+            return Ok(());
+        }
+        writeln!(out, "\nVisits")?;
+        writeln!(
+            out,
+            "  {:<16} {:>10} {:>10} {:>6} {:>9} {:>8}",
+            "target", "begin", "end", "lines", "altitude", "re-flown"
+        )?;
+        for visit in &self.visits {
+            let end = visit.end.map_or_else(|| "cut".to_string(), |end| whole_seconds(end).to_string());
+            let altitude = visit.altitude_m().map_or_else(String::new, |altitude_m| format!("{altitude_m:.0} m"));
+            writeln!(
+                out,
+                "  {:<16} {:>10} {:>10} {:>6} {:>9} {:>8}",
+                visit.target,
+                whole_seconds(visit.begin).to_string(),
+                end,
+                visit.lines.len(),
+                altitude,
+                visit.reflies
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn whole_seconds(time: Time) -> Time {
+    Time::from_seconds(time.seconds().round())
+}
+
+fn visit_json(visit: &Visit) -> Value {
+    json!({
+        "target": visit.target,
+        "begin_s": visit.begin.seconds(),
+        "end_s": visit.end.map(Time::seconds),
+        "lines": visit.lines.len(),
+        "altitude_m": visit.altitude_m(),
+        "reflies": visit.reflies,
+        "roll_deg_max": visit.roll_deg_max,
+    })
+}
+
+fn score_json(score: &MissionScore) -> Value {
+    let factor = |factor: &apex_model::problem::QualityFactor| json!({"factor": factor.factor, "cause": factor.cause});
+    let targets: Vec<Value> = score
+        .targets
+        .iter()
+        .map(|target| {
+            let observation = &target.observation;
+            json!({
+                "target": observation.target,
+                "value": observation.value,
+                "coverage": factor(&observation.quality.coverage),
+                "resolution": factor(&observation.quality.resolution),
+                "clarity": factor(&observation.quality.clarity),
+                "timing": factor(&observation.timing),
+                "worth": target.worth,
+            })
+        })
+        .collect();
+    json!({
+        "kind": "mission-score",
+        "value": score.score,
+        "benefits": score.benefits,
+        "personnel_cost": score.personnel_cost,
+        "failure_probability": score.failure_probability,
+        "failure_cost": score.failure_cost,
+        "targets": targets,
+    })
+}
+
+fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
+    writeln!(
+        out,
+        "Mission score {:.1} = benefits {:.1} - personnel {:.1} - failure {:.1} (P = {:.4})",
+        score.score, score.benefits, score.personnel_cost, score.failure_cost, score.failure_probability
+    )?;
+    writeln!(out, "\nScore by factor")?;
+    writeln!(
+        out,
+        "  {:<16} {:>6} {:>9} {:>11} {:>8} {:>7} {:>7}",
+        "target", "value", "coverage", "resolution", "clarity", "timing", "worth"
+    )?;
+    for target in &score.targets {
+        let observation = &target.observation;
+        let quality = &observation.quality;
+        writeln!(
+            out,
+            "  {:<16} {:>6.1} {:>9.2} {:>11.2} {:>8.2} {:>7.2} {:>7.1}",
+            observation.target,
+            observation.value,
+            quality.coverage.factor,
+            quality.resolution.factor,
+            quality.clarity.factor,
+            observation.timing.factor,
+            target.worth
+        )?;
+        let factors = [&quality.coverage, &quality.resolution, &quality.clarity, &observation.timing];
+        let causes: Vec<&str> =
+            factors.into_iter().map(|factor| factor.cause.as_str()).filter(|cause| !cause.is_empty()).collect();
+        if !causes.is_empty() {
+            writeln!(out, "  {:<16} {}", "", causes.join("; "))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_ignorance(out: &mut String, cost: &ExpectedCost) -> std::fmt::Result {
+    writeln!(out, "Expected cost of ignorance {:.4}", cost.total)?;
+    writeln!(out, "\nCost by site")?;
+    writeln!(out, "  {:<16} {:>13} {:>13} {:>12}", "site", "observations", "longest gap", "cost")?;
+    for target in &cost.targets {
+        let gap = Time::from_seconds(target.longest_gap_s.round());
+        writeln!(
+            out,
+            "  {:<16} {:>13} {:>13} {:>12.4}",
+            target.target,
+            target.observations,
+            gap.to_string(),
+            target.expected_cost
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! The simulated world of a mission.
+
+use super::{Mission, Target, TargetKind};
+use crate::trouble::{Outcome, Trouble};
+use apex_sim::{Ground, GroundPatch, NamedPlace, SimulatedWorld, Start, WorldConfig};
+
+/// Added around every target for its patch of ground: aircraft see and turn beside it.
+const PATCH_MARGIN_M: f64 = 10_000.0;
+/// Heading of the parked vehicle.
+const START_HEADING_DEG: f64 = 0.0;
+
+/// Makes the world that `mission` flies in, with `seed` or the mission's own.
+///
+/// # Errors
+/// The world's own sentence when something in the mission cannot be simulated.
+pub fn world(mission: &Mission, seed: Option<u64>) -> Outcome<SimulatedWorld> {
+    let start = Start::on_ground(
+        mission.start.latitude_deg,
+        mission.start.longitude_deg,
+        mission.start_altitude_m,
+        START_HEADING_DEG,
+    );
+    let mut config = WorldConfig::new(mission.agent.name.printed(), mission.model.clone(), start);
+    config.seed = seed.unwrap_or(mission.settings.seed);
+    config.wind = mission.weather.clone();
+    config.ground = ground(mission);
+    config.modems = mission.modems.clone();
+    config.places = places(mission);
+    SimulatedWorld::new(config).map_err(|reason| Trouble::user("the mission cannot be simulated").because(reason))
+}
+
+fn ground(mission: &Mission) -> Ground {
+    let target_patch = |target: &Target| GroundPatch {
+        position: target.position,
+        radius_m: radius_m(target) + PATCH_MARGIN_M,
+        elevation_m: target.elevation_m,
+    };
+    let airfields = mission.airfields.iter().map(|airfield| GroundPatch {
+        position: airfield.position,
+        radius_m: PATCH_MARGIN_M,
+        elevation_m: airfield.elevation_m,
+    });
+    let mut patches: Vec<GroundPatch> = mission.targets.iter().map(target_patch).chain(airfields).collect();
+    // Later patches win: the start's own ground must be the one it stands on.
+    patches.push(GroundPatch { position: mission.start, radius_m: 1_000.0, elevation_m: mission.start_altitude_m });
+    let lowest_m = patches.iter().map(|patch| patch.elevation_m).fold(mission.start_altitude_m, f64::min);
+    Ground { elevation_m: lowest_m, patches }
+}
+
+fn radius_m(target: &Target) -> f64 {
+    match &target.kind {
+        TargetKind::Fire(fire) => fire.radius_m,
+        TargetKind::Site(_) | TargetKind::Plain | TargetKind::Base => 0.0,
+    }
+}
+
+fn places(mission: &Mission) -> Vec<NamedPlace> {
+    let airfields = mission.airfields.iter().map(|airfield| NamedPlace {
+        name: airfield.id.clone(),
+        position: airfield.position,
+        altitude_m: Some(airfield.elevation_m),
+    });
+    let targets = mission.targets.iter().map(|target| NamedPlace {
+        name: target.id.clone(),
+        position: target.position,
+        altitude_m: Some(target.elevation_m + target.height_m),
+    });
+    airfields.chain(targets).collect()
+}

@@ -1,0 +1,196 @@
+//! The command line as clap sees it.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Apex: an autonomy executive for aerial observation missions.
+#[derive(Parser)]
+#[command(name = "apex", version, about, propagate_version = true)]
+pub struct Options {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands of `apex`.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Check PDL files: syntax, names, dimensions, goals that nothing serves.
+    Check(CheckOptions),
+    /// Format PDL files in place.
+    Fmt(FormatOptions),
+    /// Run a PDL program without a vehicle and print its trace.
+    Run(RunOptions),
+    /// Fly a mission in simulated time and write its flight record.
+    Fly(FlyOptions),
+    /// Re-execute a flight record and compare every decision byte for byte.
+    Replay(ReplayOptions),
+    /// Explain a task of a flight: why it started, waits, was interrupted, ended.
+    Why(WhyOptions),
+    /// Print what happened in a flight, filtered.
+    Trace(TraceOptions),
+    /// Plan a mission without flying it and print the plan.
+    Plan(PlanOptions),
+    /// Open Sherpa, the web page, on a flight record.
+    Serve(ServeOptions),
+}
+
+/// `apex check`
+#[derive(Args)]
+pub struct CheckOptions {
+    /// PDL files, or mission folders.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The files are pieces of a larger application: undefined names are notes.
+    #[arg(long)]
+    pub fragment: bool,
+    /// Print diagnostics as JSON, one object a line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex fmt`
+#[derive(Args)]
+pub struct FormatOptions {
+    /// PDL files; `-` formats standard input to standard output.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; fail when a file is not formatted.
+    #[arg(long)]
+    pub check: bool,
+}
+
+/// `apex run`
+#[derive(Args)]
+pub struct RunOptions {
+    /// The program.
+    pub program: PathBuf,
+    /// Inputs as JSON lines; `-` is standard input.
+    #[arg(long)]
+    pub inputs: Option<PathBuf>,
+    /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
+    #[arg(long)]
+    pub until: Option<String>,
+    /// Where the trace goes; `-` is standard output (the default).
+    #[arg(long)]
+    pub trace: Option<PathBuf>,
+    /// Print the trace as text for people instead of JSON lines.
+    #[arg(long)]
+    pub text: bool,
+    /// Also write a flight record.
+    #[arg(long)]
+    pub record: Option<PathBuf>,
+}
+
+/// `apex fly`
+#[derive(Args)]
+pub struct FlyOptions {
+    /// The mission's folder, or its `mission.pdl`.
+    pub mission: PathBuf,
+    /// The flight record to write; default is the mission's name with `.apex` in the current folder.
+    #[arg(long)]
+    pub record: Option<PathBuf>,
+    /// Stop at this mission time, for example `2h`.
+    #[arg(long)]
+    pub until: Option<String>,
+    /// Seed of the simulated world; default is the mission's own.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Simulated seconds per second of wall time; default is as fast as possible.
+    #[arg(long)]
+    pub pace: Option<f64>,
+    /// Serve Sherpa while flying, and go on serving after.
+    #[arg(long)]
+    pub serve: bool,
+    /// Port of Sherpa.
+    #[arg(long, default_value_t = 8040)]
+    pub port: u16,
+    /// No progress bar.
+    #[arg(long)]
+    pub no_progress: bool,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex replay`
+#[derive(Args)]
+pub struct ReplayOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex why`
+#[derive(Args)]
+pub struct WhyOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// The task: its number (`T12`), its tag, or words of its goal.
+    pub task: String,
+    /// The instant: seconds, `1:30:00`, or a duration; default is the end.
+    #[arg(long)]
+    pub at: Option<String>,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex trace`
+#[derive(Args)]
+pub struct TraceOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// Only these kinds, separated by commas: created, transition, event, measurement, selected, command, print, ..
+    #[arg(long = "type", value_delimiter = ',')]
+    pub kinds: Vec<String>,
+    /// Only what concerns this task (`T12`), goal text or state variable.
+    #[arg(long)]
+    pub object: Option<String>,
+    /// Not before this mission time.
+    #[arg(long)]
+    pub from: Option<String>,
+    /// Not after this mission time.
+    #[arg(long)]
+    pub to: Option<String>,
+    /// Only tasks of the procedure at this place, `file.pdl` or `file.pdl:14`.
+    #[arg(long)]
+    pub procedure: Option<String>,
+    /// Print JSON lines.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex plan`
+#[derive(Args)]
+pub struct PlanOptions {
+    /// The mission's folder, or its `mission.pdl`.
+    pub mission: PathBuf,
+    /// Use this solver instead of the one that solver selection chooses.
+    #[arg(long)]
+    pub solver: Option<String>,
+    /// Print the plan as a PDL procedure.
+    #[arg(long)]
+    pub pdl: bool,
+    /// Print as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex serve`
+#[derive(Args)]
+pub struct ServeOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// The port.
+    #[arg(long, default_value_t = 8040)]
+    pub port: u16,
+    /// The address; anything but 127.0.0.1 lets other machines read the flight.
+    #[arg(long, default_value = "127.0.0.1")]
+    pub address: String,
+    /// Open the page in the default browser.
+    #[arg(long)]
+    pub open: bool,
+}

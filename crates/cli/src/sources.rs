@@ -1,0 +1,181 @@
+//! Finding and checking PDL: files, shipped libraries, host function signatures, diagnostics on the terminal.
+
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_model::host::HostFunctions;
+use apex_model::library::{AgentDeclaration, Library};
+use apex_model::source::{Place, SourceFile};
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_pdl::{Checked, HostSignature, Requirement, SourceText};
+use rust_embed::RustEmbed;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The PDL libraries that ship with the product.
+#[derive(RustEmbed)]
+#[folder = "../../library"]
+#[include = "*.pdl"]
+struct Shipped;
+
+/// Signatures of the functions that the command registers for PDL.
+pub fn host_signatures() -> Vec<HostSignature> {
+    apex_geo::functions::host_signatures()
+        .into_iter()
+        .map(|(name, parameters_min, parameters_max)| HostSignature {
+            name: name.to_string(),
+            parameters_min,
+            parameters_max,
+            pure: true,
+        })
+        .collect()
+}
+
+/// The functions that the command registers for PDL.
+pub fn host_functions() -> HostFunctions {
+    apex_geo::functions::host_functions()
+}
+
+/// `mission.pdl` in a folder, or the file itself.
+pub fn program_path(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("mission.pdl") } else { path.to_path_buf() }
+}
+
+/// Checks one program with everything it requires; relative requirements are looked for beside it.
+///
+/// # Errors
+/// The program cannot be read. Mistakes inside are diagnostics of the result.
+pub fn check_program(path: &Path, fragment: bool) -> Outcome<Checked> {
+    let path = program_path(path);
+    let text = read_text(&path)?;
+    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let source = SourceText { name: path.display().to_string(), text };
+    Ok(check_sources(vec![source], fragment, &mut |requirement| resolve(&folder, requirement)))
+}
+
+/// Checks texts, asking `resolve` for everything they require.
+pub fn check_sources(
+    sources: Vec<SourceText>,
+    fragment: bool,
+    resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
+) -> Checked {
+    let host = host_signatures();
+    apex_pdl::check(sources, apex_pdl::CheckOptions { fragment, host: &host, resolve })
+}
+
+/// Checks a program, prints its diagnostics and returns its library if it has no errors.
+///
+/// # Errors
+/// The program cannot be read or has errors; they have been printed.
+pub fn load_program(path: &Path) -> Outcome<Arc<Library>> {
+    let checked = check_program(path, false)?;
+    print_warnings_and_errors(&checked);
+    if checked.has_errors() { Err(Trouble::told()) } else { Ok(Arc::new(checked.library)) }
+}
+
+/// Prints what a person who runs the program must know: not the notes.
+fn print_warnings_and_errors(checked: &Checked) {
+    let serious: Vec<_> =
+        checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
+    if !serious.is_empty() {
+        eprint!("{}", apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal()));
+    }
+}
+
+/// Loads the program stored in a flight record, for replay and explanations. What the program requires is looked for
+/// among the recorded texts only, so a record explains itself wherever it is.
+///
+/// # Errors
+/// A sentence when the stored sources no longer check, which means that another version wrote the record.
+pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDeclaration, HostFunctions), String> {
+    let text_of = |source: &SourceFile| SourceText { name: source.name.to_string(), text: source.text.to_string() };
+    let Some(program) = sources.first() else { return Err("the record holds no PDL".to_string()) };
+    let checked = check_sources(vec![text_of(program)], false, &mut |requirement| {
+        let wanted = match requirement {
+            Requirement::File { name, .. } => name,
+            Requirement::Library(name) => format!("{name}.pdl"),
+        };
+        let found = sources.iter().find(|source| Path::new(&*source.name).ends_with(&wanted));
+        found.map(text_of).ok_or_else(|| format!("`{wanted}` is not in the record"))
+    });
+    if checked.has_errors() {
+        let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, false);
+        return Err(format!("its PDL no longer checks with this version of apex:\n{rendered}"));
+    }
+    let declaration = agent_of(&checked.library);
+    Ok((Arc::new(checked.library), declaration, host_functions()))
+}
+
+/// The agent to run: the first declared, or one named `agent` with the default initial task.
+pub fn agent_of(library: &Library) -> AgentDeclaration {
+    library.agents.first().cloned().unwrap_or_else(|| AgentDeclaration {
+        name: Symbol::new("agent"),
+        initial_task: Value::list([Value::symbol("do-domain")]),
+        bundles: Vec::new(),
+        routers: Vec::new(),
+        place: Place::default(),
+    })
+}
+
+fn resolve(folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
+    match requirement {
+        Requirement::File { name, .. } => {
+            let path = folder.join(&name);
+            read_required(&path)
+        }
+        Requirement::Library(name) => {
+            let file = format!("{name}.pdl");
+            let local = folder.join("library").join(&file);
+            if local.is_file() {
+                return read_required(&local);
+            }
+            match Shipped::get(&file) {
+                Some(shipped) => Ok(SourceText {
+                    name: format!("library/{file}"),
+                    text: String::from_utf8_lossy(&shipped.data).into_owned(),
+                }),
+                None => Err(format!("no library `{name}`; shipped are {}", shipped_names().join(", "))),
+            }
+        }
+    }
+}
+
+fn read_required(path: &Path) -> Result<SourceText, String> {
+    let text = read_text(path).map_err(|trouble| match trouble.reason {
+        Some(reason) => format!("{}: {reason}", trouble.message),
+        None => trouble.message,
+    })?;
+    Ok(SourceText { name: path.display().to_string(), text })
+}
+
+fn shipped_names() -> Vec<String> {
+    let mut names: Vec<String> =
+        Shipped::iter().filter_map(|file| file.strip_suffix(".pdl").map(str::to_string)).collect();
+    names.sort();
+    names
+}
+
+/// Reads an instant of mission time as people type it: `90`, `20s`, `P1M30S`, `1:30:00`.
+///
+/// # Errors
+/// Says what was given and what is understood.
+pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
+    let bad = || {
+        Trouble::user(format!("`{option} {text}` is no time"))
+            .help("write seconds (90), a duration (20s, 2h, P1M30S), or hours:minutes:seconds (1:30:00)")
+    };
+    if text.contains(':') {
+        let mut seconds = 0.0;
+        for part in text.split(':') {
+            seconds = seconds * 60.0 + part.parse::<f64>().map_err(|_| bad())?;
+        }
+        return if seconds.is_finite() { Ok(Time::from_seconds(seconds)) } else { Err(bad()) };
+    }
+    match apex_pdl::read_value(text) {
+        Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
+        Ok(Value::Integer(seconds)) => Ok(Time::from_seconds(seconds as f64)),
+        Ok(Value::Real(seconds)) if seconds.is_finite() => Ok(Time::from_seconds(seconds)),
+        _ => Err(bad()),
+    }
+}

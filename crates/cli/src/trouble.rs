@@ -1,0 +1,116 @@
+//! What goes wrong at the command line: one type, two exit codes, messages for people.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// A failure of a command, ready to be printed.
+#[derive(Debug)]
+pub struct Trouble {
+    /// True: the user's input is at fault (exit code 2); false: something failed (exit code 1).
+    pub of_user: bool,
+    /// What happened and where, one line; empty when diagnostics have been printed already.
+    pub message: String,
+    /// Why, if known.
+    pub reason: Option<String>,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl Trouble {
+    /// The user's input is wrong.
+    pub fn user(message: impl Into<String>) -> Trouble {
+        Trouble { of_user: true, message: message.into(), reason: None, help: None }
+    }
+
+    /// The world is at fault: a disk, a port, a record that no longer matches.
+    pub fn failure(message: impl Into<String>) -> Trouble {
+        Trouble { of_user: false, message: message.into(), reason: None, help: None }
+    }
+
+    /// Diagnostics have been printed; only the exit code is left to give.
+    pub fn told() -> Trouble {
+        Trouble::user("")
+    }
+
+    /// Adds the reason.
+    pub fn because(mut self, reason: impl fmt::Display) -> Trouble {
+        self.reason = Some(reason.to_string());
+        self
+    }
+
+    /// Adds what to do.
+    pub fn help(mut self, help: impl Into<String>) -> Trouble {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// 2 for the user's mistakes, 1 for failures.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(if self.of_user { 2 } else { 1 })
+    }
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.message)?;
+        if let Some(reason) = &self.reason {
+            write!(f, "\n  why: {reason}")?;
+        }
+        if let Some(help) = &self.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+/// What commands return.
+pub type Outcome<T = ()> = Result<T, Trouble>;
+
+/// Reads a text file.
+///
+/// # Errors
+/// Says which file, why it cannot be read, and what to do.
+pub fn read_text(path: &std::path::Path) -> Outcome<String> {
+    let bytes = read_bytes(path)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        Trouble::user(format!("{} is not text", path.display()))
+            .because(format!("byte {valid} is not UTF-8"))
+            .help("save the file as UTF-8")
+    })
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// Says which file, why it cannot be read, and what to do.
+pub fn read_bytes(path: &std::path::Path) -> Outcome<Vec<u8>> {
+    if path.is_dir() {
+        return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
+    }
+    std::fs::read(path).map_err(|error| {
+        Trouble::user(format!("cannot read {}", path.display())).because(error).help(nearby_help(path))
+    })
+}
+
+/// Names files of the same folder that look alike, or says where a relative path was looked for.
+fn nearby_help(path: &std::path::Path) -> String {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or_else(|| std::path::Path::new("."));
+    let extension = path.extension();
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|candidate| candidate.extension() == extension)
+        .filter_map(|candidate| candidate.file_name().map(|name| name.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    names.truncate(6);
+    match (folder.is_dir(), names.is_empty()) {
+        (false, _) => format!("the folder {} does not exist; check the path", folder.display()),
+        (true, true) => format!("there is no such file in {}; check the path", folder.display()),
+        (true, false) => format!("{} holds {}", folder.display(), names.join(", ")),
+    }
+}
