@@ -19,6 +19,9 @@ const FORM_FIRST: &[&str] = &["cogevent", "command", "inform", "publish"];
 /// Functions whose numeric arguments must be of one dimension.
 const ONE_DIMENSION: &[&str] = &["+", "-", "/=", "<", "<=", "=", ">", ">=", "max", "min", "mod", "rem"];
 
+/// Unknown names reported; each costs a search for what was meant.
+const UNKNOWN_NAMES_MAX: usize = 100;
+
 impl Lowering {
     /// Lowers `(name argument..)`.
     pub(crate) fn call(&mut self, datum: &Datum, name: &Symbol, at: Span, arguments: &[Datum]) -> Option<Expr> {
@@ -186,7 +189,7 @@ impl Lowering {
     pub(crate) fn report_unknown_names(&mut self) {
         let severity = self.undefined();
         let functions = std::mem::take(&mut self.unknown_functions);
-        for (name, uses) in &functions {
+        for (name, uses) in functions.iter().take(UNKNOWN_NAMES_MAX) {
             let Some((first, others)) = uses.split_first() else { continue };
             let mut diagnostic =
                 Diagnostic::new(severity, codes::UNKNOWN_FUNCTION, *first, format!("no function is called `{name}`"))
@@ -202,7 +205,7 @@ impl Lowering {
             self.report(diagnostic);
         }
         let indexicals = std::mem::take(&mut self.unknown_indexicals);
-        for (name, uses) in &indexicals {
+        for (name, uses) in indexicals.iter().take(UNKNOWN_NAMES_MAX) {
             let Some((first, others)) = uses.split_first() else { continue };
             let suggestion = did_you_mean(name.printed(), self.names.indexical_names());
             let message = format!("no indexical is called `+{name}+`");
