@@ -4,12 +4,16 @@
 //! Bound: O(c log c) for c claimants of the resources concerned; O(c^2) where ranks are stated, O(c^3) where they clash.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
-use crate::control::{priority, resources};
+use crate::control::competition::{
+    Claimant, as_claimant, claimants, first_unbeaten, insert_in_order, order_of, rank_all, rank_order, rank_path,
+    related,
+};
+use crate::control::priority;
 use crate::cycle::Cycle;
 use apex_model::agent::Agent;
 use apex_model::because::ConflictRule;
 use apex_model::resource::{Need, ResourceId};
-use apex_model::task::{Origin, TaskId, TaskState};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,16 +50,6 @@ pub(crate) struct Loss {
     pub(crate) winner_holds: bool,
 }
 
-/// A task that wants to be ongoing.
-struct Claimant {
-    id: TaskId,
-    needs: Vec<Need>,
-    priority: f64,
-    order: (TaskId, u32, TaskId),
-    /// The task and its ancestors from the root down, with their ranks; empty where nobody has one.
-    path: Vec<(TaskId, Option<f64>)>,
-}
-
 /// A share of a resource that counts against later claimants.
 struct Use {
     task: TaskId,
@@ -71,57 +65,6 @@ enum UseKind {
     Granted,
     /// Claimed by an earlier claimant that is itself refused, which cannot go on before this instant if it is known.
     Awaited(Option<Time>),
-}
-
-/// Are the tasks the same, or one the ancestor of the other?
-pub(crate) fn related(agent: &Agent, a: TaskId, b: TaskId) -> bool {
-    let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
-    let (mut low, high) = if depth(a) >= depth(b) { (a, b) } else { (b, a) };
-    while depth(low) > depth(high) {
-        match agent.task(low).and_then(|task| task.parent) {
-            Some(parent) => low = parent,
-            None => return false,
-        }
-    }
-    low == high
-}
-
-/// How the ranks of the two sibling ancestors compare, when both have one and they differ.
-pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Option<(Ordering, f64, f64)> {
-    let (mut a, mut b) = (agent.task(a)?, agent.task(b)?);
-    while a.depth > b.depth {
-        a = agent.task(a.parent?)?;
-    }
-    while b.depth > a.depth {
-        b = agent.task(b.parent?)?;
-    }
-    while a.parent != b.parent {
-        a = agent.task(a.parent?)?;
-        b = agent.task(b.parent?)?;
-    }
-    let (first, second) = (priority::rank(agent, a.id, now)?, priority::rank(agent, b.id, now)?);
-    let order = first.partial_cmp(&second).filter(|order| *order != Ordering::Equal)?;
-    Some((order, first, second))
-}
-
-/// May the task work at all? Not under a suspended ancestor; and no step of a task that does not work begins.
-pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
-    let Some(task) = agent.task(id) else { return false };
-    let starts = match task.state {
-        TaskState::Interrupted => true,
-        TaskState::Enabled => {
-            task.parent.is_none_or(|parent| agent.task(parent).is_some_and(|parent| parent.state == TaskState::Ongoing))
-        }
-        TaskState::Pending | TaskState::Ongoing | TaskState::Terminated => false,
-    };
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| agent.task(id)) {
-        if task.suspended {
-            return false;
-        }
-        next = task.parent;
-    }
-    starts
 }
 
 /// Arbitrates all resources in `dirty`, with everything their claimants need besides.
@@ -155,95 +98,6 @@ pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbi
     let displaced = field.displaced;
     result.refused.retain(|loss| !displaced.contains(&loss.loser));
     result
-}
-
-/// Eligible claimants of the resources in `dirty` and of all resources that these need besides, best first.
-fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<Claimant> {
-    let mut resources: Vec<ResourceId> = dirty.iter().copied().collect();
-    let mut seen: BTreeSet<ResourceId> = dirty.clone();
-    let mut tasks = BTreeSet::new();
-    let mut list = Vec::new();
-    while let Some(id) = resources.pop() {
-        let Some(resource) = cycle.agent.resources.get(id) else { continue };
-        for task in &resource.waiting {
-            if tasks.insert(*task) && is_eligible(cycle.agent, *task) {
-                let claimant = as_claimant(cycle, *task);
-                resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
-                list.push(claimant);
-            }
-        }
-    }
-    list.sort_by(compare);
-    list
-}
-
-fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
-    let priority = priority::priority(cycle.agent, id, cycle.now);
-    Claimant { id, needs: resources::needs_of(cycle, id), priority, order: order_of(cycle.agent, id), path: Vec::new() }
-}
-
-/// Written order among siblings, creation order among others.
-fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
-    let Some(task) = agent.task(id) else { return (id, 0, id) };
-    let step = match task.origin {
-        Origin::Step(step) => step.step,
-        Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) => 0,
-    };
-    (task.parent.unwrap_or(id), step, id)
-}
-
-fn compare(a: &Claimant, b: &Claimant) -> Ordering {
-    b.priority.total_cmp(&a.priority).then(a.order.cmp(&b.order))
-}
-
-fn insert_in_order(list: &mut Vec<Claimant>, claimant: Claimant) {
-    let index = list.partition_point(|each| compare(each, &claimant) == Ordering::Less);
-    list.insert(index, claimant);
-}
-
-/// Notes the ranks of all claimants. False when nobody has one.
-fn rank_all(cycle: &Cycle<'_>, claimants: &mut [Claimant]) -> bool {
-    let mut ranked = false;
-    for claimant in claimants.iter_mut() {
-        claimant.path = rank_path(cycle, claimant.id);
-        ranked |= claimant.path.iter().any(|(_, rank)| rank.is_some());
-    }
-    ranked
-}
-
-fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f64>)> {
-    let mut path = Vec::new();
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| cycle.task(id)) {
-        path.push((task.id, priority::rank(cycle.agent, task.id, cycle.now)));
-        next = task.parent;
-    }
-    path.reverse();
-    path
-}
-
-/// The first in order that no other claimant beats. Rank and priority can beat one another in a ring; then it is the
-/// first in order.
-fn first_unbeaten(remaining: &[Claimant]) -> usize {
-    let unbeaten = |claimant: &Claimant| {
-        let mut others = remaining.iter().filter(|other| shares(&claimant.needs, &other.needs));
-        !others.any(|other| beats(other, claimant))
-    };
-    remaining.iter().position(unbeaten).unwrap_or(0)
-}
-
-/// Does `a` come before `b`, both claimants? Tasks of one line do not compete.
-fn beats(a: &Claimant, b: &Claimant) -> bool {
-    let pair = a.path.iter().zip(&b.path).find(|(first, second)| first.0 != second.0);
-    match pair {
-        None => false,
-        Some(((_, Some(first)), (_, Some(second)))) if first != second => first < second,
-        Some(_) => compare(a, b) == Ordering::Less,
-    }
-}
-
-fn shares(a: &[Need], b: &[Need]) -> bool {
-    a.iter().any(|need| b.iter().any(|other| other.resource == need.resource))
 }
 
 /// What becomes of one claimant.

@@ -4,8 +4,8 @@
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
 use crate::control::conflict::{self, Arbitration, Loss};
-use crate::control::resources;
 use crate::control::transition::{Trigger, transition};
+use crate::control::{competition, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use apex_model::because::{Because, Cause};
@@ -20,7 +20,7 @@ use apex_model::wake::Wake;
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let mut free = Vec::new();
     for id in in_order(&mut cycle.work.claims) {
-        if !conflict::is_eligible(cycle.agent, id) {
+        if !competition::is_eligible(cycle.agent, id) {
             continue;
         }
         let needs = resources::needs_of(cycle, id);
@@ -90,7 +90,7 @@ fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
 }
 
 fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
-    if !conflict::is_eligible(cycle.agent, id) {
+    if !competition::is_eligible(cycle.agent, id) {
         return;
     }
     let needs = resources::needs_of(cycle, id);

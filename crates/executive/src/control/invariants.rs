@@ -3,7 +3,7 @@
 //! Runs: after every instant, in builds with assertions.  Reads: Agent.  Writes: nothing.
 //! Bound: O(tasks), and only for agents small enough that this is cheap.  PDL: section 9.  Paper: section III.
 
-use crate::control::conflict::related;
+use crate::control::competition::related;
 use apex_model::agent::Agent;
 use apex_model::task::TaskState;
 

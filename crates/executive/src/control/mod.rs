@@ -2,6 +2,7 @@
 
 pub(crate) mod binding;
 pub(crate) mod built_in;
+pub(crate) mod competition;
 pub(crate) mod conflict;
 pub(crate) mod contention;
 pub(crate) mod enablement;

@@ -317,6 +317,9 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_ref())? {
             details.interrupt_cost = Some(own);
         }
+        for (message, place) in priority::troubles(cycle, id, &step.priority) {
+            cycle.trouble(Some(id), message, Some(place));
+        }
     }
     Ok(details)
 }

@@ -201,7 +201,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let claimant = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner);
     let holders = resource.holders.iter().map(|holding| holding.task);
     let holders: Vec<TaskId> =
-        holders.filter(|holder| !crate::control::conflict::related(agent, *holder, task.id)).collect();
+        holders.filter(|holder| !crate::control::competition::related(agent, *holder, task.id)).collect();
     let rivals = if holders.is_empty() { claimant.into_iter().collect() } else { holders };
     let reason = |rival: TaskId| {
         let holds = resource.holders.iter().any(|holding| holding.task == rival);
