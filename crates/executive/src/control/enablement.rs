@@ -9,6 +9,8 @@ use crate::cycle::{Cycle, Firing, in_order};
 use apex_model::because::{Because, Cause};
 use apex_model::clause::{Clause, Level};
 use apex_model::effect::DecisionKind;
+use apex_model::monitor::Satisfaction;
+use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
@@ -56,21 +58,16 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
         task.after_sequence = task.after_sequence.max(answered);
     }
     let cause = Cause::ConditionSatisfied { clause: clause.word().into() };
-    let because = Because { cause, place: Some(place), evidence: satisfaction.evidence.clone() };
     let kind = DecisionKind::Satisfied { clause: clause.word().into(), interval: satisfaction.interval };
-    cycle.decide(Some(id), kind, because.clone());
+    let evidence = satisfaction.evidence.clone();
+    cycle.decide(Some(id), kind, Because { cause: cause.clone(), place: Some(place), evidence });
     monitoring_clauses::unwatch(cycle, id, |each, at| each == clause && at == level);
+    if clause == Clause::Waitfor {
+        return preconditions_hold(cycle, id, satisfaction, place);
+    }
+    let because = Because { cause, place: Some(place), evidence: satisfaction.evidence };
     match clause {
-        Clause::Waitfor => {
-            for (name, value) in satisfaction.bindings.iter() {
-                binding::bind_locally(cycle, id, name, value.clone(), "waitfor", place);
-            }
-            cycle.work.evidence.insert(id, satisfaction.evidence);
-            if let Some(task) = cycle.agent.task_mut(id) {
-                task.held_back.by_condition = false;
-            }
-            instantiation::offer(cycle, id);
-        }
+        Clause::Waitfor => {}
         Clause::EndWhen => {
             repetition::forbid(cycle, id, level);
             termination::end(cycle, id, Outcome::Success(Value::nil()), because);
@@ -88,6 +85,18 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
             interruption::watch_suspension(cycle, id);
         }
     }
+}
+
+/// The `waitfor` came true: what it bound is the task's own.
+fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfaction, place: Place) {
+    for (name, value) in satisfaction.bindings.iter() {
+        binding::bind_locally(cycle, id, name, value.clone(), "waitfor", place);
+    }
+    cycle.work.evidence.insert(id, satisfaction.evidence);
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.held_back.by_condition = false;
+    }
+    instantiation::offer(cycle, id);
 }
 
 fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {

@@ -33,8 +33,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     if cycle.state(id) != TaskState::Ongoing {
         return;
     }
-    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| selection.way.clone());
-    match way {
+    match take_way(cycle, id) {
         Some(Way::Procedure(reference, context)) => procedure::start(cycle, id, reference, context),
         Some(Way::Primitive(index, context)) => primitive::start(cycle, id, index, context),
         Some(Way::Items(items)) => procedure::start_items(cycle, id, &items),
@@ -43,6 +42,19 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
         Some(Way::Solver(solver)) => planner_invocation::start(cycle, id, solver),
         None => {}
     }
+}
+
+/// The chosen way; what its index bound moves from the selection into the controller.
+fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Way> {
+    let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
+    Some(match &mut selection.way {
+        Way::Procedure(reference, bindings) => Way::Procedure(*reference, std::mem::take(bindings)),
+        Way::Primitive(index, bindings) => Way::Primitive(*index, std::mem::take(bindings)),
+        Way::Items(items) => Way::Items(std::mem::take(items)),
+        Way::BuiltIn(which) => Way::BuiltIn(*which),
+        Way::Terminate => Way::Terminate,
+        Way::Solver(solver) => Way::Solver(*solver),
+    })
 }
 
 fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {

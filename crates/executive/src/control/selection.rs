@@ -291,24 +291,18 @@ struct Details {
 
 fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
     let mut details = Details::default();
-    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| selection.way.clone());
-    match way {
-        Some(Way::Procedure(reference, _)) => {
-            if let Some(procedure) = cycle.agent.procedure(reference).cloned() {
-                profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
-                details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
-                details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
-            }
+    match chosen(cycle, id) {
+        Some(IndexPattern::Procedure(procedure)) => {
+            profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
+            details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
+            details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
         }
-        Some(Way::Primitive(index, _)) => {
-            if let Some(primitive) = cycle.library.primitives.get(index as usize).cloned() {
-                profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
-                // The duration may use locals, which do not exist yet: then nothing is expected.
-                details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
-            }
+        Some(IndexPattern::Primitive(primitive)) => {
+            profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
+            // The duration may use locals, which do not exist yet: then nothing is expected.
+            details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
         }
-        Some(Way::BuiltIn(BuiltInActivity::HoldResource)) => held(cycle, id, &mut details.needs)?,
-        Some(Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_)) | None => {}
+        _ => held(cycle, id, &mut details.needs)?,
     }
     if let (Some(Origin::Step(_)), Some(handle)) = (cycle.task(id).map(|task| task.origin), cycle.step_of(id))
         && let Some(step) = handle.get()
@@ -322,6 +316,17 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         }
     }
     Ok(details)
+}
+
+/// The procedure or primitive that was selected; none for everything else.
+fn chosen(cycle: &Cycle<'_>, id: TaskId) -> Option<IndexPattern> {
+    let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
+        Way::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
+        Way::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),
+        Way::Primitive(index, _) => Candidate::Primitive(*index),
+        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => return None,
+    };
+    index_of(cycle, candidate).map(|(holder, _)| holder)
 }
 
 fn profile(
@@ -353,8 +358,12 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
     }
 }
 
-/// The resources named by `(hold-resource r..)`.
+/// The resources named by `(hold-resource r..)`; none for every other way.
 fn held(cycle: &mut Cycle<'_>, id: TaskId, needs: &mut Vec<Need>) -> Result<(), Because> {
+    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way);
+    if !matches!(way, Some(Way::BuiltIn(BuiltInActivity::HoldResource))) {
+        return Ok(());
+    }
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let origin = cycle.task(id).map(|task| task.origin);
     let Some(Activity::BuiltIn(_, arguments)) = handle.get().map(|step| activity_of(origin, step)) else {
