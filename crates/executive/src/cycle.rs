@@ -54,6 +54,8 @@ pub(crate) struct Work {
     pub(crate) enabled: Vec<TaskId>,
     /// Contend: enabled and interrupted tasks that want to go on.
     pub(crate) claims: Vec<TaskId>,
+    /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
+    pub(crate) resumed: BTreeMap<TaskId, Because>,
     /// Contend: resources whose users may change.
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is looked at.

@@ -73,6 +73,7 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     for loss in &arbitration.refused {
         refuse(cycle, loss);
     }
+    cycle.work.resumed.clear();
 }
 
 fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
@@ -103,7 +104,8 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
         }
     }
     let resources = needs.iter().map(|need| resource_name(cycle, need.resource)).collect();
-    let because = Because::new(Cause::ResourcesGranted { resources }, cycle.place_of(id));
+    let resumed = cycle.work.resumed.remove(&id).filter(|_| cycle.state(id) == TaskState::Interrupted);
+    let because = resumed.unwrap_or_else(|| Because::new(Cause::ResourcesGranted { resources }, cycle.place_of(id)));
     if transition(cycle, id, Trigger::Granted, None, because) {
         cycle.work.starting.push(id);
     }

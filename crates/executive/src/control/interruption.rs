@@ -116,17 +116,19 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
         return;
     }
     task.suspended = false;
-    let _ = because;
-    reclaim(cycle, id);
+    for each in reclaim(cycle, id) {
+        let cause = if each == id { because.cause.clone() } else { Cause::AncestorChanged { ancestor: id } };
+        let evidence = if each == id { because.evidence.clone() } else { Vec::new() };
+        cycle.work.resumed.insert(each, Because { cause, place: because.place, evidence });
+    }
 }
 
 /// Everything of the subtree that could work claims again.
-pub(crate) fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) {
-    for each in subtree(cycle, id) {
-        if matches!(cycle.state(each), TaskState::Interrupted | TaskState::Enabled) {
-            cycle.work.claims.push(each);
-        }
-    }
+fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) -> Vec<TaskId> {
+    let mut tasks = subtree(cycle, id);
+    tasks.retain(|each| matches!(cycle.state(*each), TaskState::Interrupted | TaskState::Enabled));
+    cycle.work.claims.extend(&tasks);
+    tasks
 }
 
 /// Steps that were enabled while the task did not work claim now.
