@@ -1,12 +1,10 @@
 //! What a mission has achieved so far, read off the same batches and effects that the record stores.
 
-use super::lines::ScanLine;
-use apex_geo::geodesy;
+use super::lines::{ScanLine, lines_of_goal};
 use apex_model::effect::{DecisionKind, Effect, Method};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
-use apex_model::task::TaskState;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
@@ -16,8 +14,6 @@ use std::sync::{Arc, Mutex};
 
 /// Beyond this roll angle a line of the scanner is not valid (missions.md 1).
 const WINGS_LEVEL_DEG: f64 = 3.0;
-/// A sample farther from the line than this does not show the line.
-const CROSS_TRACK_M_MAX: f64 = 600.0;
 
 /// One observation of one target.
 #[derive(Debug, Clone)]
@@ -84,8 +80,8 @@ pub struct Bookkeeping {
     pub announced: Vec<String>,
     /// Changes of targets' states that are not in the record yet: target, time, state, detail.
     pub target_changes: Vec<(String, Time, TargetState, String)>,
-    /// State transitions of tasks by resulting state.
-    pub transitions: BTreeMap<TaskState, u64>,
+    /// Lines of each target whose observation has been chosen.
+    planned_lines: BTreeMap<String, Vec<ScanLine>>,
 }
 
 /// Bookkeeping shared between the observer, the deliberator and the report.
@@ -139,11 +135,8 @@ impl Bookkeeping {
         let Some(visit) = self.open_visit() else { return };
         visit.altitude_m = (visit.altitude_m.0 + altitude_m, visit.altitude_m.1 + 1);
         visit.roll_deg_max = visit.roll_deg_max.max(roll_deg.abs());
-        if let Some(line) = visit.lines.last_mut() {
-            let (along_m, cross_m) = geodesy::along_cross_track_m(line.from, line.to, position);
-            if cross_m.abs() <= CROSS_TRACK_M_MAX {
-                line.mark(along_m, roll_deg.abs() <= WINGS_LEVEL_DEG);
-            }
+        for line in &mut visit.lines {
+            line.mark(position, roll_deg.abs() <= WINGS_LEVEL_DEG);
         }
     }
 
@@ -151,14 +144,16 @@ impl Bookkeeping {
         let Some([Value::Symbol(head), subject, ..]) = form.as_list() else { return };
         let subject = subject.to_string();
         match head.folded() {
+            "observing" if self.open_visit().is_some_and(|visit| visit.target == subject) => {}
             "observing" => {
                 self.target_changes.push((subject.clone(), at, TargetState::Observing, String::new()));
+                let lines = self.planned_lines.get(&subject).cloned().unwrap_or_default();
                 self.visits.push(Visit {
                     target: subject,
                     begin: at,
                     end: None,
                     reflies: 0,
-                    lines: Vec::new(),
+                    lines,
                     altitude_m: (0.0, 0),
                     roll_deg_max: 0.0,
                 });
@@ -195,10 +190,9 @@ impl Bookkeeping {
         match effect {
             Effect::Inform { form, .. } => self.take_message(now, form),
             Effect::Decided(decision) => match &decision.kind {
-                DecisionKind::Transition { to, .. } => *self.transitions.entry(*to).or_default() += 1,
                 DecisionKind::Selected { goal, method: Method::Procedure(_), .. } => {
-                    if let (Some(line), Some(visit)) = (ScanLine::of_goal(goal), self.open_visit()) {
-                        visit.lines.push(line);
+                    if let Some((target, lines)) = lines_of_goal(goal) {
+                        self.planned_lines.insert(target, lines);
                     }
                 }
                 DecisionKind::ProcedureAdded { summary, .. } => self.note(now, format!("new plan: {summary}")),

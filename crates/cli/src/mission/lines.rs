@@ -1,19 +1,27 @@
-//! A scanner line with what has been seen of it.
+//! Scanner lines with what has been seen of them.
 
+use super::bookkeeping::location;
 use apex_geo::geodesy;
 use apex_model::problem::Position;
 use apex_model::value::Value;
 
 /// Length of the pieces in which a line is judged, m.
 const PIECE_M: f64 = 400.0;
+/// A sample farther from the line than this does not show the line, m.
+const CROSS_TRACK_M_MAX: f64 = 600.0;
+/// Pieces between two samples that count as seen: samples come once a second.
+const PIECES_PER_SAMPLE_MAX: usize = 4;
+/// Metres in a degree of latitude.
+const METRES_PER_DEGREE: f64 = 111_195.0;
 
 /// One line over a target, cut into pieces that are seen or not, with wings level or not.
 #[derive(Debug, Clone)]
 pub struct ScanLine {
-    /// Where it begins.
-    pub from: Position,
-    /// Where it ends.
-    pub to: Position,
+    from: Position,
+    /// Unit vector along the line: east, north.
+    along: (f64, f64),
+    /// Metres per degree of longitude at the line's middle.
+    metres_per_longitude: f64,
     /// Per piece: none not seen, false seen with a wing low, true seen with wings level.
     pieces: Vec<Option<bool>>,
     /// The last piece marked, so that a gap between two samples counts as seen.
@@ -23,29 +31,29 @@ pub struct ScanLine {
 impl ScanLine {
     /// A line of which nothing has been seen.
     pub fn new(from: Position, to: Position) -> ScanLine {
-        let length_m = geodesy::distance_m(from, to);
-        let count = (length_m / PIECE_M).ceil().clamp(1.0, 100_000.0);
-        ScanLine { from, to, pieces: vec![None; count as usize], last: None }
+        let middle_deg = 0.5 * (from.latitude_deg + to.latitude_deg);
+        let metres_per_longitude = METRES_PER_DEGREE * libm::cos(middle_deg.to_radians());
+        let east_m = (to.longitude_deg - from.longitude_deg) * metres_per_longitude;
+        let north_m = (to.latitude_deg - from.latitude_deg) * METRES_PER_DEGREE;
+        let norm_m = libm::hypot(east_m, north_m).max(1.0);
+        let count = (geodesy::distance_m(from, to) / PIECE_M).ceil().clamp(1.0, 100_000.0);
+        let along = (east_m / norm_m, north_m / norm_m);
+        ScanLine { from, along, metres_per_longitude, pieces: vec![None; count as usize], last: None }
     }
 
-    /// The line of a goal `(scan TARGET along (FROM TO))`.
-    pub fn of_goal(goal: &Value) -> Option<ScanLine> {
-        let [Value::Symbol(head), _, _, line] = goal.as_list()? else { return None };
-        let ends = head.is("scan").then(|| line.as_list())??;
-        let (from, _) = super::bookkeeping::location(ends.first()?)?;
-        let (to, _) = super::bookkeeping::location(ends.get(1)?)?;
-        Some(ScanLine::new(from, to))
-    }
-
-    /// The aircraft is abeam `along_m` from the beginning; are its wings level?
-    pub fn mark(&mut self, along_m: f64, level: bool) {
-        if along_m < 0.0 {
+    /// The aircraft is at `position`; are its wings level? Positions off the line mark nothing.
+    pub fn mark(&mut self, position: Position, level: bool) {
+        let east_m = (position.longitude_deg - self.from.longitude_deg) * self.metres_per_longitude;
+        let north_m = (position.latitude_deg - self.from.latitude_deg) * METRES_PER_DEGREE;
+        let along_m = east_m * self.along.0 + north_m * self.along.1;
+        let cross_m = east_m * self.along.1 - north_m * self.along.0;
+        if along_m < 0.0 || cross_m.abs() > CROSS_TRACK_M_MAX {
             self.last = None;
             return;
         }
         let index = (along_m / PIECE_M) as usize;
-        // Samples come once a second: the few pieces since the last sample have been seen too.
-        let begin = self.last.filter(|last| *last <= index && index - *last <= 4).unwrap_or(index);
+        let near = |last: &usize| *last <= index && index - *last <= PIECES_PER_SAMPLE_MAX;
+        let begin = self.last.filter(near).unwrap_or(index);
         for piece in self.pieces.iter_mut().take(index + 1).skip(begin) {
             *piece = Some(level || *piece == Some(true));
         }
@@ -60,6 +68,17 @@ impl ScanLine {
     }
 }
 
+/// Target and lines of a goal `(observe TARGET along ((FROM TO)..) ..)`.
+pub fn lines_of_goal(goal: &Value) -> Option<(String, Vec<ScanLine>)> {
+    let [Value::Symbol(head), target, _, lines, ..] = goal.as_list()? else { return None };
+    let line = |line: &Value| {
+        let ends = line.as_list()?;
+        Some(ScanLine::new(location(ends.first()?)?.0, location(ends.get(1)?)?.0))
+    };
+    let lines = head.is("observe").then(|| lines.as_list())??;
+    Some((target.to_string(), lines.iter().filter_map(line).collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,11 +86,19 @@ mod tests {
     #[test]
     fn a_refly_mends_pieces_that_were_seen_with_a_wing_low() {
         let mut line = ScanLine::new(Position::new(40.0, -120.0), Position::new(40.1, -120.0));
-        (0..12_000).step_by(180).for_each(|along| line.mark(f64::from(along), !(3_000..4_000).contains(&along)));
+        let at = |along_m: u32| Position::new(40.0 + f64::from(along_m) / METRES_PER_DEGREE, -120.001);
+        (0..11_200).step_by(180).for_each(|along| line.mark(at(along), !(3_000..4_000).contains(&along)));
         let (all, seen, level) = line.count();
         assert_eq!(all, seen);
         assert!(level < seen);
-        (2_500..4_500).step_by(180).for_each(|along| line.mark(f64::from(along), true));
+        (2_500..4_500).step_by(180).for_each(|along| line.mark(at(along), true));
         assert_eq!(line.count(), (all, all, all));
+    }
+
+    #[test]
+    fn a_position_beside_the_line_shows_nothing() {
+        let mut line = ScanLine::new(Position::new(40.0, -120.0), Position::new(40.1, -120.0));
+        line.mark(Position::new(40.05, -120.1), true);
+        assert_eq!(line.count().1, 0);
     }
 }
