@@ -1,5 +1,7 @@
 //! The `apex` command: check, run, fly, replay, explain, plan, serve.
 
+#![expect(unreachable_pub, reason = "a binary has no public face; `pub` says that another module uses it")]
+
 mod commands;
 mod mission;
 mod options;

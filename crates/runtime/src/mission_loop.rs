@@ -115,7 +115,9 @@ fn fly_by(
 ) -> Result<RunEnd, RunError> {
     let pacer = Pacer::new(options.pace, Time::ZERO).map_err(RunError::Options)?;
     let mut scheduled = options.inputs;
-    scheduled.sort_by_key(|input| std::cmp::Reverse(input.at));
+    // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
+    scheduled.sort_by_key(|input| input.at);
+    scheduled.reverse();
     let mut flight = Flight {
         step,
         agent,

@@ -12,12 +12,16 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_runtime::RunEnd;
+use apex_runtime::pool::Contained;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, Recorder, TargetRow, TargetState};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Wall time after which a solver that does not return is given up; its budget is counted in work, so this is far off.
+const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
 
 type SharedRecorder = Arc<Mutex<Recorder>>;
 type TargetChange = (String, Time, TargetState, String);
@@ -73,7 +77,9 @@ struct Flight {
 fn fly(mission: &Arc<Mission>, options: &FlyOptions, until: Time, recorder: &SharedRecorder) -> Outcome<Flight> {
     let mut vehicle = world(mission, options.seed)?;
     let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
-    let mut deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books));
+    let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books));
+    let mut deliberator = Contained::new(Box::new(deliberator), SOLVER_PATIENCE)
+        .map_err(|reason| Trouble::failure("no thread for the solvers").because(reason))?;
     let mut agent = apex_executive::load(Arc::clone(&mission.library), &mission.agent, sources::host_functions())
         .map_err(|reason| Trouble::user("the mission cannot be executed").because(reason))?;
     let mut bookkeeper = BookkeepingObserver(Arc::clone(&books));

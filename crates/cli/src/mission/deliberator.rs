@@ -81,7 +81,9 @@ impl MissionDeliberator {
             Plan::SingleVisit(plan) => plan
                 .visits
                 .iter()
-                .map(|visit| (visit.target.clone(), format!("planned for {}", Time::from_seconds(visit.begin_s.round()))))
+                .map(|visit| {
+                    (visit.target.clone(), format!("planned for {}", Time::from_seconds(visit.begin_s.round())))
+                })
                 .collect(),
             Plan::Surveillance(plan) => {
                 plan.cycle.iter().map(|target| (target.clone(), "in the cycle".to_string())).collect()

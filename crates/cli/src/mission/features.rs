@@ -140,13 +140,6 @@ impl NamedFeature {
         }
     }
 
-    /// A number that must be there.
-    pub fn required(&self, key: &str, low: f64, high: f64) -> Outcome<f64> {
-        self.number(key, low, high)?.ok_or_else(|| {
-            self.trouble(format!("the property `{key}` is missing")).help(format!("add `{key}`, a number"))
-        })
-    }
-
     /// The feature's point, or the middle of its largest polygon.
     pub fn position(&self) -> Outcome<Position> {
         if let Some(polygon) = self.polygons()?.into_iter().next() {
