@@ -4,6 +4,7 @@ use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{Flight, Order};
+use crate::instants;
 use crate::model::Airframe;
 use crate::names::unknown_name;
 use crate::situation::FINAL_HEIGHT_M;
@@ -59,8 +60,6 @@ pub fn command_names() -> impl Iterator<Item = &'static str> {
     COMMANDS.iter().map(|command| command.name)
 }
 
-/// Broken-off lines remembered: more than a plan interrupts at one time.
-const LEFT_LINES_MAX: usize = 16;
 /// Lowest flight over ground: fixed wing, rotorcraft.
 const HEIGHT_M_MIN: (f64, f64) = (100.0, 2.0);
 
@@ -108,7 +107,7 @@ impl SimulatedWorld {
             "scanner" => self.switch_scanner(id, &arguments, inputs),
             "wait" => {
                 let duration = arguments.duration(0)?;
-                self.waits.push((self.now + duration, id, Value::Duration(duration)));
+                self.waits.push((instants::not_before(self.now + duration), id, Value::Duration(duration)));
                 Ok(())
             }
             _ => self.use_camera(id, command.name, &arguments, inputs),
@@ -147,7 +146,10 @@ impl SimulatedWorld {
             self.answer(old, Err(format!("superseded by {form}")), inputs);
         }
         self.break_off();
-        let begin_m = self.left_at_m(&order);
+        let begin_m = match &order {
+            Order::FlyLine { from, to } => self.left_lines.take(from.position, to.position),
+            _ => 0.0,
+        };
         self.flight = Flight::begin_at(Some(id), order, begin_m, &self.situation());
         Ok(())
     }
@@ -155,20 +157,8 @@ impl SimulatedWorld {
     /// Remembers how far a line was flown that now ends before its end.
     fn break_off(&mut self) {
         if let Some((from, to, along_m)) = self.flight.unfinished() {
-            self.left_lines.retain(|(old_from, old_to, _)| (*old_from, *old_to) != (from, to));
-            self.left_lines.push((from, to, along_m));
-            if self.left_lines.len() > LEFT_LINES_MAX {
-                self.left_lines.remove(0);
-            }
+            self.left_lines.remember(from, to, along_m);
         }
-    }
-
-    /// Where to take up a line that was broken off before; each is taken up once.
-    fn left_at_m(&mut self, order: &Order) -> f64 {
-        let Order::FlyLine { from, to } = order else { return 0.0 };
-        let same = |(old_from, old_to, _): &(_, _, f64)| (*old_from, *old_to) == (from.position, to.position);
-        let found = self.left_lines.iter().position(same);
-        found.map_or(0.0, |index| self.left_lines.remove(index).2)
     }
 
     /// The order and the altitude that it brings with it.
@@ -305,6 +295,9 @@ impl SimulatedWorld {
     pub(crate) fn flight_done(&mut self, value: Value, inputs: &mut Vec<Input>) {
         if let Some(command) = self.flight.command.take() {
             self.answer(command, Ok(value), inputs);
+        }
+        if let Some((from, to)) = self.flight.ends_of_line() {
+            self.left_lines.flown(from, to);
         }
         if self.flight.goes_on() {
             self.changed = true;

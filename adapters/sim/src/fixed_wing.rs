@@ -33,10 +33,12 @@ pub(crate) fn true_airspeed_min(model: &VehicleModel, altitude_m: f64) -> f64 {
 /// Flies `state` for `dt`. True when nothing is changing, so that the next step may be long.
 pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind: Wind, dt: f64) -> bool {
     let level = climb(state, model, demand.altitude_m, dt);
-    let speed_held = hold_speed(state, demand.true_airspeed, model, dt);
+    let true_per_indicated = Air::at(state.altitude_m).true_per_indicated();
+    let slowest = model.indicated_airspeed_m_s_min * true_per_indicated;
+    let speed_held = hold_speed(state, demand.true_airspeed, slowest, model, dt);
     let straight = turn(state, demand, model, wind, dt);
     let climb_angle = (state.vertical_speed / state.true_airspeed.max(1.0)).clamp(-0.5, 0.5);
-    let indicated = state.true_airspeed / Air::at(state.altitude_m).true_per_indicated();
+    let indicated = state.true_airspeed / true_per_indicated;
     // Lift at one g needs an angle of attack that falls with the square of the indicated airspeed.
     let slowness = model.indicated_airspeed_m_s_min / indicated.max(1.0);
     state.pitch_rad = climb_angle + 0.16 * slowness * slowness - 0.02;
@@ -44,8 +46,7 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
 }
 
 /// Accelerates towards `true_airspeed`, within the limits of speed at this altitude.
-pub(crate) fn hold_speed(state: &mut State, true_airspeed: f64, model: &VehicleModel, dt: f64) -> bool {
-    let slowest = true_airspeed_min(model, state.altitude_m);
+fn hold_speed(state: &mut State, true_airspeed: f64, slowest: f64, model: &VehicleModel, dt: f64) -> bool {
     let wanted = true_airspeed.clamp(slowest.min(model.true_airspeed_m_s_max), model.true_airspeed_m_s_max);
     let error = wanted - state.true_airspeed;
     let most = model.acceleration_m_s2_max * dt;

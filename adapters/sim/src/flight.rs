@@ -2,6 +2,8 @@
 
 use crate::arguments::Spot;
 use crate::fixed_wing::true_airspeed_min;
+use crate::instants;
+use crate::packet::location;
 use crate::path::{Circle, Join, Line, Path, bearing};
 use crate::phase::Phase;
 use crate::situation::{FINAL_HEIGHT_M, FINAL_M, Situation, final_approach};
@@ -83,6 +85,8 @@ pub(crate) struct Flight {
     /// Distance to the order's goal.
     pub(crate) to_go_m: f64,
     pub(crate) joins: u32,
+    /// The vehicle was on the line when it was commanded: no turn leads onto it.
+    pub(crate) at_once: bool,
     /// The join was planned anew after the first turn.
     pub(crate) planned_straight: bool,
     line_s: f64,
@@ -118,6 +122,7 @@ impl Flight {
             stage_m: f64::INFINITY,
             to_go_m: 0.0,
             joins: 0,
+            at_once: false,
             planned_straight: false,
             line_s: 0.0,
             level_s: 0.0,
@@ -196,11 +201,21 @@ impl Flight {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
 
-    /// The ends of a commanded line that is being flown, and how far it has come.
+    /// The ends of a commanded line that was begun, and how far it has come.
     pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
-        let Order::FlyLine { from, to } = &self.order else { return None };
-        let line = self.line.filter(|_| matches!(self.stage, Stage::OnLine))?;
-        Some((from.position, to.position, (line.length_m - self.to_go_m).clamp(0.0, line.length_m)))
+        let (from, to) = self.ends_of_line()?;
+        let line = self.line?;
+        // Broken off again on the way back to it: it is taken up where it was left the first time.
+        let along_m = if matches!(self.stage, Stage::OnLine) { line.length_m - self.to_go_m } else { self.begin_m };
+        (along_m > 0.0).then(|| (from, to, along_m.min(line.length_m)))
+    }
+
+    /// The ends of a commanded line.
+    pub(crate) fn ends_of_line(&self) -> Option<(Position, Position)> {
+        match &self.order {
+            Order::FlyLine { from, to } => Some((from.position, to.position)),
+            _ => None,
+        }
     }
 
     /// Does it go on along its line after its answer?
@@ -247,8 +262,8 @@ impl Flight {
             Stage::LeadIn => self.led_in(here),
             Stage::OnLine => return self.on_line(here, roll_rad_max, dt),
             Stage::Circle(_) | Stage::Hover(_) => return self.on_station(here),
-            Stage::Descend(_) => return if here.state.on_ground { self.done() } else { Progress::Going },
-            Stage::RollOut => return if here.state.true_airspeed < 0.3 { self.done() } else { Progress::Going },
+            Stage::Descend(_) => return if here.state.on_ground { self.done(here) } else { Progress::Going },
+            Stage::RollOut => return if here.state.true_airspeed < 0.3 { self.done(here) } else { Progress::Going },
         };
         self.change(next, here)
     }
@@ -261,10 +276,11 @@ impl Flight {
     }
 
     /// The order's answer.
-    fn done(&self) -> Progress {
+    fn done(&self, here: &Situation) -> Progress {
         Progress::Done(match &self.order {
             Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
-            Order::FlyTo { to, .. } => to.given.clone(),
+            // What is published at this instant, so that a condition can compare the two.
+            Order::FlyTo { .. } => location(here.state),
             Order::JoinLine { from, .. } => from.given.clone(),
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
             Order::Loiter { around, .. } => around.given.clone(),
@@ -276,7 +292,7 @@ impl Flight {
 
     fn climb(&mut self, here: &Situation) -> Progress {
         if (here.altitude_m - here.state.altitude_m).abs() <= 10.0_f64.min(0.2 * here.altitude_m.abs().max(5.0)) {
-            return self.done();
+            return self.done(here);
         }
         let high = here.state.altitude_m >= here.ground_m + STRAIGHT_CLIMB_M;
         let turning = matches!(self.stage, Stage::ClimbOut) && high;
@@ -295,7 +311,7 @@ impl Flight {
             return Progress::Going;
         }
         let next = match &self.order {
-            Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(),
+            Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(here),
             Order::FlyTo { .. } if here.fixed() => Stage::Circle(here.circle(point, here.loiter_radius_m())),
             Order::FlyLine { .. } | Order::JoinLine { .. } if here.at_altitude() => Stage::OnLine,
             Order::Land { .. } => Stage::Descend(point),
@@ -314,7 +330,7 @@ impl Flight {
         }
         // A joined line is answered at its beginning and then flown on, until something else is commanded.
         let joined = self.command.is_some() && matches!(self.order, Order::JoinLine { .. });
-        if joined || self.stage_m <= 0.0 { self.done() } else { Progress::Going }
+        if joined || self.stage_m <= 0.0 { self.done(here) } else { Progress::Going }
     }
 
     fn on_station(&mut self, here: &Situation) -> Progress {
@@ -326,17 +342,17 @@ impl Flight {
             (Stage::Hover(_), Order::Hover { duration, .. }) => {
                 (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
             }
-            (_, Order::FlyTo { .. }) => return if here.at_altitude() { self.done() } else { Progress::Going },
+            (_, Order::FlyTo { .. }) => return if here.at_altitude() { self.done(here) } else { Progress::Going },
             (_, Order::FlyLine { .. } | Order::JoinLine { .. }) => {
                 return self.change(here.at_altitude().then_some(Stage::OnLine), here);
             }
             _ => return Progress::Going,
         };
         match (self.until, duration) {
-            (Some(until), _) if here.now >= until => self.done(),
-            (None, Some(Duration::ZERO)) if there => self.done(),
+            (Some(until), _) if here.now >= until => self.done(here),
+            (None, Some(Duration::ZERO)) if there => self.done(here),
             (None, Some(duration)) if there => {
-                self.until = Some(here.now + duration);
+                self.until = Some(instants::not_before(here.now + duration));
                 Progress::StageChanged
             }
             _ => Progress::Going,

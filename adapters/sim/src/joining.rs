@@ -30,6 +30,7 @@ impl Flight {
             && across_m.abs() <= JOIN_ACROSS_M;
         if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
             self.begin_m = self.begin_m.min(along_m.max(0.0));
+            self.at_once = true;
             return Stage::LeadIn;
         }
         if here.fixed() {
@@ -42,6 +43,7 @@ impl Flight {
     /// Comes round for another try.
     fn join_again(&mut self, line: &Line, here: &Situation) -> Stage {
         self.joins += 1;
+        self.at_once = false;
         self.planned_straight = false;
         self.join_stage(line, here)
     }
@@ -102,7 +104,8 @@ impl Flight {
         let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
         let level = here.state.bank_rad.abs() <= JOIN_BANK_RAD;
         let good = level && across_m.abs() <= JOIN_ACROSS_M && off_rad <= JOIN_COURSE_RAD;
-        if good || self.joins >= JOINS_MAX || !here.state.engine_running {
+        // Circling may just have begun when a line is taken up; levelling on it costs less than coming round again.
+        if good || self.at_once || self.joins >= JOINS_MAX || !here.state.engine_running {
             return Some(Stage::OnLine);
         }
         Some(self.join_again(&line, here))

@@ -11,7 +11,10 @@ mod commands;
 pub mod config;
 mod fixed_wing;
 mod flight;
+mod geodesic;
+mod instants;
 mod joining;
+mod left_lines;
 pub mod model;
 mod motion;
 mod names;
@@ -24,6 +27,7 @@ mod random;
 mod reporting;
 mod rotorcraft;
 mod situation;
+mod terrain;
 mod turbulence;
 mod world;
 

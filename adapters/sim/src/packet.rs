@@ -2,6 +2,8 @@
 
 use crate::atmosphere::{Air, GRAVITY};
 use crate::camera::Camera;
+use crate::geodesic::bearing;
+use crate::instants;
 use crate::motion::State;
 use crate::phase::Phase;
 use crate::radio::Radio;
@@ -95,7 +97,7 @@ pub const VARIABLES: &[Variable] = &[
     number("longitude", "deg", Fast, |s| s.state.position.longitude_deg * RAD_PER_DEG),
     number("altitude", "m", Fast, |s| s.state.altitude_m),
     number("height-above-ground", "m", Fast, |s| s.state.altitude_m - s.ground_m),
-    other("location", Fast, location),
+    other("location", Fast, |s| location(s.state)),
     number("ground-speed", "m/s", Fast, |s| s.state.ground_speed()),
     number("true-airspeed", "m/s", Fast, |s| s.state.true_airspeed),
     number("vertical-speed", "m/s", Fast, |s| s.state.vertical_speed),
@@ -120,9 +122,9 @@ pub const VARIABLES: &[Variable] = &[
     other("endurance-remaining", Slow, endurance),
     number("commanded-altitude", "m", Slow, |s| s.altitude_m_commanded),
     number("commanded-speed", "m/s", Slow, |s| s.true_airspeed_commanded),
-    number("ground-distance", "m", Slow, |s| geodesy::distance_m(s.home, s.state.position)),
+    number("ground-distance", "m", Slow, |s| bearing(s.home, s.state.position).1),
     number("distance-flown", "m", Slow, |s| s.state.distance_flown_m),
-    other("flight-time", Slow, |s| Value::Duration(Duration::from_seconds(s.state.flight_time_s))),
+    other("flight-time", Slow, |s| Value::Duration(instants::span(s.state.flight_time_s))),
     number("outside-temperature", "K", Slow, |s| s.air.temperature_k),
     number("air-pressure", "hPa", Slow, |s| s.air.pressure_pa),
     plain("mach-number", Slow, |s| s.state.true_airspeed / s.air.sound_m_s()),
@@ -139,17 +141,38 @@ pub const VARIABLES: &[Variable] = &[
 /// Longest time without a full packet.
 const FULL_S: f64 = 10.0;
 
-fn location(snapshot: &Snapshot) -> Value {
-    let position = snapshot.state.position;
-    Value::List(
-        [position.latitude_deg, wrap_180(position.longitude_deg), snapshot.state.altitude_m].map(Value::Real).into(),
-    )
+/// The list published as `location`.
+pub(crate) fn location(state: &State) -> Value {
+    let Position { latitude_deg, longitude_deg } = state.position;
+    let degrees = |degrees: f64| rounded(degrees, POSITION_PER_DEG);
+    let numbers = [degrees(latitude_deg), degrees(wrap_180(longitude_deg)), rounded(state.altitude_m, 100.0)];
+    Value::List(numbers.map(Value::Real).into())
+}
+
+/// `number` to the nearest part of `parts` in one; never minus zero, which people do not expect to read.
+fn rounded(number: f64, parts: f64) -> f64 {
+    libm::round(number * parts) / parts + 0.0
+}
+
+/// A ten millionth of a degree is about a centimetre.
+const POSITION_PER_DEG: f64 = 1e7;
+
+/// Into how many parts one unit of a variable is rounded: finer than any sensor of the kind, and short to read.
+fn parts(variable: &Variable) -> f64 {
+    match (variable.name, variable.unit) {
+        ("latitude" | "longitude", _) => POSITION_PER_DEG,
+        ("altitude" | "height-above-ground", _) => 100.0,
+        (_, Some("m")) => 10.0,
+        (_, Some("m/s" | "m/s2" | "kg" | "kg/h")) => 1e3,
+        (_, Some("K" | "hPa")) => 100.0,
+        _ => 1e4,
+    }
 }
 
 fn endurance(snapshot: &Snapshot) -> Value {
     let flow = snapshot.state.fuel_flow_kg_s;
     let seconds = if flow > 0.0 { snapshot.state.fuel_kg / flow } else { 0.0 };
-    Value::Duration(Duration::from_seconds(seconds))
+    Value::Duration(Duration::from_seconds(libm::round(seconds)))
 }
 
 fn wind_from_rad(snapshot: &Snapshot) -> f64 {
@@ -160,10 +183,29 @@ fn wind_from_rad(snapshot: &Snapshot) -> f64 {
     geodesy::wrap_360(atan2(-east_mps, -north_mps) / RAD_PER_DEG) * RAD_PER_DEG
 }
 
+/// One variable, prepared.
+#[derive(Clone, Debug)]
+struct Published {
+    name: StateVariable,
+    /// A zero of the unit.
+    quantity: Quantity,
+    /// SI value of one unit.
+    factor: f64,
+    /// Into how many parts one unit is rounded.
+    parts: f64,
+}
+
+impl Published {
+    fn value(&self, si: f64) -> Value {
+        let si = rounded(si / self.factor, self.parts) * self.factor;
+        if self.quantity.unit.is_none() { Value::Real(si) } else { Value::Quantity(Quantity { si, ..self.quantity }) }
+    }
+}
+
 /// Turns snapshots into inputs. Names and words are made once, so that a packet costs little.
 #[derive(Clone, Debug)]
 pub(crate) struct Reporter {
-    variables: Vec<(StateVariable, Quantity)>,
+    variables: Vec<Published>,
     words: BTreeMap<&'static str, Value>,
     /// The last word reported of each discrete variable.
     last_words: Vec<&'static str>,
@@ -177,8 +219,13 @@ impl Reporter {
     pub(crate) fn new(vehicle: &str, cameras: &[Camera], radios: &[Radio]) -> Reporter {
         let object = Value::symbol(vehicle);
         let named = |variable: &Variable| {
-            let state_variable = StateVariable::new(Symbol::new(variable.name), object.clone());
-            (state_variable, template(variable.unit))
+            let quantity = template(variable.unit);
+            Published {
+                name: StateVariable::new(Symbol::new(variable.name), object.clone()),
+                quantity,
+                factor: quantity.unit().map_or(1.0, |unit| unit.factor),
+                parts: parts(variable),
+            }
         };
         let of_camera = |camera: &Camera| {
             ["camera-state", "camera-tilt", "camera-pan"]
@@ -213,32 +260,31 @@ impl Reporter {
             self.last_words.fill("");
             self.last_cameras.fill("");
         }
-        for (variable, (name, quantity)) in VARIABLES.iter().zip(&self.variables) {
+        for (variable, published) in VARIABLES.iter().zip(&self.variables) {
             if variable.pace != Pace::Fast && !(full && variable.pace == Pace::Slow) {
                 continue;
             }
             let value = match variable.read {
-                Read::Number(read) if variable.unit.is_some() => {
-                    Value::Quantity(Quantity { si: read(snapshot), ..*quantity })
-                }
-                Read::Number(read) => Value::Real(read(snapshot)),
+                Read::Number(read) => published.value(read(snapshot)),
                 Read::Other(read) => read(snapshot),
                 Read::Word(_) => continue,
             };
-            inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+            inputs.push(Input { at, kind: EventKind::Measurement(published.name.clone(), value) });
         }
         self.changes(at, snapshot, cameras, inputs);
         let angle = template(Some("deg"));
+        let degrees = |rad: f64| rounded(rad / RAD_PER_DEG, 1e4) * RAD_PER_DEG;
         for (camera, [_, tilt, pan]) in
             cameras.iter().zip(&self.cameras).filter(|(camera, _)| full || camera.aim.is_some())
         {
             for (name, si) in [(tilt, camera.tilt_rad), (pan, camera.pan_rad)] {
-                let value = Value::Quantity(Quantity { si, ..angle });
+                let value = Value::Quantity(Quantity { si: degrees(si), ..angle });
                 inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
             }
         }
         for (radio, name) in radios.iter().zip(&self.radios) {
-            inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(radio.level)) });
+            inputs
+                .push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e3))) });
         }
     }
 
@@ -253,9 +299,9 @@ impl Reporter {
                 inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
             }
         };
-        for ((variable, (name, _)), last) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_words) {
+        for ((variable, published), last) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_words) {
             if let Read::Word(read) = variable.read {
-                publish(name, read(snapshot), last);
+                publish(&published.name, read(snapshot), last);
             }
         }
         for ((camera, [name, ..]), last) in cameras.iter().zip(&self.cameras).zip(&mut self.last_cameras) {

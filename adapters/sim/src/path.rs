@@ -1,5 +1,6 @@
 //! Lateral guidance: which course over ground leads along a path, and how to join a line with a turn.
 
+pub(crate) use crate::geodesic::bearing;
 use crate::motion::{State, wrap_pi, wrap_tau};
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_model::problem::Position;
@@ -49,12 +50,6 @@ pub(crate) struct Join {
 pub(crate) struct Course {
     pub(crate) course_rad: f64,
     pub(crate) rate_rad_s: f64,
-}
-
-/// Azimuth and distance in radians and metres.
-pub(crate) fn bearing(from: Position, to: Position) -> (f64, f64) {
-    let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
-    (azimuth_deg * RAD_PER_DEG, distance_m)
 }
 
 impl Line {

@@ -2,10 +2,11 @@
 
 use crate::arguments::Arguments;
 use crate::camera::{Aim, CameraState};
+use crate::instants;
 use crate::names::unknown_name;
 use crate::world::SimulatedWorld;
 use apex_model::effect::CommandId;
-use apex_model::time::Duration;
+use apex_model::event::EventKind;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
 
@@ -46,16 +47,19 @@ impl SimulatedWorld {
         let (Some(index), Some(mut camera)) = (index, camera) else {
             return Err(arguments.wrong(&unknown_name("camera", &name, known.iter().map(String::as_str))));
         };
-        let old = camera.command.take();
-        let mut answer = None;
         let ready = camera.is_ready();
         let switch = arguments.at(1).and_then(Value::as_symbol).map(|symbol| symbol.folded().to_owned());
+        if command == "camera" && switch.as_deref() == Some("power-up") && ready {
+            self.say_ready(id, &camera.model.name, inputs);
+            return Ok(());
+        }
+        let old = camera.command.take();
+        let mut answer = None;
         match (command, switch.as_deref()) {
-            ("camera", Some("power-up")) if ready => answer = Some(Value::symbol(&camera.model.name)),
             ("camera", Some("power-up")) => {
                 let waiting = camera.timer.filter(|_| camera.state == CameraState::PoweringUp);
                 camera.state = CameraState::PoweringUp;
-                let fresh = self.now + Duration::from_seconds(camera.model.power_up_s);
+                let fresh = self.now + instants::span(camera.model.power_up_s);
                 camera.timer = Some(waiting.unwrap_or(fresh));
                 camera.command = Some(id);
             }
@@ -80,7 +84,7 @@ impl SimulatedWorld {
             }
             _ => {
                 camera.state = CameraState::Exposing;
-                camera.timer = Some(self.now + Duration::from_seconds(camera.model.picture_s));
+                camera.timer = Some(self.now + instants::span(camera.model.picture_s));
                 camera.command = Some(id);
             }
         }
@@ -94,5 +98,12 @@ impl SimulatedWorld {
             self.answer(id, Ok(answer), inputs);
         }
         Ok(())
+    }
+    /// Powering up what is powered disturbs nothing, but whoever asked for it waits for the event.
+    fn say_ready(&self, id: CommandId, camera: &str, inputs: &mut Vec<Input>) {
+        let name = Value::symbol(camera);
+        let form = Value::list([Value::symbol("ready"), name.clone()]);
+        inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+        self.answer(id, Ok(name), inputs);
     }
 }

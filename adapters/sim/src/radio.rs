@@ -1,8 +1,8 @@
 //! Radio links: signal level by distance, shadow, fading and drop-outs.
 
 use crate::config::Modem;
+use crate::geodesic::bearing;
 use crate::random::{Random, Wander};
-use apex_geo::geodesy;
 use apex_model::problem::Position;
 use libm::log10;
 
@@ -60,11 +60,11 @@ impl Radio {
 
     fn loss_db(&self, here: Position, altitude_m: f64) -> f64 {
         let in_shadow = |shadow: &&crate::config::RadioShadow| {
-            altitude_m < shadow.altitude_m_max && geodesy::distance_m(shadow.position, here) < shadow.radius_m
+            altitude_m < shadow.altitude_m_max && bearing(shadow.position, here).1 < shadow.radius_m
         };
         let shadows_db: f64 = self.modem.shadows.iter().filter(in_shadow).map(|shadow| shadow.loss_db).sum();
         let Some(station) = self.modem.station else { return shadows_db };
-        let ratio = (geodesy::distance_m(station, here) / self.modem.full_level_m).max(1.0);
+        let ratio = (bearing(station, here).1 / self.modem.full_level_m).max(1.0);
         10.0 * self.modem.path_loss_exponent * log10(ratio) + shadows_db
     }
 }
@@ -72,6 +72,7 @@ impl Radio {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use apex_geo::geodesy;
 
     #[test]
     fn the_level_falls_with_distance_and_the_link_is_lost_and_regained() {

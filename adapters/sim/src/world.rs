@@ -1,12 +1,15 @@
 //! The simulated world: time, the vehicle in it, and what it says.
 //!
-//! Time moves in steps of its own choice, cut only at the instants of commands and scheduled events. So the same commands
-//! at the same times give the same inputs, however often `advance` is called in between.
+//! Time moves in steps of its own choice, cut only at the instants of commands and scheduled events, and all of them are
+//! whole milliseconds. So the same commands at the same times give the same inputs, however often `advance` is called in
+//! between, and the end of the next step is always known: no input comes later than the instant it belongs to.
 
 use crate::camera::Camera;
-use crate::config::{Ground, Happening, NamedPlace, ScheduledEvent, WorldConfig};
+use crate::config::{Happening, NamedPlace, ScheduledEvent, WorldConfig};
 use crate::fixed_wing;
 use crate::flight::{Flight, Order, Progress};
+use crate::instants;
+use crate::left_lines::LeftLines;
 use crate::model::{Airframe, VehicleModel};
 use crate::motion::{Demand, State, fuel_flow_kg_s};
 use crate::packet::Reporter;
@@ -14,6 +17,7 @@ use crate::phase::Phase;
 use crate::radio::Radio;
 use crate::rotorcraft;
 use crate::situation::Situation;
+use crate::terrain::Terrain;
 use crate::turbulence::Turbulence;
 use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::wind::{self, Wind};
@@ -52,7 +56,7 @@ pub struct SimulatedWorld {
     pub(crate) vehicle: String,
     pub(crate) model: VehicleModel,
     pub(crate) wind_field: WindField,
-    pub(crate) ground: Ground,
+    pub(crate) ground: Terrain,
     pub(crate) places: Vec<NamedPlace>,
     pub(crate) now: Time,
     planned_stop: Time,
@@ -66,8 +70,7 @@ pub struct SimulatedWorld {
     pub(crate) altitude_command: Option<Setpoint>,
     pub(crate) speed_command: Option<Setpoint>,
     pub(crate) heading_command: Option<Setpoint>,
-    /// Lines that were broken off: ends, and how far they were flown.
-    pub(crate) left_lines: Vec<(Position, Position, f64)>,
+    pub(crate) left_lines: LeftLines,
     pub(crate) waits: Vec<(Time, CommandId, Value)>,
     pending: VecDeque<(Time, Received)>,
     scheduled: VecDeque<ScheduledEvent>,
@@ -94,6 +97,9 @@ impl SimulatedWorld {
     pub fn new(config: WorldConfig) -> Result<SimulatedWorld, String> {
         config.check()?;
         let WorldConfig { vehicle, model, start, seed, wind, ground, modems, places, mut events } = config;
+        for event in &mut events {
+            event.at = instants::not_before(event.at.max(Time::ZERO));
+        }
         events.sort_by_key(|event| event.at);
         let cameras: Vec<Camera> = model.cameras.iter().cloned().map(Camera::new).collect();
         let numbered = modems.into_iter().zip(0u64..);
@@ -101,7 +107,8 @@ impl SimulatedWorld {
         let home = radios.iter().find_map(|radio| radio.modem.station).unwrap_or(start.position);
         let wind_now = wind::at(&wind, start.position, start.altitude_m, 0.0);
         let state = initial_state(&start, &model, wind_now);
-        let ground_m = ground.elevation_m_at(start.position);
+        let mut ground = Terrain::new(ground);
+        let ground_m = ground.elevation_m_below(start.position);
         let (altitude_m, true_airspeed) = (start.altitude_m, model.true_airspeed_m_s_cruise);
         let here = Situation {
             model: &model,
@@ -133,7 +140,7 @@ impl SimulatedWorld {
             altitude_command: None,
             speed_command: None,
             heading_command: None,
-            left_lines: Vec::new(),
+            left_lines: LeftLines::default(),
             waits: Vec::new(),
             pending: VecDeque::new(),
             scheduled: events.into(),
@@ -203,14 +210,20 @@ impl SimulatedWorld {
         due.min(self.planned_stop).max(self.now)
     }
 
-    /// Flies until `stop`, or until something happens on the way.
-    fn fly_until(&mut self, stop: Time, inputs: &mut Vec<Input>) {
-        while self.now < stop && !self.changed {
-            let left = stop - self.now;
-            let step = Duration::from_seconds(self.step_s());
-            let dt = if step < left { step } else { left };
-            self.now = self.now + dt;
+    /// The end of the next step: nothing is said before it, and what is said then is said at that instant.
+    fn next_instant(&self) -> Time {
+        self.next_stop().min(self.now + instants::span(self.step_s()))
+    }
+
+    /// Flies one step, up to `next`, and says what there is to say then.
+    fn live_until(&mut self, next: Time, inputs: &mut Vec<Input>) {
+        let dt = next - self.now;
+        if dt > Duration::ZERO {
+            self.now = next;
             self.fly(dt.seconds(), inputs);
+        }
+        if self.changed || self.next_stop() <= self.now {
+            self.attend(inputs);
         }
     }
 
@@ -220,14 +233,14 @@ impl SimulatedWorld {
             return STEP_S;
         }
         let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
-        left_s.clamp(STEP_S, self.model.report.cruise_s)
+        left_s.min(self.model.report.cruise_s).max(STEP_S)
     }
 
     /// One step of `dt` seconds, ending now.
     fn fly(&mut self, dt: f64, inputs: &mut Vec<Input>) {
         let position = self.state.position;
         self.wind = wind::at(&self.wind_field, position, self.state.altitude_m, self.now.seconds());
-        self.ground_m = self.ground.elevation_m_at(position);
+        self.ground_m = self.ground.elevation_m_below(position);
         let ground_roll = self.flight.ground_roll().filter(|_| self.state.on_ground);
         if let Some(speed) = ground_roll {
             let speed = if speed.is_finite() { speed } else { self.model.true_airspeed_m_s_max };
@@ -241,10 +254,17 @@ impl SimulatedWorld {
         self.meet_ground(inputs);
         self.move_cameras(dt, inputs);
         let limit = self.model.scanner.as_ref().map_or(LEVEL_RAD, |scanner| scanner.roll_deg_max * RAD_PER_DEG);
-        let mut flight = self.flight.clone();
-        let progress = flight.progress(&self.situation(), limit, dt);
-        self.flight = flight;
-        match progress {
+        // As `situation`, but of single fields, so that the flight may change meanwhile.
+        let here = Situation {
+            model: &self.model,
+            state: &self.state,
+            wind: self.wind,
+            ground_m: self.ground_m,
+            now: self.now,
+            altitude_m: self.altitude_m,
+            true_airspeed: self.true_airspeed,
+        };
+        match self.flight.progress(&here, limit, dt) {
             Progress::Going => {}
             Progress::StageChanged => self.changed = true,
             Progress::Done(value) => self.flight_done(value, inputs),
@@ -356,14 +376,14 @@ impl SimulatedWorld {
         if left_s < interval_s {
             interval_s = left_s.max(STEP_S);
         }
-        let next = self.now + Duration::from_seconds(interval_s);
+        let next = self.now + instants::span(interval_s);
         self.planned_stop = if reported { next } else { self.planned_stop.min(next) };
     }
 
     /// Queues something received, not earlier than now and after everything received before.
     fn receive(&mut self, at: Time, received: Received) {
         let last = self.pending.back().map_or(self.now, |(at, _)| *at);
-        self.pending.push_back((at.max(last).max(self.now), received));
+        self.pending.push_back((instants::not_before(at).max(last).max(self.now), received));
     }
 
     /// Acknowledges a command.
@@ -401,16 +421,17 @@ fn initial_state(start: &crate::config::Start, model: &VehicleModel, wind: Wind)
 
 impl Vehicle for SimulatedWorld {
     fn next_report(&self) -> Option<Time> {
-        Some(self.next_stop())
+        Some(self.next_instant())
     }
 
     fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
-        while self.next_stop() <= to {
-            let stop = self.next_stop();
-            self.fly_until(stop, inputs);
-            self.attend(inputs);
+        loop {
+            let next = self.next_instant();
+            if next > to {
+                return Ok(());
+            }
+            self.live_until(next, inputs);
         }
-        Ok(())
     }
 
     fn command(&mut self, command: CommandId, form: &Value, at: Time) {

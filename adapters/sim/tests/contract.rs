@@ -156,6 +156,60 @@ fn waits_and_zero_durations_end() {
 }
 
 #[test]
+fn every_answer_and_event_comes_at_a_whole_millisecond_and_when_announced() {
+    let mut run = Run::new(rough_world());
+    let seconds = |seconds: f64| Value::Duration(apex_model::time::Duration::from_seconds(seconds));
+    run.send(form("take-off", [Value::Real(1_500.0)]));
+    run.wait_watchfully_s(400.000_000_7);
+    run.send(form("wait", [seconds(7.123_456_789)]));
+    run.send(form("camera", [word("camera-1"), word("power-up")]));
+    run.wait_watchfully_s(0.013_3);
+    run.send(form("loiter", [location(34.95, -117.9), word(":duration"), seconds(33.333_333)]));
+    run.wait_watchfully_s(3_000.0);
+    run.send(form("point-camera", [word("camera-1"), location(34.95, -117.9)]));
+    run.wait_watchfully_s(61.5);
+    run.send(form("take-picture", [word("camera-1")]));
+    run.send(form("fly-line", [location(34.95, -117.9), location(35.1, -117.8)]));
+    run.wait_watchfully_s(2_000.0);
+    let answers = run.inputs.iter().filter(|input| matches!(input.kind, EventKind::CommandAcknowledged(..)));
+    assert_eq!(answers.count(), 7);
+    assert_eq!(run.answer(CommandId(2)).unwrap().0, Time::from_seconds(407.125));
+}
+
+#[test]
+fn a_leg_is_answered_with_the_location_that_is_published_at_that_instant() {
+    for mut run in [
+        Run::new(predator(Start::in_flight(40.0, -120.0, 7_010.0, 45.0))),
+        Run::new(rmax(Start::in_flight(36.5, -121.7, 60.0, 0.0))),
+    ] {
+        let start = run.world.position();
+        let goal = location(start.latitude_deg + 0.01, start.longitude_deg - 0.012_345_678_9);
+        let answer = run.carry_out(form("fly-to", [goal.clone()]), 1_000.0).unwrap();
+        let (at, published) = run.values("location").pop().unwrap();
+        assert!(at == run.now.seconds() && answer.equals(&published), "{answer} and {published} at {at}");
+        assert!(!answer.equals(&goal));
+    }
+}
+
+#[test]
+fn published_numbers_are_short_to_read() {
+    let mut run = Run::new(rough_world());
+    run.send(form("take-off", [Value::Real(2_000.0)]));
+    run.wait_s(600.0);
+    for input in &run.inputs {
+        let EventKind::Measurement(variable, value) = &input.kind else { continue };
+        let numbers: Vec<String> = match value.as_list() {
+            Some(items) => items.iter().map(Value::to_string).collect(),
+            None => vec![value.to_string()],
+        };
+        for text in numbers.iter().filter(|text| text.contains('.')) {
+            let decimals = text.split('.').nth(1).unwrap().chars().take_while(char::is_ascii_digit).count();
+            assert!(decimals <= 7 && !text.starts_with("-0deg"), "{variable} is {value}");
+        }
+    }
+}
+
+#[test]
 fn a_day_of_flight_is_simulated_quickly() {
     let mut run = Run::new(rough_world());
     run.carry_out(form("take-off", [Value::Real(2_000.0)]), 1_000.0).unwrap();

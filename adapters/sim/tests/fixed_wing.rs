@@ -7,6 +7,7 @@ use apex_geo::{geodesy, wind as wind_query};
 use apex_model::problem::Position;
 use apex_model::quantity::{Quantity, unit_named};
 use apex_model::value::Value;
+use apex_runtime::ports::Vehicle;
 use apex_sim::Start;
 use common::{Run, form, location, predator, wind, word};
 
@@ -190,6 +191,62 @@ fn a_joined_line_is_flown_on_without_a_second_turn() {
     let length = geodesy::distance_m(Position::new(40.3, -119.8), Position::new(40.3, -120.2));
     let flown = run.now.seconds() - begun;
     assert!((flown - length / 84.0).abs() < 15.0, "{flown} s for {length} m");
+}
+
+/// The paper's re-fly: the line's command is withdrawn, a part of the line is joined and flown again, then the line itself
+/// is commanded again, at once or after some seconds.
+#[test]
+fn after_a_refly_the_line_goes_on_without_a_circle() {
+    let (from, to) = (Position::new(40.3, -119.8), Position::new(40.3, -120.4));
+    let ends = || [location(40.3, -119.8), location(40.3, -120.4)];
+    let length_m = geodesy::distance_m(from, to);
+    for (east, north) in [(0.0, 0.0), (12.0, 9.0), (-20.0, 0.0)] {
+        // The part may end before, at or after the place where the line was left.
+        for (past_m, pause_s) in [(0.0, 0.0), (-1_500.0, 0.0), (1_500.0, 0.0), (0.0, 2.0), (1_500.0, 1.3)] {
+            let mut run = cruising(wind(east, north, 0.0));
+            let first = run.send(form("fly-line", ends()));
+            run.wait_s(600.0);
+            let left_m = geodesy::distance_m(from, run.world.position());
+            run.world.withdraw(first, run.now);
+            run.wait_s(3.0);
+            let on_line = |along_m: f64| geodesy::interpolate(from, to, along_m / length_m);
+            let (a, b) = (on_line(left_m - 4_000.0), on_line(left_m + past_m));
+            let part = || [location(a.latitude_deg, a.longitude_deg), location(b.latitude_deg, b.longitude_deg)];
+            run.carry_out(form("join-line", part()), 2_000.0).unwrap();
+            run.carry_out(form("fly-line", part()), 2_000.0).unwrap();
+            let speed = run.last_number("ground-speed");
+            let begun = run.now.seconds();
+            run.wait_s(pause_s);
+            let share = run.carry_out(form("fly-line", ends()), 3_000.0).unwrap().as_number().unwrap().0;
+            let flown_s = run.now.seconds() - begun;
+            let rest_s = (length_m - left_m - past_m) / speed;
+            let case = format!("wind {east} {north}, {past_m} m past the break, {pause_s} s later");
+            assert!((-20.0..60.0).contains(&(flown_s - rest_s)), "{case}: {flown_s} s for {rest_s}");
+            assert!(share > 0.98, "{case}: {share}");
+            assert_eq!(run.answer(first), None);
+        }
+    }
+}
+
+#[test]
+fn a_line_broken_off_twice_is_still_taken_up_where_it_was_left() {
+    let mut run = cruising(wind(5.0, 5.0, 0.0));
+    let ends = || [location(40.3, -119.8), location(40.3, -120.4)];
+    run.send(form("fly-line", ends()));
+    run.wait_s(600.0);
+    let left_m = geodesy::distance_m(Position::new(40.3, -119.8), run.world.position());
+    run.carry_out(form("fly-to", [location(40.5, -120.0)]), 2_000.0).unwrap();
+    run.send(form("fly-line", ends()));
+    run.wait_s(60.0);
+    run.carry_out(form("fly-to", [location(40.5, -120.2)]), 2_000.0).unwrap();
+    run.carry_out(form("fly-line", ends()), 2_000.0).unwrap();
+    let phases = run.values("flight-phase");
+    let is_line = |(_, phase): &&(f64, Value)| phase.to_string() == "line";
+    let begun = phases.iter().rev().skip_while(|each| !is_line(each)).take_while(is_line).last().unwrap().0;
+    let flown_s = run.now.seconds() - begun;
+    let whole_m = geodesy::distance_m(Position::new(40.3, -119.8), Position::new(40.3, -120.4));
+    let rest_s = (whole_m - left_m) / 90.0;
+    assert!(left_m > 10_000.0 && (flown_s - rest_s).abs() < 15.0, "{flown_s} s for {rest_s}");
 }
 
 #[test]

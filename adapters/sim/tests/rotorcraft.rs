@@ -57,6 +57,29 @@ fn the_papers_camera_story() {
 }
 
 #[test]
+fn powering_up_what_is_powered_says_ready_again_and_disturbs_nothing() {
+    let mut run = hovering(wind(0.0, 0.0, 0.0));
+    let power_up = || form("camera", [word("camera-1"), word("power-up")]);
+    let ready = |run: &Run| {
+        let is = |input: &&apex_runtime::ports::Input| matches!(&input.kind, apex_model::event::EventKind::Occurrence(form) if form.to_string() == "(ready camera-1)");
+        run.inputs.iter().filter(is).map(|input| input.at.seconds()).collect::<Vec<f64>>()
+    };
+    run.carry_out(power_up(), 20.0).unwrap();
+    run.wait_s(5.5);
+    assert_eq!(run.carry_out(power_up(), 0.0).unwrap().to_string(), "camera-1");
+    assert_eq!(ready(&run), [10.0, 15.5]);
+    run.carry_out(form("point-camera", [word("camera-1"), word("barn")]), 30.0).unwrap();
+    let picture = run.send(form("take-picture", [word("camera-1")]));
+    run.wait_s(0.5);
+    run.carry_out(power_up(), 0.0).unwrap();
+    assert_eq!(ready(&run).len(), 3);
+    run.await_answer(picture, 5.0).unwrap();
+    run.carry_out(form("camera", [word("camera-1"), word("power-off")]), 0.0).unwrap();
+    run.carry_out(power_up(), 20.0).unwrap();
+    assert_eq!(ready(&run).len(), 4);
+}
+
+#[test]
 fn an_hour_of_hover_is_what_the_fuel_gives() {
     let mut run = hovering(wind(0.0, 0.0, 0.0));
     run.wait_s(4_000.0);

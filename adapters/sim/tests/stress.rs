@@ -1,4 +1,4 @@
-//! Random commands at random times: nothing hangs, nothing is lost, every number is a number.
+//! Random commands at random times: nothing hangs, nothing is lost or late, every number is a number.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test that fails should stop")]
 
 mod common;
@@ -44,7 +44,7 @@ fn random_command(
 ) -> Value {
     let span = Value::Duration(Duration::from_seconds(dice.between(0.0, 300.0)));
     let height = Value::Real(dice.between(altitude_m.0, altitude_m.1));
-    match dice.pick(16) {
+    match dice.pick(17) {
         0 | 1 => form("fly-to", [somewhere(dice, centre, radius_m)]),
         2 => form("fly-to", [somewhere(dice, centre, radius_m), word(":altitude"), height]),
         3 | 4 => form("fly-line", [somewhere(dice, centre, radius_m), somewhere(dice, centre, radius_m)]),
@@ -54,10 +54,11 @@ fn random_command(
         8 => form("set-altitude", [height]),
         9 => form("set-speed", [Value::Real(dice.between(speed.0, speed.1))]),
         10 => form("scanner", [word(if dice.unit() < 0.5 { "on" } else { "off" })]),
-        11 => form("camera", [word("camera-1"), word(if dice.unit() < 0.7 { "power-up" } else { "power-off" })]),
-        12 => form("point-camera", [word("camera-1"), somewhere(dice, centre, radius_m)]),
-        13 => form("take-picture", [word("camera-1")]),
-        14 => form("land", [somewhere(dice, centre, radius_m)]),
+        11 => form("wait", [span]),
+        12 => form("camera", [word("camera-1"), word(if dice.unit() < 0.7 { "power-up" } else { "power-off" })]),
+        13 => form("point-camera", [word("camera-1"), somewhere(dice, centre, radius_m)]),
+        14 => form("take-picture", [word("camera-1")]),
+        15 => form("land", [somewhere(dice, centre, radius_m)]),
         _ => form("take-off", [height]),
     }
 }
@@ -77,7 +78,7 @@ fn storm(config: WorldConfig, seed: u64, radius_m: f64, altitude_m: (f64, f64), 
             withdrawn.push(id);
         }
         let wait_s = dice.between(0.0, 400.0);
-        run.wait_s(wait_s);
+        run.wait_watchfully_s(wait_s);
     }
     run.wait_s(9_000.0);
     for pair in run.inputs.windows(2) {

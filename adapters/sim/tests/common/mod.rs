@@ -34,6 +34,25 @@ impl Run {
         self.world.advance(self.now, &mut self.inputs).unwrap();
     }
 
+    /// Waits as the runtime does: from announced instant to announced instant. Whatever comes must belong to it exactly.
+    pub(crate) fn wait_watchfully_s(&mut self, seconds: f64) {
+        let end = self.now + Duration::from_seconds(seconds);
+        loop {
+            let next = self.world.next_report().unwrap();
+            assert!(next >= self.now, "{next} was announced at {}", self.now);
+            let instant = next.min(end);
+            let before = self.inputs.len();
+            self.world.advance(instant, &mut self.inputs).unwrap();
+            for input in &self.inputs[before..] {
+                assert_eq!((input.at, input.at.0 % 1_000_000), (instant, 0), "{:?}", input.kind);
+            }
+            self.now = instant;
+            if next > end {
+                return;
+            }
+        }
+    }
+
     /// Sends `form` and waits for the answer, at most `seconds`; time stands at the answer.
     pub(crate) fn carry_out(&mut self, form: Value, seconds: f64) -> Result<Value, String> {
         let id = self.send(form);

@@ -1,0 +1,86 @@
+//! Lines that were broken off: how far each was flown, so that it can be taken up there.
+
+use crate::path::Line;
+use apex_model::problem::Position;
+
+/// Lines remembered: more than a plan interrupts at one time.
+const LINES_MAX: usize = 16;
+/// A part flown again counts for the line when it lies on it within this, and begins no farther past the break.
+const ASIDE_M: f64 = 120.0;
+const GAP_M: f64 = 300.0;
+
+/// Lines broken off and not yet taken up.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LeftLines(Vec<LeftLine>);
+
+#[derive(Clone, Debug)]
+struct LeftLine {
+    from: Position,
+    to: Position,
+    along_m: f64,
+}
+
+impl LeftLines {
+    /// Remembers that the line was flown for `along_m`; the oldest memory gives way.
+    pub(crate) fn remember(&mut self, from: Position, to: Position, along_m: f64) {
+        self.0.retain(|line| (line.from, line.to) != (from, to));
+        self.0.push(LeftLine { from, to, along_m });
+        if self.0.len() > LINES_MAX {
+            self.0.remove(0);
+        }
+    }
+
+    /// Where to take up the line, zero for one that was not broken off. Each is taken up once.
+    pub(crate) fn take(&mut self, from: Position, to: Position) -> f64 {
+        let found = self.0.iter().position(|line| (line.from, line.to) == (from, to));
+        found.map_or(0.0, |index| self.0.remove(index).along_m)
+    }
+
+    /// The line between two positions was flown to its end: where it is a part of a broken-off line and leads past the
+    /// break, that line goes on from there.
+    pub(crate) fn flown(&mut self, from: Position, to: Position) {
+        for left in &mut self.0 {
+            let line = Line::new(left.from, left.to);
+            let (begin_m, begin_aside_m, _) = line.locate(from);
+            let (end_m, end_aside_m, _) = line.locate(to);
+            let on_it = begin_aside_m.abs() <= ASIDE_M && end_aside_m.abs() <= ASIDE_M;
+            if on_it && begin_m <= left.along_m + GAP_M && end_m > left.along_m {
+                left.along_m = end_m.min(line.length_m);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_flown_past_the_break_moves_it_and_other_lines_do_not() {
+        let (from, to) = (Position::new(40.0, -120.0), Position::new(40.0, -119.0));
+        let at = |longitude_deg| Position::new(40.0, longitude_deg);
+        let line = Line::new(from, to);
+        let mut left = LeftLines::default();
+        let break_m = line.locate(at(-119.6)).0;
+        left.remember(from, to, break_m);
+        left.flown(at(-119.5), at(-119.4));
+        left.flown(at(-119.5), at(-119.7));
+        left.flown(Position::new(40.1, -119.7), Position::new(40.1, -119.5));
+        left.flown(at(-119.8), at(-119.65));
+        assert_eq!(left.clone().take(from, to), break_m);
+        left.flown(at(-119.7), at(-119.5));
+        assert_eq!(left.take(from, to), line.locate(at(-119.5)).0);
+        assert_eq!(left.take(from, to), 0.0);
+    }
+
+    #[test]
+    fn the_oldest_line_is_forgotten() {
+        let mut left = LeftLines::default();
+        let end = |index: u32| Position::new(f64::from(index), 0.0);
+        (1..=20).for_each(|index| left.remember(Position::new(0.0, 1.0), end(index), 5.0));
+        assert_eq!(
+            (left.take(Position::new(0.0, 1.0), end(4)), left.take(Position::new(0.0, 1.0), end(5))),
+            (0.0, 5.0)
+        );
+    }
+}

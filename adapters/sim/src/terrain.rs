@@ -1,0 +1,79 @@
+//! The ground under the vehicle: only the patches near it are looked at, chosen anew when it has moved on.
+
+use crate::config::Ground;
+use crate::geodesic::bearing;
+use apex_geo::geodesy::wrap_180;
+use apex_model::problem::Position;
+
+/// The choice holds within so many degrees of latitude and longitude of where it was made ..
+const NEAR_DEG: f64 = 0.1;
+/// .. which is less than this, anywhere on Earth.
+const NEAR_M: f64 = 16_000.0;
+
+/// The ground, with what is near remembered.
+#[derive(Clone, Debug)]
+pub(crate) struct Terrain {
+    all: Ground,
+    near: Ground,
+    /// Where `near` was chosen.
+    middle: Option<Position>,
+}
+
+impl Terrain {
+    pub(crate) fn new(all: Ground) -> Terrain {
+        let near = Ground { elevation_m: all.elevation_m, patches: Vec::new() };
+        Terrain { all, near, middle: None }
+    }
+
+    /// Elevation anywhere.
+    pub(crate) fn elevation_m_at(&self, position: Position) -> f64 {
+        self.all.elevation_m_at(position)
+    }
+
+    /// Elevation under the vehicle: the same number, found faster from step to step.
+    pub(crate) fn elevation_m_below(&mut self, vehicle: Position) -> f64 {
+        if self.all.patches.is_empty() {
+            return self.all.elevation_m;
+        }
+        let holds = |middle: Position| {
+            (vehicle.latitude_deg - middle.latitude_deg).abs() < NEAR_DEG
+                && wrap_180(vehicle.longitude_deg - middle.longitude_deg).abs() < NEAR_DEG
+        };
+        if !self.middle.is_some_and(holds) {
+            let patches = self.all.patches.iter();
+            let within = patches.filter(|patch| bearing(vehicle, patch.position).1 <= patch.radius_m + NEAR_M);
+            self.near.patches = within.cloned().collect();
+            self.middle = Some(vehicle);
+        }
+        self.near.elevation_m_at(vehicle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::GroundPatch;
+    use apex_geo::geodesy::destination;
+
+    #[test]
+    fn a_long_way_over_many_patches_finds_what_looking_at_all_of_them_finds() {
+        let patches = (0..80).map(|index| {
+            let index = f64::from(index);
+            GroundPatch {
+                position: Position::new(60.0 + 0.05 * index, 178.0 + 0.07 * index),
+                radius_m: 1_500.0 + 400.0 * index,
+                elevation_m: index,
+            }
+        });
+        let mut terrain = Terrain::new(Ground { elevation_m: -1.0, patches: patches.collect() });
+        let mut seen = Vec::new();
+        for step in 0..4_000 {
+            let position = destination(Position::new(59.8, 177.5), 33.0, 150.0 * f64::from(step));
+            let elevation_m = terrain.elevation_m_below(position);
+            assert_eq!(elevation_m, terrain.elevation_m_at(position), "{position:?}");
+            seen.push(elevation_m);
+        }
+        seen.dedup();
+        assert!(seen.len() > 10, "{seen:?}");
+    }
+}
