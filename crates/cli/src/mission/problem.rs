@@ -12,6 +12,8 @@ use apex_solvers::surveillance::travel::{Transit, travel_times};
 
 /// Share of the endurance and fuel that must be left at the end.
 const RESERVE_SHARE: f64 = 0.08;
+/// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
+const END_MARGIN_S: f64 = 2_700.0;
 /// Distance kept from the edges of airspace zones.
 const ZONE_MARGIN_M: f64 = 3_000.0;
 /// Steps of altitude among which the planner chooses, above the ground of the target.
@@ -38,7 +40,6 @@ fn here(mission: &Mission, books: &Bookkeeping) -> Position {
 fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SingleVisitProblem, String> {
     let model = &mission.model;
     let now_s = at.seconds();
-    let flight_s = mission.settings.duration.seconds() - now_s;
     let fuel_kg = books.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
     let endurance_s = books.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
     let start = here(mission, books);
@@ -85,7 +86,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
         start_altitude_m: books.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
-        end_s: Some(now_s + flight_s * (1.0 - RESERVE_SHARE * 0.25)),
+        end_s: Some(mission.settings.duration.seconds() - END_MARGIN_S),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.clone(),
