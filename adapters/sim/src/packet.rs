@@ -284,7 +284,7 @@ impl Reporter {
         }
         for (radio, name) in radios.iter().zip(&self.radios) {
             inputs
-                .push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e3))) });
+                .push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e4))) });
         }
     }
 
