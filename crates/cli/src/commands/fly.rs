@@ -116,7 +116,7 @@ fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
     }
     recorder.meta("mission", &mission.settings.name).map_err(failed)?;
     recorder.meta("agent", mission.agent.name.printed()).map_err(failed)?;
-    recorder.meta("vehicle_model", &mission.model.name).map_err(failed)?;
+    recorder.meta("vehicle", &mission.model.name).map_err(failed)?;
     if let Some(epoch) = &mission.settings.epoch_text {
         recorder.meta("epoch_utc", epoch).map_err(failed)?;
     }

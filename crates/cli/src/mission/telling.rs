@@ -34,7 +34,7 @@ impl Report {
             MissionValue::Score(score) => score_json(score),
             MissionValue::Ignorance(cost) => json!({
                 "kind": "expected-cost-of-ignorance",
-                "value": cost.total,
+                "total": cost.total,
                 "targets": cost.targets.iter().map(|target| json!({
                     "target": target.target,
                     "expected_cost": target.expected_cost,
@@ -142,7 +142,7 @@ fn score_json(score: &MissionScore) -> Value {
         .collect();
     json!({
         "kind": "mission-score",
-        "value": score.score,
+        "score": score.score,
         "benefits": score.benefits,
         "personnel_cost": score.personnel_cost,
         "failure_probability": score.failure_probability,

@@ -3,7 +3,7 @@
 use crate::narrator::{Narrator, Told};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Event, EventKind, SolverReport};
-use apex_model::task::TaskId;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
 use apex_model::value::Value;
 use std::fmt::Write as _;
@@ -173,7 +173,7 @@ impl Line {
                 if let Some(parent) = parent {
                     self.text_field("parent", &parent.to_string());
                 }
-                self.text_field("tag", tag);
+                self.text_field("tag", tag).text_field("state", TaskState::Pending.word());
             }
             DecisionKind::Transition { from, to, .. } => {
                 self.words = format!("{from} -> {to}");
