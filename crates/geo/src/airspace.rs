@@ -68,6 +68,18 @@ impl fmt::Display for AirspaceTrouble {
 struct FlatZone {
     zone: AirspaceZone,
     corners: Vec<Point>,
+    low: Point,
+    high: Point,
+}
+
+impl FlatZone {
+    /// Is the box around the segment farther than `margin_m` from the box around the zone?
+    fn is_far_from(&self, a: Point, b: Point, margin_m: f64) -> bool {
+        a.x.max(b.x) + margin_m < self.low.x
+            || a.x.min(b.x) - margin_m > self.high.x
+            || a.y.max(b.y) + margin_m < self.low.y
+            || a.y.min(b.y) - margin_m > self.high.y
+    }
 }
 
 /// The zones of a problem on one plane.
@@ -95,7 +107,14 @@ impl Airspace {
                     format!("Zone {} has a corner at ({latitude} {longitude}), too far from the mission.", zone.name)
                 })
             });
-            Ok(FlatZone { zone: zone.clone(), corners: corners.collect::<Result<_, String>>()? })
+            let corners: Vec<Point> = corners.collect::<Result<_, String>>()?;
+            let mut low = Point { x: f64::INFINITY, y: f64::INFINITY };
+            let mut high = Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY };
+            for corner in &corners {
+                low = Point { x: low.x.min(corner.x), y: low.y.min(corner.y) };
+                high = Point { x: high.x.max(corner.x), y: high.y.max(corner.y) };
+            }
+            Ok(FlatZone { zone: zone.clone(), corners, low, high })
         };
         Ok(Airspace { plane, zones: zones.iter().map(flat).collect::<Result<_, String>>()?, margin_m })
     }
@@ -138,24 +157,22 @@ impl Airspace {
 
     /// [`Airspace::leg_trouble`] for points of the plane.
     pub fn segment_trouble(&self, a: Point, b: Point, extent: Extent) -> Option<AirspaceTrouble> {
+        let margin_m = self.margin_m * self.plane.stretch(a).max(self.plane.stretch(b));
         for flat in self.restricted(extent) {
+            if flat.is_far_from(a, b, margin_m) {
+                continue;
+            }
             if plane::inside(a, &flat.corners) || plane::inside(b, &flat.corners) {
                 return Some(AirspaceTrouble::Inside(flat.zone.name.clone()));
             }
-            let margin_m = self.margin_between(a, b, &flat.corners);
             let distance_m = plane::segment_to_edges(a, b, &flat.corners);
-            if distance_m < margin_m || distance_m == 0.0 {
+            if distance_m == 0.0
+                || (distance_m < margin_m && distance_m < margin_between(a, b, &flat.corners, margin_m))
+            {
                 return Some(AirspaceTrouble::Crosses(flat.zone.name.clone()));
             }
         }
         (self.has_permitted() && !self.stays_permitted(a, b, extent)).then_some(AirspaceTrouble::Outside)
-    }
-
-    /// The margin on the plane, no more than the distance of the leg's ends from the zone.
-    fn margin_between(&self, a: Point, b: Point, corners: &[Point]) -> f64 {
-        let wanted_m = self.margin_m * self.plane.stretch(a).max(self.plane.stretch(b));
-        let end_m = plane::segment_to_edges(a, a, corners).min(plane::segment_to_edges(b, b, corners));
-        wanted_m.min(end_m) * (1.0 - 1e-9)
     }
 
     /// Is every point of the segment inside a permitted zone that is active throughout? Cuts the segment at all edges
@@ -190,11 +207,17 @@ impl Airspace {
         self.permitted().next().is_some()
     }
 
-    /// Points from which a way around corners can be flown: two per corner that sticks out into the space to be flown,
-    /// on the corners of a path that keeps the margin.
-    pub fn turning_points(&self, extent: Extent) -> Vec<Point> {
-        let zones = self.restricted(extent).chain(self.permitted());
-        zones.flat_map(|flat| self.turns_around(flat)).collect()
+    /// Points from which a way around corners can be flown, each with the number of its zone: two per corner that sticks
+    /// out into the space to be flown, on the corners of a path that keeps the margin.
+    pub fn turning_points(&self) -> Vec<(usize, Point)> {
+        let zones = self.zones.iter().enumerate();
+        zones.flat_map(|(number, flat)| self.turns_around(flat).into_iter().map(move |point| (number, point))).collect()
+    }
+
+    /// Are the turning points of zone `number` of use in `extent`?
+    pub fn is_turned_around(&self, number: usize, extent: Extent) -> bool {
+        let flat = self.zones.get(number);
+        flat.is_some_and(|flat| flat.zone.kind == ZoneKind::Permitted || extent.meets(&flat.zone))
     }
 
     fn turns_around(&self, flat: &FlatZone) -> Vec<Point> {
@@ -225,6 +248,12 @@ impl Airspace {
         }
         points
     }
+}
+
+/// The margin, no more than the distance of the leg's ends from the zone.
+fn margin_between(a: Point, b: Point, corners: &[Point], margin_m: f64) -> f64 {
+    let end_m = plane::segment_to_edges(a, a, corners).min(plane::segment_to_edges(b, b, corners));
+    margin_m.min(end_m) * (1.0 - 1e-9)
 }
 
 fn rotated(vector: Point, angle_rad: f64) -> Point {

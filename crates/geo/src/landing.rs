@@ -2,6 +2,7 @@
 //!
 //! Bound: O(places) per position; a leg takes at most [`LEG_LOOKS_MAX`] looks.
 
+use crate::direction::{ARC_APART_M_MAX, ARC_RAD_MAX, Direction, EARTH_RADIUS_M_MAX, EARTH_RADIUS_M_MIN};
 use crate::geodesy::{self, Position};
 pub use apex_model::problem::LandingPlace;
 
@@ -40,6 +41,103 @@ pub fn leg_is_within(places: &[LandingPlace], from: Position, to: Position, dist
     false
 }
 
+/// Landing places with the distance from them that must be kept, ready for many questions: what directions decide beyond
+/// doubt is not computed on the ellipsoid.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    places: Vec<LandingPlace>,
+    directions: Vec<Direction>,
+    distance_m_max: f64,
+    /// Within this angle of a place is surely near enough.
+    sure_rad: f64,
+    /// Beyond this angle is surely too far.
+    doubtful_rad: f64,
+}
+
+impl Reach {
+    /// Everything within `distance_m_max` of one of `places`.
+    pub fn new(places: Vec<LandingPlace>, distance_m_max: f64) -> Reach {
+        let directions = places.iter().map(|place| Direction::of(place.position)).collect();
+        // A ten-thousandth for the distance, the rest for arcs that are not geodesics.
+        let sure_rad = (distance_m_max * 0.9999 - ARC_APART_M_MAX) / EARTH_RADIUS_M_MAX;
+        let doubtful_rad = (distance_m_max * 1.0001 + ARC_APART_M_MAX) / EARTH_RADIUS_M_MIN;
+        Reach { places, directions, distance_m_max, sure_rad, doubtful_rad }
+    }
+
+    /// The landing places.
+    pub fn places(&self) -> &[LandingPlace] {
+        &self.places
+    }
+
+    /// The distance that must be kept.
+    pub fn distance_m_max(&self) -> f64 {
+        self.distance_m_max
+    }
+
+    /// Is a landing place near enough to `position`, which lies in `direction`?
+    pub fn holds(&self, position: Position, direction: Direction) -> bool {
+        let cosine = self.directions.iter().fold(-1.0, |most: f64, place| most.max(place.dot(direction)));
+        if self.sure_rad > 0.0 && cosine >= libm::cos(self.sure_rad.min(3.0)) {
+            return true;
+        }
+        if cosine < libm::cos(self.doubtful_rad.min(3.0)) {
+            return false;
+        }
+        nearest(&self.places, position).is_some_and(|(_, distance_m)| distance_m <= self.distance_m_max)
+    }
+
+    /// As [`leg_is_within`].
+    pub fn holds_leg(
+        &self,
+        (from, from_direction): (Position, Direction),
+        (to, to_direction): (Position, Direction),
+    ) -> bool {
+        let quick = self.sure_rad > 0.0 && self.doubtful_rad < 1.5;
+        if quick {
+            let least = libm::cos(self.sure_rad);
+            let near = |place: &Direction| place.dot(from_direction) >= least && place.dot(to_direction) >= least;
+            // What is near one place at both ends is near it in between.
+            if self.directions.iter().any(near) {
+                return true;
+            }
+            let angle_rad = from_direction.angle_rad(to_direction);
+            let quarter = from_direction.quarter_turn_to(to_direction).filter(|_| angle_rad <= ARC_RAD_MAX);
+            if let Some(quarter) = quarter {
+                let covered = |within_rad| self.covers((from_direction, quarter), angle_rad, within_rad);
+                if covered(self.sure_rad) {
+                    return true;
+                }
+                if !covered(self.doubtful_rad) {
+                    return false;
+                }
+            }
+        }
+        leg_is_within(&self.places, from, to, self.distance_m_max)
+    }
+
+    /// Is all of the arc from `start` over `angle_rad` towards `quarter` within `within_rad` of places? Each place covers
+    /// one span of the arc.
+    fn covers(&self, (start, quarter): (Direction, Direction), angle_rad: f64, within_rad: f64) -> bool {
+        let least = libm::cos(within_rad);
+        let span = |place: &Direction| {
+            let (along, ahead) = (place.dot(start), place.dot(quarter));
+            let most = libm::sqrt(along * along + ahead * ahead);
+            let half_rad = libm::acos((least / most).min(1.0));
+            let middle_rad = libm::atan2(ahead, along);
+            (most > least).then_some((middle_rad - half_rad, middle_rad + half_rad))
+        };
+        let mut spans: Vec<(f64, f64)> = self.directions.iter().filter_map(span).collect();
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut covered_rad = 0.0;
+        for (from_rad, until_rad) in spans {
+            if from_rad <= covered_rad {
+                covered_rad = until_rad.max(covered_rad);
+            }
+        }
+        covered_rad >= angle_rad
+    }
+}
+
 /// Distance over ground that a glide from `height_m` above the landing place gives, with `tail_wind_mps` (negative for
 /// head wind) at a gliding speed; 0 where the wind is stronger than the speed.
 pub fn glide_range_m(height_m: f64, glide_ratio: f64, speed_mps: f64, tail_wind_mps: f64) -> f64 {
@@ -50,6 +148,7 @@ pub fn glide_range_m(height_m: f64, glide_ratio: f64, speed_mps: f64, tail_wind_
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn place(name: &str, latitude: f64, longitude: f64) -> LandingPlace {
         LandingPlace { name: name.to_string(), position: Position::new(latitude, longitude) }
@@ -65,6 +164,25 @@ mod tests {
         let (nearest, distance_m) = nearest(&places, Position::new(40.1, -119.9)).unwrap();
         assert_eq!(nearest.name, "west");
         assert!(distance_m < 15_000.0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_quick_answer_is_the_slow_one(
+            spots in prop::collection::vec((34.0..46.0f64, -124.0..-110.0f64), 0..8), limit_m in 1_000.0..900_000.0f64,
+            from in (34.0..46.0f64, -124.0..-110.0f64), to in (34.0..46.0f64, -124.0..-110.0f64),
+        ) {
+            let places: Vec<LandingPlace> = spots.iter().map(|(latitude, longitude)| place("x", *latitude, *longitude)).collect();
+            let reach = Reach::new(places.clone(), limit_m);
+            let (from, to) = (Position::new(from.0, from.1), Position::new(to.0, to.1));
+            let (from_direction, to_direction) = (Direction::of(from), Direction::of(to));
+            let near = nearest(&places, from).is_some_and(|(_, distance_m)| distance_m <= limit_m);
+            prop_assert_eq!(reach.holds(from, from_direction), near);
+            let slow = leg_is_within(&places, from, to, limit_m);
+            let quick = reach.holds_leg((from, from_direction), (to, to_direction));
+            // Stepping may overlook a gap shorter than a step, never the other way round.
+            prop_assert!(quick == slow || (slow && !leg_is_within(&places, from, to, limit_m - LOOK_M_MIN)));
+        }
     }
 
     #[test]

@@ -5,9 +5,11 @@
 
 pub mod airspace;
 pub mod coverage;
+pub mod direction;
 pub mod functions;
 pub mod geodesy;
 pub mod landing;
+pub mod passage;
 pub mod plane;
 pub mod route;
 pub mod sun;

@@ -1,21 +1,38 @@
 //! Ways around airspace and within reach of landing places: shortest path over a visibility graph.
 //!
-//! Nodes are the two ends, the turning points of zones and the landing places. Bound: O(n^2) leg tests for n nodes, of
-//! which there are at most [`NODES_MAX`].
+//! Nodes are the two ends, the turning points of zones and the landing places. Legs are tested only when the search comes
+//! to them. Bound: O(n^2) leg tests for n nodes, of which there are at most [`NODES_MAX`].
 
 use crate::airspace::{Airspace, AirspaceTrouble, Extent};
-use crate::geodesy::{self, Position};
-use crate::landing::{self, LandingPlace};
+use crate::direction::Direction;
+use crate::geodesy::Position;
+use crate::landing::{self, LandingPlace, Reach};
+use crate::plane::Point;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Nodes of one search: fifty zones of ten corners.
 pub const NODES_MAX: usize = 1_000;
+
+/// A position made ready for questions about legs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where it is.
+    pub position: Position,
+    /// The same as a direction.
+    pub direction: Direction,
+    /// On the airspace's plane; none too far away.
+    point: Option<Point>,
+}
 
 /// What a way must obey.
 #[derive(Clone, Debug)]
 pub struct Router {
     airspace: Airspace,
-    landing_places: Vec<LandingPlace>,
-    landing_distance_m_max: Option<f64>,
+    reach: Option<Reach>,
+    /// Turning points, each with the number of its zone.
+    turns: Vec<(usize, Spot)>,
+    landings: Vec<Spot>,
 }
 
 /// Why there is no way.
@@ -45,7 +62,13 @@ impl std::fmt::Display for NoRoute {
 impl Router {
     /// A router over `airspace`, within `landing_distance_m_max` of `landing_places` where that is given.
     pub fn new(airspace: Airspace, landing_places: Vec<LandingPlace>, landing_distance_m_max: Option<f64>) -> Router {
-        Router { airspace, landing_places, landing_distance_m_max }
+        let plane = *airspace.plane();
+        let turns = airspace.turning_points().into_iter();
+        let turns = turns.map(|(zone, point)| (zone, spot_on(&airspace, plane.position(point)))).collect();
+        let reach = landing_distance_m_max.map(|limit_m| Reach::new(landing_places, limit_m));
+        let places = reach.as_ref().map_or(&[][..], Reach::places);
+        let landings = places.iter().map(|place| spot_on(&airspace, place.position)).collect();
+        Router { airspace, reach, turns, landings }
     }
 
     /// The airspace that ways obey.
@@ -53,25 +76,42 @@ impl Router {
         &self.airspace
     }
 
+    /// `position` made ready for this router.
+    pub fn spot(&self, position: Position) -> Spot {
+        spot_on(&self.airspace, position)
+    }
+
     /// Why it is not allowed to be at `position`.
     pub fn place_trouble(&self, position: Position, extent: Extent) -> Option<NoRoute> {
         if let Some(trouble) = self.airspace.place_trouble(position, extent) {
             return Some(NoRoute::Airspace(trouble));
         }
-        let limit_m = self.landing_distance_m_max?;
-        let distance_m =
-            landing::nearest(&self.landing_places, position).map_or(f64::INFINITY, |(_, distance_m)| distance_m);
-        (distance_m > limit_m).then_some(NoRoute::Landing { distance_m })
+        let reach = self.reach.as_ref()?;
+        if reach.holds(position, Direction::of(position)) {
+            return None;
+        }
+        let nearest = landing::nearest(reach.places(), position);
+        Some(NoRoute::Landing { distance_m: nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m) })
     }
 
     /// Why the straight leg is not allowed.
     pub fn leg_trouble(&self, from: Position, to: Position, extent: Extent) -> Option<NoRoute> {
-        if let Some(trouble) = self.airspace.leg_trouble(from, to, extent) {
+        self.trouble_between(&self.spot(from), &self.spot(to), extent)
+    }
+
+    /// [`Router::leg_trouble`] for positions made ready.
+    pub fn trouble_between(&self, from: &Spot, to: &Spot, extent: Extent) -> Option<NoRoute> {
+        let trouble = match (from.point, to.point) {
+            _ if self.airspace.zones().next().is_none() => None,
+            (Some(a), Some(b)) => self.airspace.segment_trouble(a, b, extent),
+            _ => Some(AirspaceTrouble::TooFar),
+        };
+        if let Some(trouble) = trouble {
             return Some(NoRoute::Airspace(trouble));
         }
-        let limit_m = self.landing_distance_m_max?;
-        (!landing::leg_is_within(&self.landing_places, from, to, limit_m))
-            .then_some(NoRoute::Landing { distance_m: limit_m })
+        let reach = self.reach.as_ref()?;
+        (!reach.holds_leg((from.position, from.direction), (to.position, to.direction)))
+            .then(|| NoRoute::Landing { distance_m: reach.distance_m_max() })
     }
 
     /// The shortest way over ground that is allowed in all of `extent`: both ends and the turning points between.
@@ -79,67 +119,106 @@ impl Router {
     /// # Errors
     /// What stands in the way.
     pub fn route(&self, from: Position, to: Position, extent: Extent) -> Result<Vec<Position>, NoRoute> {
-        let Some(direct) = self.leg_trouble(from, to, extent) else { return Ok(vec![from, to]) };
-        if let Some(trouble) = self.place_trouble(from, extent).or_else(|| self.place_trouble(to, extent)) {
-            return Err(trouble);
-        }
-        let plane = *self.airspace.plane();
-        let turns = self.airspace.turning_points(extent).into_iter().map(|point| plane.position(point));
-        let places = self.landing_places.iter().map(|place| place.position);
-        let mut nodes = vec![from, to];
-        let usable = turns.chain(places.filter(|_| self.landing_distance_m_max.is_some()));
-        nodes.extend(usable.filter(|node| self.place_trouble(*node, extent).is_none()).take(NODES_MAX));
-        self.shortest(&nodes, extent).ok_or(direct)
+        self.route_between(&self.spot(from), &self.spot(to), extent).0
     }
 
-    /// A* from node 0 to node 1; legs are tested only when they could matter.
-    fn shortest(&self, nodes: &[Position], extent: Extent) -> Option<Vec<Position>> {
-        let goal = *nodes.get(1)?;
-        let to_goal_m: Vec<f64> = nodes.iter().map(|node| geodesy::distance_m(*node, goal)).collect();
-        let mut reached: Vec<(f64, usize)> = nodes.iter().map(|_| (f64::INFINITY, 0)).collect();
-        *reached.first_mut()? = (0.0, 0);
-        let mut open: Vec<usize> = (0..nodes.len()).collect();
-        loop {
-            let estimate = |node: usize| {
-                let travelled_m = reached.get(node).map_or(f64::INFINITY, |(travelled_m, _)| *travelled_m);
-                travelled_m + to_goal_m.get(node).copied().unwrap_or(f64::INFINITY)
-            };
-            let slot = (0..open.len()).min_by(|a, b| {
-                let (a, b) = (open.get(*a).copied().unwrap_or(0), open.get(*b).copied().unwrap_or(0));
-                estimate(a).total_cmp(&estimate(b)).then(a.cmp(&b))
-            })?;
-            let node = open.swap_remove(slot);
-            let (travelled_m, _) = *reached.get(node)?;
-            if !travelled_m.is_finite() {
-                return None;
+    /// [`Router::route`] for positions made ready, with the number of legs tested.
+    ///
+    /// # Errors
+    /// The first of the pair: what stands in the way.
+    pub fn route_between(&self, from: &Spot, to: &Spot, extent: Extent) -> (Result<Vec<Position>, NoRoute>, usize) {
+        let Some(direct) = self.trouble_between(from, to, extent) else {
+            return (Ok(vec![from.position, to.position]), 1);
+        };
+        let end_trouble = self.place_trouble(from.position, extent);
+        if let Some(trouble) = end_trouble.or_else(|| self.place_trouble(to.position, extent)) {
+            return (Err(trouble), 1);
+        }
+        let turns = self.turns.iter().filter(|(zone, _)| self.airspace.is_turned_around(*zone, extent));
+        let mut nodes = vec![from, to];
+        nodes.extend(turns.map(|(_, spot)| spot).chain(&self.landings).take(NODES_MAX));
+        let (path, tested) = self.shortest(&nodes, extent);
+        (path.ok_or(direct), tested + 1)
+    }
+
+    /// A* from node 0 to node 1, with the number of legs tested: a leg is tested when it is the next best to take.
+    fn shortest(&self, nodes: &[&Spot], extent: Extent) -> (Option<Vec<Position>>, usize) {
+        let goal = nodes.get(1).map(|goal| goal.direction).unwrap_or_default();
+        let mut travelled: Vec<Option<(f64, usize)>> = vec![None; nodes.len()];
+        let mut open = BinaryHeap::from([Reverse((Length(0.0), 0, 0, Length(0.0)))]);
+        let mut tested = 0;
+        while let Some(Reverse((_, node, before, Length(total_m)))) = open.pop() {
+            let (Some(here), Some(from)) = (nodes.get(node), nodes.get(before)) else { continue };
+            let Some(slot @ None) = travelled.get_mut(node) else { continue };
+            if node != 0 {
+                tested += 1;
+                if self.trouble_between(from, here, extent).is_some() {
+                    continue;
+                }
             }
+            *slot = Some((total_m, before));
             if node == 1 {
-                break;
+                return (path_to(1, nodes, &travelled), tested);
             }
-            let here = *nodes.get(node)?;
-            for next in &open {
-                let there = *nodes.get(*next)?;
-                let total_m = travelled_m + geodesy::distance_m(here, there);
-                let entry = reached.get_mut(*next)?;
-                if total_m < entry.0 && self.leg_trouble(here, there, extent).is_none() {
-                    *entry = (total_m, node);
+            for (next, there) in nodes.iter().enumerate() {
+                // The direct leg is known to be refused.
+                if travelled.get(next).is_some_and(Option::is_none) && (node, next) != (0, 1) {
+                    let length_m = total_m + here.direction.distance_m(there.direction);
+                    let hoped_m = length_m + there.direction.distance_m(goal);
+                    if hoped_m.is_finite() {
+                        open.push(Reverse((Length(hoped_m), next, node, Length(length_m))));
+                    }
                 }
             }
         }
-        let mut path = vec![goal];
-        let mut node = 1;
-        while node != 0 && path.len() <= nodes.len() {
-            node = reached.get(node)?.1;
-            path.push(*nodes.get(node)?);
-        }
-        path.reverse();
-        Some(path)
+        (None, tested)
+    }
+}
+
+fn spot_on(airspace: &Airspace, position: Position) -> Spot {
+    Spot { position, direction: Direction::of(position), point: airspace.plane().project(position) }
+}
+
+/// The nodes from node 0 to `last`.
+fn path_to(last: usize, nodes: &[&Spot], travelled: &[Option<(f64, usize)>]) -> Option<Vec<Position>> {
+    let mut path = vec![nodes.get(last)?.position];
+    let mut node = last;
+    while node != 0 && path.len() <= nodes.len() {
+        node = (*travelled.get(node)?)?.1;
+        path.push(nodes.get(node)?.position);
+    }
+    path.reverse();
+    Some(path)
+}
+
+/// A length by which nodes are sorted.
+#[derive(Clone, Copy, Debug)]
+struct Length(f64);
+
+impl PartialEq for Length {
+    fn eq(&self, other: &Length) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Length {}
+
+impl PartialOrd for Length {
+    fn partial_cmp(&self, other: &Length) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Length {
+    fn cmp(&self, other: &Length) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geodesy;
     use apex_model::problem::{AirspaceZone, TimeWindow, ZoneKind};
     use proptest::prelude::*;
 

@@ -2,6 +2,7 @@
 //!
 //! Bound: a query is O(layers); a leg is O(sub-steps x layers) with at most [`LEG_STEPS_MAX`] sub-steps.
 
+use crate::direction::{ARC_RAD_MAX, Direction};
 use crate::geodesy::{self, Position, RAD_PER_DEG, wrap_360};
 use apex_model::problem::TimeWindow;
 pub use apex_model::problem::{WindField, WindLayer};
@@ -85,16 +86,23 @@ fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> 
 pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<WindTriangle> {
     let track_rad = track_deg * RAD_PER_DEG;
     let (sine, cosine) = (libm::sin(track_rad), libm::cos(track_rad));
-    let tail_mps = wind.east_mps * sine + wind.north_mps * cosine;
+    let ground_speed_mps = ground_speed_mps((sine, cosine), true_airspeed_mps, wind)?;
     let from_left_mps = wind.east_mps * cosine - wind.north_mps * sine;
+    let forward_mps = libm::sqrt(true_airspeed_mps * true_airspeed_mps - from_left_mps * from_left_mps);
+    let heading_deg = wrap_360(track_deg - libm::atan2(from_left_mps, forward_mps) / RAD_PER_DEG);
+    Some(WindTriangle { ground_speed_mps, heading_deg })
+}
+
+/// Ground speed along a track of unit length; none as for [`triangle`].
+fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64, wind: Wind) -> Option<f64> {
+    let tail_mps = wind.east_mps * east + wind.north_mps * north;
+    let from_left_mps = wind.east_mps * north - wind.north_mps * east;
     let squared = true_airspeed_mps * true_airspeed_mps - from_left_mps * from_left_mps;
     if !(true_airspeed_mps > 0.0 && squared > 0.0) {
         return None;
     }
-    let forward_mps = libm::sqrt(squared);
-    let ground_speed_mps = forward_mps + tail_mps;
-    let heading_deg = wrap_360(track_deg - libm::atan2(from_left_mps, forward_mps) / RAD_PER_DEG);
-    (ground_speed_mps >= GROUND_SPEED_MPS_MIN).then_some(WindTriangle { ground_speed_mps, heading_deg })
+    let speed_mps = libm::sqrt(squared) + tail_mps;
+    (speed_mps >= GROUND_SPEED_MPS_MIN).then_some(speed_mps)
 }
 
 /// A leg cut into sub-steps, so that many start times can be tried without computing its geodesic again.
@@ -106,8 +114,9 @@ pub struct LegProfile {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LegStep {
-    middle: Position,
-    track_deg: f64,
+    middle: Direction,
+    /// East and north parts of the track.
+    track: (f64, f64),
 }
 
 impl LegProfile {
@@ -119,9 +128,22 @@ impl LegProfile {
         }
         let count = if distance_m == 0.0 { 0 } else { ((distance_m / LEG_STEP_M) as usize + 1).min(LEG_STEPS_MAX) };
         let step_m = distance_m / count.max(1) as f64;
-        let step = |index| {
-            let middle = geodesy::destination(from, azimuth_deg, (index as f64 + 0.5) * step_m);
-            LegStep { middle, track_deg: geodesy::azimuth_deg(middle, to) }
+        let (start, end) = (Direction::of(from), Direction::of(to));
+        let angle_rad = start.angle_rad(end);
+        let quarter = start.quarter_turn_to(end).filter(|_| angle_rad <= ARC_RAD_MAX);
+        let step = |index: usize| {
+            let share = (index as f64 + 0.5) / count as f64;
+            if let Some(quarter) = quarter {
+                // The arc is close enough to the geodesic for the wind, at a tenth of the work.
+                let (sine, cosine) = (libm::sin(share * angle_rad), libm::cos(share * angle_rad));
+                let middle = start.blended(cosine, quarter, sine);
+                let (east, north) = middle.east_north(start.blended(-sine, quarter, cosine));
+                let length = libm::hypot(east, north);
+                return LegStep { middle, track: (east / length, north / length) };
+            }
+            let middle = geodesy::destination(from, azimuth_deg, share * distance_m);
+            let track_rad = geodesy::azimuth_deg(middle, to) * RAD_PER_DEG;
+            LegStep { middle: Direction::of(middle), track: (libm::sin(track_rad), libm::cos(track_rad)) }
         };
         Some(LegProfile { step_m, steps: (0..count).map(step).collect() })
     }
@@ -129,6 +151,16 @@ impl LegProfile {
     /// Distance over ground.
     pub fn length_m(&self) -> f64 {
         self.step_m * self.steps.len() as f64
+    }
+
+    /// Number of sub-steps.
+    pub fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Length of a sub-step.
+    pub fn step_m(&self) -> f64 {
+        self.step_m
     }
 
     /// Time to fly the leg, leaving at `start_s`, by the midpoint rule; none where some part cannot be flown.
@@ -141,9 +173,25 @@ impl LegProfile {
         }
         let still_s = self.step_m / true_airspeed_mps;
         self.steps.iter().try_fold(0.0, |elapsed_s, step| {
-            let wind = at(field, step.middle, altitude_m, start_s + elapsed_s + 0.5 * still_s);
-            let flown = triangle(step.track_deg, true_airspeed_mps, wind)?;
-            Some(elapsed_s + self.step_m / flown.ground_speed_mps)
+            let wind = at(field, step.middle.position(), altitude_m, start_s + elapsed_s + 0.5 * still_s);
+            let speed_mps = ground_speed_mps(step.track, true_airspeed_mps, wind)?;
+            Some(elapsed_s + self.step_m / speed_mps)
+        })
+    }
+
+    /// Time for each sub-step in the wind of `time_s`; infinite where it cannot be flown.
+    pub fn step_times_s<'a>(
+        &'a self,
+        altitude_m: f64,
+        true_airspeed_mps: f64,
+        field: &'a WindField,
+        time_s: f64,
+    ) -> impl Iterator<Item = f64> + 'a {
+        let same_everywhere = field.layers.iter().all(|layer| layer.area.is_none());
+        let anywhere = same_everywhere.then(|| at(field, Position::default(), altitude_m, time_s));
+        self.steps.iter().map(move |step| {
+            let wind = anywhere.unwrap_or_else(|| at(field, step.middle.position(), altitude_m, time_s));
+            ground_speed_mps(step.track, true_airspeed_mps, wind).map_or(f64::INFINITY, |speed| self.step_m / speed)
         })
     }
 }
