@@ -5,7 +5,10 @@
 mod commands;
 mod mission;
 mod options;
+mod output;
+mod recording;
 mod sources;
+mod telling;
 mod trouble;
 
 use clap::Parser;
@@ -28,7 +31,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(trouble) => {
             if !trouble.message.is_empty() {
-                eprintln!("{trouble}");
+                output::complain(&trouble);
             }
             trouble.exit_code()
         }

@@ -1,5 +1,6 @@
 //! Finding and checking PDL: files, shipped libraries, host function signatures, diagnostics on the terminal.
 
+use crate::output;
 use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
@@ -79,7 +80,8 @@ fn print_warnings_and_errors(checked: &Checked) {
     let serious: Vec<_> =
         checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
     if !serious.is_empty() {
-        eprint!("{}", apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal()));
+        let rendered = apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal());
+        output::complain(rendered.trim_end_matches('\n'));
     }
 }
 
@@ -116,6 +118,27 @@ pub fn agent_of(library: &Library) -> AgentDeclaration {
         routers: Vec::new(),
         place: Place::default(),
     })
+}
+
+/// The one agent of a program; several cannot run together yet, and leaving some out in silence would be worse.
+///
+/// # Errors
+/// Names the agents when there are several.
+pub fn only_agent_of(library: &Library) -> Outcome<AgentDeclaration> {
+    match library.agents.get(1) {
+        None => Ok(agent_of(library)),
+        Some(second) => {
+            let names: Vec<&str> = library.agents.iter().map(|agent| agent.name.printed()).collect();
+            Err(Trouble::user(format!(
+                "{}: the application has {} agents: {}",
+                library.describe_place(second.place),
+                names.len(),
+                names.join(", ")
+            ))
+            .because("one vehicle is flown by one agent")
+            .help("keep one agent, and make a mission of its own for each other"))
+        }
+    }
 }
 
 fn resolve(folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
@@ -165,17 +188,29 @@ pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
         Trouble::user(format!("`{option} {text}` is no time"))
             .help("write seconds (90), a duration (20s, 2h, P1M30S), or hours:minutes:seconds (1:30:00)")
     };
-    if text.contains(':') {
-        let mut seconds = 0.0;
-        for part in text.split(':') {
-            seconds = seconds * 60.0 + part.parse::<f64>().map_err(|_| bad())?;
+    let time = if text.contains(':') {
+        clock_time(text)
+    } else {
+        match apex_pdl::read_value(text) {
+            Ok(Value::Duration(Duration(nanoseconds))) => Some(Time(nanoseconds)),
+            Ok(Value::Integer(seconds)) => Some(Time::from_seconds(seconds as f64)),
+            Ok(Value::Real(seconds)) if seconds.is_finite() => Some(Time::from_seconds(seconds)),
+            _ => None,
         }
-        return if seconds.is_finite() { Ok(Time::from_seconds(seconds)) } else { Err(bad()) };
+    };
+    match time.ok_or_else(bad)? {
+        early if early < Time::ZERO => {
+            Err(Trouble::user(format!("`{option} {text}` is before the start")).help("mission time begins at 0"))
+        }
+        time => Ok(time),
     }
-    match apex_pdl::read_value(text) {
-        Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
-        Ok(Value::Integer(seconds)) => Ok(Time::from_seconds(seconds as f64)),
-        Ok(Value::Real(seconds)) if seconds.is_finite() => Ok(Time::from_seconds(seconds)),
-        _ => Err(bad()),
-    }
+}
+
+/// `1:30:00` or `1:30`: hours, minutes and seconds, or minutes and seconds.
+fn clock_time(text: &str) -> Option<Time> {
+    let parts: Vec<f64> = text.split(':').map(str::parse).collect::<Result<_, _>>().ok()?;
+    let rest_in_range = parts.iter().skip(1).all(|part| (0.0..60.0).contains(part));
+    let first_in_range = parts.first().is_some_and(|part| (0.0..1e6).contains(part));
+    let seconds = parts.iter().fold(0.0, |seconds, part| seconds * 60.0 + part);
+    (parts.len() <= 3 && first_in_range && rest_in_range).then(|| Time::from_seconds(seconds))
 }

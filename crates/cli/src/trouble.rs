@@ -94,7 +94,7 @@ pub fn read_bytes(path: &std::path::Path) -> Outcome<Vec<u8>> {
 }
 
 /// Names files of the same folder that look alike, or says where a relative path was looked for.
-fn nearby_help(path: &std::path::Path) -> String {
+pub fn nearby_help(path: &std::path::Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| std::path::Path::new("."));
     let extension = path.extension();

@@ -1,8 +1,8 @@
 //! `apex check`: every mistake of an author before anything flies.
 
 use crate::options::CheckOptions;
-use crate::sources;
 use crate::trouble::{Outcome, Trouble};
+use crate::{output, sources};
 use apex_pdl::{Checked, Severity};
 use std::io::IsTerminal;
 
@@ -13,11 +13,11 @@ pub fn run(options: &CheckOptions) -> Outcome {
         let checked = sources::check_program(file, options.fragment)?;
         wrong |= checked.has_errors();
         if options.json {
-            print_json(&checked);
+            print_json(&checked)?;
         } else {
             let color = std::io::stdout().is_terminal();
-            print!("{}", apex_pdl::render(&checked.diagnostics, &checked.library.sources, color));
-            println!("{}: {}", sources::program_path(file).display(), summary(&checked));
+            output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))?;
+            output::print_line(format_args!("{}: {}", sources::program_path(file).display(), summary(&checked)))?;
         }
     }
     if wrong { Err(Trouble::told()) } else { Ok(()) }
@@ -41,7 +41,7 @@ fn counted(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn print_json(checked: &Checked) {
+fn print_json(checked: &Checked) -> Outcome {
     for each in &checked.diagnostics {
         let file = usize::try_from(each.span.file).ok().and_then(|index| checked.library.sources.get(index));
         let line = serde_json::json!({
@@ -54,6 +54,7 @@ fn print_json(checked: &Checked) {
             "reason": each.reason,
             "help": each.help,
         });
-        println!("{line}");
+        output::print_line(line)?;
     }
+    Ok(())
 }

@@ -6,66 +6,109 @@ use crate::mission::deliberator::MissionDeliberator;
 use crate::mission::report::{Report, report};
 use crate::mission::world::world;
 use crate::options::FlyOptions;
+use crate::telling::{plain_duration, shell_word};
 use crate::trouble::{Outcome, Trouble};
-use crate::{commands, sources};
+use crate::{commands, output, recording, sources};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
-use apex_runtime::RunEnd;
 use apex_runtime::pool::Contained;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, Recorder, TargetRow, TargetState};
+use apex_runtime::{Control, EndReason, RunEnd};
+use apex_sim::SimulatedWorld;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 
 /// Wall time after which a solver that does not return is given up; its budget is counted in work, so this is far off.
 const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
+
+/// Faster than this is as fast as possible.
+const PACE_MAX: f64 = 1e9;
 
 type SharedRecorder = Arc<Mutex<Recorder>>;
 type TargetChange = (String, Time, TargetState, String);
 
 /// Flies a mission.
 pub fn run(options: &FlyOptions) -> Outcome {
+    let pace = options.pace.map(checked_pace).transpose()?;
+    let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(Mission::load(&options.mission)?);
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
     let limit = Time::ZERO + mission.settings.duration;
-    let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let until = until.map_or(limit, |until| until.min(limit));
-    let recorder: SharedRecorder = Arc::new(Mutex::new(recorder(&path, &mission)?));
+    let mut vehicle = world(&mission, options.seed)?;
     if options.serve {
-        serve_beside(&path, options.port);
+        check_port(options.port)?;
     }
+    let recorder: SharedRecorder = Arc::new(Mutex::new(recorder(&path, &mission)?));
+    let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
-    let flight = fly(&mission, options, until, &recorder)?;
+    let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
+    let settings = apex_runtime::FlyOptions {
+        until,
+        pace,
+        inputs: mission.scenario.clone(),
+        controls,
+        ..apex_runtime::FlyOptions::default()
+    };
+    let hidden = options.no_progress || options.json;
+    let flight = fly(&mission, &mut vehicle, settings, &recorder, hidden)?;
     let seconds = started.elapsed().as_secs_f64();
     finish(&recorder, &flight)?;
+    print_flight(&flight, seconds, &path, options.json)?;
+    match sherpa {
+        Some(sherpa) if flight.end.reason != EndReason::Stopped => {
+            output::print_line("Sherpa goes on serving the record; Ctrl-C ends it")?;
+            // Its own thread has told what went wrong, if anything.
+            sherpa.join().ok();
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
 
-    if options.json {
+fn print_flight(flight: &Flight, seconds: f64, path: &Path, json: bool) -> Outcome {
+    if json {
         let sections: serde_json::Map<String, serde_json::Value> =
             flight.report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect();
-        println!("{}", serde_json::Value::Object(sections));
-    } else {
-        print!("{}", flight.report.text());
-        println!(
-            "\n{} of flight in {seconds:.2} s: {} steps, {} events, {} decisions and other effects",
-            Duration(flight.end.at.0),
-            flight.end.steps,
-            flight.end.events,
-            flight.end.effects
-        );
-        println!("Flight record: {}", path.display());
-        println!("Next: apex serve {0} --open   |   apex replay {0}   |   apex trace {0}", path.display());
+        return output::print_line(serde_json::Value::Object(sections));
     }
-    if options.serve {
-        println!("Sherpa goes on serving the record; Ctrl-C ends it");
-        loop {
-            std::thread::park();
-        }
+    output::print(flight.report.text())?;
+    output::print_line(format_args!(
+        "\n{} of flight in {seconds:.2} s: {} steps, {} events, {} decisions and other effects",
+        plain_duration(Duration(flight.end.at.0)),
+        flight.end.steps,
+        flight.end.events,
+        flight.end.effects
+    ))?;
+    output::print_line(format_args!("Flight record: {}", path.display()))?;
+    let path = shell_word(&path.display().to_string());
+    output::print_line(format_args!("Next: apex serve {path} --open   |   apex replay {path}   |   apex trace {path}"))
+}
+
+/// The pace, if it makes time go on.
+fn checked_pace(pace: f64) -> Outcome<f64> {
+    if pace > 0.0 && pace <= PACE_MAX {
+        return Ok(pace);
     }
-    Ok(())
+    Err(Trouble::user(format!("`--pace {pace}` is no pace"))
+        .help("write simulated seconds per second, above 0: 1 is real time, 10 is ten times faster; leave it out to fly as fast as possible"))
+}
+
+/// Tells before the flight that Sherpa will not have its port, rather than during it.
+fn check_port(port: u16) -> Outcome {
+    match TcpListener::bind((Ipv4Addr::LOCALHOST, port)) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Trouble::failure(format!("cannot serve on 127.0.0.1:{port}"))
+            .because(error)
+            .help("stop the program that uses the port, or choose another one with `--port` (0 takes any free one)")),
+    }
 }
 
 /// Everything that a flight came to.
@@ -74,8 +117,13 @@ struct Flight {
     report: Report,
 }
 
-fn fly(mission: &Arc<Mission>, options: &FlyOptions, until: Time, recorder: &SharedRecorder) -> Outcome<Flight> {
-    let mut vehicle = world(mission, options.seed)?;
+fn fly(
+    mission: &Arc<Mission>,
+    vehicle: &mut SimulatedWorld,
+    settings: apex_runtime::FlyOptions,
+    recorder: &SharedRecorder,
+    hidden: bool,
+) -> Outcome<Flight> {
     let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
     let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books));
     let mut deliberator = Contained::new(Box::new(deliberator), SOLVER_PATIENCE)
@@ -84,45 +132,33 @@ fn fly(mission: &Arc<Mission>, options: &FlyOptions, until: Time, recorder: &Sha
         .map_err(|reason| Trouble::user("the mission cannot be executed").because(reason))?;
     let mut bookkeeper = BookkeepingObserver(Arc::clone(&books));
     let mut targets = TargetRecorder { recorder: Arc::clone(recorder), books: Arc::clone(&books), changes: Vec::new() };
-    let mut progress = Progress::new(until, options.no_progress || options.json);
+    let mut progress = Progress::new(settings.until, hidden);
     let mut shared_recorder = Arc::clone(recorder);
-    let fly_options = apex_runtime::FlyOptions {
-        until,
-        pace: options.pace,
-        inputs: mission.scenario.clone(),
-        ..apex_runtime::FlyOptions::default()
-    };
     let mut observers: Vec<&mut dyn Observer> =
         vec![&mut shared_recorder, &mut bookkeeper, &mut targets, &mut progress];
-    let end = apex_runtime::fly(&mut agent, &mut vehicle, &mut deliberator, &mut observers, fly_options)
-        .map_err(|error| Trouble::failure(error.to_string()))?;
+    let flown = apex_runtime::fly(&mut agent, vehicle, &mut deliberator, &mut observers, settings);
     progress.bar.finish_and_clear();
+    let end = flown.map_err(|error| Trouble::failure(error.to_string()))?;
     let report = report(mission, &lock(&books), &targets.changes, (end.at, end.reason.text()));
     Ok(Flight { end, report })
-}
-
-fn failed(error: apex_runtime::RecordError) -> Trouble {
-    Trouble::failure(error.to_string())
 }
 
 /// A record with the mission's program, data and targets inside.
 fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
     let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
-    let mut recorder = Recorder::create(path, &mission.library, options).map_err(failed)?;
-    recorder.program(&mission.library).map_err(failed)?;
-    for (name, bytes) in &mission.data {
-        recorder.source(name, "data", bytes).map_err(failed)?;
-    }
-    recorder.meta("mission", &mission.settings.name).map_err(failed)?;
-    recorder.meta("agent", mission.agent.name.printed()).map_err(failed)?;
-    recorder.meta("vehicle", &mission.model.name).map_err(failed)?;
-    if let Some(epoch) = &mission.settings.epoch_text {
-        recorder.meta("epoch_utc", epoch).map_err(failed)?;
-    }
-    for target in mission.targets.iter().filter(|target| target.is_observable()) {
-        recorder
-            .target(&TargetRow {
+    recording::create(path, &mission.library, options, |recorder| {
+        for (name, bytes) in &mission.data {
+            recorder.source(name, "data", bytes)?;
+        }
+        recorder.meta("mission", &mission.settings.name)?;
+        recorder.meta("agent", mission.agent.name.printed())?;
+        recorder.meta("vehicle_model", &mission.model.name)?;
+        if let Some(epoch) = &mission.settings.epoch_text {
+            recorder.meta("epoch_utc", epoch)?;
+        }
+        mission.targets.iter().filter(|target| target.is_observable()).try_for_each(|target| {
+            recorder.target(&TargetRow {
                 id: target.id.clone(),
                 name: target.name.clone(),
                 latitude_deg: target.position.latitude_deg,
@@ -130,28 +166,35 @@ fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
                 value: target.worth(),
                 geometry: target.geometry.clone(),
             })
-            .map_err(failed)?;
-    }
-    Ok(recorder)
+        })
+    })
 }
 
 fn finish(recorder: &SharedRecorder, flight: &Flight) -> Outcome {
     let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
     for (section, body) in flight.report.sections() {
-        recorder.report(section, &body.to_string()).map_err(failed)?;
+        recorder.report(section, &body.to_string()).map_err(recording::written)?;
     }
-    recorder.finish(flight.end.at, &flight.end.reason.text()).map_err(failed)
+    recorder.finish(flight.end.at, &flight.end.reason.text()).map_err(recording::written)
 }
 
-/// Serves the growing record on a thread of its own.
-fn serve_beside(path: &Path, port: u16) {
+/// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
+fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
     let path = path.to_path_buf();
-    std::thread::spawn(move || {
+    let (say, controls) = mpsc::channel();
+    let thread = std::thread::spawn(move || {
         let address = IpAddr::V4(Ipv4Addr::LOCALHOST);
-        if let Err(trouble) = commands::serve::serve(&path, address, port, |url| println!("Sherpa: {url}")) {
-            eprintln!("{trouble}\n  the flight goes on without Sherpa");
+        let ready = |url: &str| {
+            // The page is served whether anybody reads this line or not.
+            output::print_line(format_args!("Sherpa: {url}")).ok();
+        };
+        match commands::serve::serve(&path, address, port, ready) {
+            // The flight may be over already: then nobody listens, and nothing is left to stop.
+            Ok(()) => say.send(Control::Stop).unwrap_or_default(),
+            Err(trouble) => output::complain(format_args!("{trouble}\n  the flight goes on without Sherpa")),
         }
     });
+    (thread, controls)
 }
 
 /// Moves changes of targets' states from the books into the record.

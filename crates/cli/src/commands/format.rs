@@ -1,6 +1,7 @@
 //! `apex fmt`: one layout for all PDL.
 
 use crate::options::FormatOptions;
+use crate::output;
 use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::source::SourceFile;
 use std::io::{Read, Write};
@@ -27,7 +28,7 @@ pub fn run(options: &FormatOptions) -> Outcome {
             unformatted.push(file.display().to_string());
         } else {
             replace(file, &formatted)?;
-            println!("formatted {}", file.display());
+            output::print_line(format_args!("formatted {}", file.display()))?;
         }
     }
     if !unformatted.is_empty() {
@@ -43,7 +44,7 @@ fn format_standard_input() -> Outcome<bool> {
         .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
     match format_text(&text, "<standard input>") {
         Some(formatted) => {
-            print!("{formatted}");
+            output::print(formatted)?;
             Ok(true)
         }
         None => Ok(false),
@@ -56,7 +57,7 @@ fn format_text(text: &str, name: &str) -> Option<String> {
         Ok(formatted) => Some(formatted),
         Err(diagnostic) => {
             let source = SourceFile { name: name.into(), text: text.into() };
-            eprint!("{}", apex_pdl::render(&[diagnostic], &[source], false));
+            output::complain(apex_pdl::render(&[diagnostic], &[source], false).trim_end_matches('\n'));
             None
         }
     }

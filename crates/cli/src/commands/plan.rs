@@ -5,10 +5,13 @@ use crate::mission::bookkeeping::Bookkeeping;
 use crate::mission::deliberator::{Deliberation, solve, translate};
 use crate::mission::problem::pose;
 use crate::options::PlanOptions;
+use crate::output;
+use crate::telling::{name_width, wrapped};
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::fmt::Write;
 
 /// Deliberation time where the mission declares none.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
@@ -22,19 +25,20 @@ pub fn run(options: &PlanOptions) -> Outcome {
     let solved = solve(problem, options.solver.as_deref(), budget, mission.settings.seed)
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
     if options.json {
-        let json = serde_json::json!({
+        return output::print_line(serde_json::json!({
             "mission": mission.settings.name,
             "reason": solved.reason,
             "work_units": solved.work,
             "plan": solved.plan,
-        });
-        println!("{json}");
-    } else if options.pdl {
-        print!("{}", translate(&solved, &goal, 1, &mission).source.text);
-    } else {
-        print_table(&solved);
+        }));
     }
-    Ok(())
+    if options.pdl {
+        return output::print(translate(&solved, &goal, 1, &mission).source.text);
+    }
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_table(&mut text, &solved);
+    output::print(text)
 }
 
 /// The goal and budget of the mission's first declared solver.
@@ -58,50 +62,60 @@ fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
     }
 }
 
-fn print_table(solved: &Deliberation) {
-    println!("{}", solved.plan.summary());
-    println!("planned by {} ({}), {} work units\n", solved.plan.solver(), solved.reason, solved.work);
+fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
+    writeln!(out, "{}", solved.plan.summary())?;
+    writeln!(out, "planned by {} ({}), {} work units\n", solved.plan.solver(), solved.reason, solved.work)?;
     match &solved.plan {
-        Plan::SingleVisit(plan) => print_single_visit(plan),
-        Plan::Surveillance(plan) => print_surveillance(plan),
+        Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
+        Plan::Surveillance(plan) => write_surveillance(out, plan)?,
     }
-    if !solved.plan.left_out().is_empty() {
-        println!("\nnot visited:");
-        for left in solved.plan.left_out() {
-            println!("  {:<16} {}", left.target, left.reason);
-        }
+    let left_out = solved.plan.left_out();
+    if !left_out.is_empty() {
+        writeln!(out, "\nnot visited:")?;
     }
+    let width = name_width("", left_out.iter().map(|left| left.target.as_str()));
+    left_out.iter().try_for_each(|left| writeln!(out, "  {:<width$}  {}", left.target, left.reason))
 }
 
 fn clock(seconds: f64) -> String {
     Time::from_seconds(seconds.round()).to_string()
 }
 
-fn print_single_visit(plan: &SingleVisitPlan) {
-    println!("  {:<16} {:>10} {:>10} {:>10} {:>8}", "target", "arrive", "begin", "end", "worth");
+fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Result {
+    let width = name_width("target", plan.visits.iter().map(|visit| visit.target.as_str()));
+    writeln!(out, "  {:<width$} {:>10} {:>10} {:>10} {:>8}", "target", "arrive", "begin", "end", "worth")?;
     for visit in &plan.visits {
-        println!(
-            "  {:<16} {:>10} {:>10} {:>10} {:>8.2}",
+        writeln!(
+            out,
+            "  {:<width$} {:>10} {:>10} {:>10} {:>8.2}",
             visit.target,
             clock(visit.arrive_s),
             clock(visit.begin_s),
             clock(visit.end_s),
             visit.worth
-        );
+        )?;
     }
-    println!("\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score);
-    println!("  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg);
-    if let Some(bound) = plan.benefits_bound {
-        println!("  no plan can have benefits above {bound:.2}");
+    writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
+    writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
+    match plan.benefits_bound {
+        Some(bound) => writeln!(out, "  no plan can have benefits above {bound:.2}"),
+        None => Ok(()),
     }
 }
 
-fn print_surveillance(plan: &SurveillancePlan) {
+fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
     if !plan.cycle.is_empty() {
-        println!("  cycle: {}", plan.cycle.join(" -> "));
+        let stops: Vec<String> = plan.cycle.iter().map(ToString::to_string).collect();
+        writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", "         "))?;
     }
-    println!("  {} visits until the horizon, expected cost of ignorance {:.4}", plan.visits.len(), plan.expected_cost);
-    if let Some(bound) = plan.expected_cost_bound {
-        println!("  no plan can cost less than {bound:.4}");
+    writeln!(
+        out,
+        "  {} visits until the horizon, expected cost of ignorance {:.4}",
+        plan.visits.len(),
+        plan.expected_cost
+    )?;
+    match plan.expected_cost_bound {
+        Some(bound) => writeln!(out, "  no plan can cost less than {bound:.4}"),
+        None => Ok(()),
     }
 }

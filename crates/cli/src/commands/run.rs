@@ -1,16 +1,17 @@
 //! `apex run`: any PDL program without a vehicle, with scripted inputs and a trace.
 
 use crate::options::RunOptions;
-use crate::sources;
+use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
+use crate::{recording, sources};
 use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_runtime::input_lines::read_inputs;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
-use apex_runtime::{FlyOptions, RunEnd, program};
-use std::io::{BufWriter, Read, Write};
+use apex_runtime::{FlyOptions, program};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,48 +20,63 @@ pub fn run(options: &RunOptions) -> Outcome {
     let library = sources::load_program(&options.program)?;
     let inputs = options.inputs.as_deref().map(inputs_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let out = trace_output(options.trace.as_deref())?;
-    let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
-    let mut tracer = Tracer::new(out, format, TraceFilter::default(), &library);
     let fly_options = FlyOptions { until: until.unwrap_or(Time::END), inputs, ..FlyOptions::default() };
-    let declaration = sources::agent_of(&library);
+    let declaration = sources::only_agent_of(&library)?;
     let mut agent = apex_executive::load(Arc::clone(&library), &declaration, sources::host_functions())
         .map_err(|reason| Trouble::user("the program cannot be executed").because(reason))?;
-
+    refuse_to_overwrite_inputs(options)?;
     let mut recorder = options.record.as_deref().map(|path| recorder(path, &library)).transpose()?;
+    let out = trace_output(options.trace.as_deref())?;
+    let gone = out.gone();
+    let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
+    let mut tracer = Tracer::new(out, format, TraceFilter::default(), &library);
+
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     if let Some(recorder) = &mut recorder {
         observers.push(recorder);
     }
     observers.push(&mut tracer);
-    let end =
-        program::run(&mut agent, &mut observers, fly_options).map_err(|error| Trouble::failure(error.to_string()))?;
-    finish(tracer, recorder, &end)
-}
-
-fn finish(tracer: Tracer<Box<dyn Write>>, recorder: Option<Recorder>, end: &RunEnd) -> Outcome {
-    let flushed = tracer.into_inner().and_then(|mut out| out.flush());
-    match flushed {
-        // A reader such as `head` that has seen enough is no failure.
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
-        Err(error) => return Err(Trouble::failure("cannot write the trace").because(error)),
-        Ok(()) => {}
+    let ended = program::run(&mut agent, &mut observers, fly_options);
+    let flushed = tracer.into_inner();
+    // A reader such as `head` that has seen enough ends the run; a record then says that it is incomplete.
+    if gone.get() {
+        return Ok(());
     }
+    let end = ended.map_err(|error| Trouble::failure(error.to_string()))?;
+    flushed.map_err(|error| {
+        Trouble::failure("cannot write the trace")
+            .because(error)
+            .help("the trace is incomplete; look at where it goes, and at the space there")
+    })?;
     match recorder {
-        Some(mut recorder) => {
-            recorder.finish(end.at, &end.reason.text()).map_err(|error| Trouble::failure(error.to_string()))
-        }
+        Some(mut recorder) => recorder.finish(end.at, &end.reason.text()).map_err(recording::written),
         None => Ok(()),
     }
 }
 
+/// A trace or record written over what is being run would be lost work.
+fn refuse_to_overwrite_inputs(options: &RunOptions) -> Outcome {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    let program = real(&sources::program_path(&options.program));
+    let inputs = options.inputs.as_deref().and_then(real);
+    let trace = options.trace.as_deref().and_then(real);
+    let Some(trace) = trace else { return Ok(()) };
+    let record = options.record.as_deref().and_then(real);
+    let what = match Some(&trace) {
+        same if same == program.as_ref() => "the program",
+        same if same == inputs.as_ref() => "the file of inputs",
+        same if same == record.as_ref() => "the flight record",
+        _ => return Ok(()),
+    };
+    Err(Trouble::user(format!("the trace would be written over {what}, {}", trace.display()))
+        .help("give `--trace` another file"))
+}
+
 /// A record with the program's sources inside.
 fn recorder(path: &Path, library: &Library) -> Outcome<Recorder> {
-    let failed = |error: apex_runtime::RecordError| Trouble::failure(error.to_string());
-    let mut recorder = Recorder::create(path, library, RecordOptions::default()).map_err(failed)?;
-    recorder.program(library).map_err(failed)?;
-    recorder.meta("agent", sources::agent_of(library).name.printed()).map_err(failed)?;
-    Ok(recorder)
+    recording::create(path, library, RecordOptions::default(), |recorder| {
+        recorder.meta("agent", sources::agent_of(library).name.printed())
+    })
 }
 
 /// Reads scripted inputs from a file, or from standard input for `-`.
@@ -81,12 +97,14 @@ pub fn inputs_of(path: &Path) -> Outcome<Vec<Input>> {
     })
 }
 
-fn trace_output(path: Option<&Path>) -> Outcome<Box<dyn Write>> {
+fn trace_output(path: Option<&Path>) -> Outcome<Listened> {
     match path {
         Some(path) if path.as_os_str() != "-" => match std::fs::File::create(path) {
-            Ok(file) => Ok(Box::new(BufWriter::new(file))),
-            Err(error) => Err(Trouble::failure(format!("cannot write the trace to {}", path.display())).because(error)),
+            Ok(file) => Ok(Listened::new(Box::new(file))),
+            Err(error) => Err(Trouble::user(format!("cannot write the trace to {}", path.display()))
+                .because(error)
+                .help("choose another place with `--trace`, or leave it out to see the trace here")),
         },
-        _ => Ok(Box::new(BufWriter::new(std::io::stdout()))),
+        _ => Ok(Listened::standard()),
     }
 }

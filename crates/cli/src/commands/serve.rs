@@ -1,8 +1,8 @@
 //! `apex serve`: Sherpa on a flight record, finished or still being written.
 
 use crate::options::ServeOptions;
-use crate::sources;
 use crate::trouble::{Outcome, Trouble};
+use crate::{output, recording, sources};
 use apex_model::time::Time;
 use apex_runtime::explain;
 use apex_runtime::record::RecordReader;
@@ -19,10 +19,11 @@ pub fn run(options: &ServeOptions) -> Outcome {
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;
     // Opened once here so that a wrong file is told before a port is taken.
-    super::replay::open(&options.record)?;
+    recording::open(&options.record)?;
     let open = options.open;
     serve(&options.record, address, options.port, move |url| {
-        println!("Sherpa: {url}  (Ctrl-C ends it)");
+        // The page is served whether anybody reads this line or not.
+        output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         if open {
             open_browser(url);
         }
@@ -51,7 +52,9 @@ fn open_browser(url: &str) {
         .stderr(std::process::Stdio::null())
         .spawn();
     if let Err(error) = started {
-        eprintln!("note: no browser could be opened ({program}: {error}); open the address yourself");
+        output::complain(format_args!(
+            "note: no browser could be opened ({program}: {error}); open the address yourself"
+        ));
     }
 }
 

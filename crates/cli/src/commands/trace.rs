@@ -2,13 +2,16 @@
 
 use crate::options::TraceOptions;
 use crate::trouble::{Outcome, Trouble};
-use crate::{commands, sources};
+use crate::{output, recording, sources};
+use apex_model::time::Time;
 use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
-use std::io::{BufWriter, Write};
+use std::cell::Cell;
+use std::io::{self, Write};
+use std::rc::Rc;
 
 /// Prints the lines of a record that the filters admit.
 pub fn run(options: &TraceOptions) -> Outcome {
-    let reader = commands::replay::open(&options.record)?;
+    let reader = recording::open(&options.record)?;
     let time =
         |text: &Option<String>, option: &str| text.as_deref().map(|text| sources::parse_time(text, option)).transpose();
     let filter = TraceFilter {
@@ -19,14 +22,41 @@ pub fn run(options: &TraceOptions) -> Outcome {
         place: options.procedure.clone(),
     };
     filter.check().map_err(Trouble::user)?;
+    if filter.from.unwrap_or(Time::ZERO) > filter.to.unwrap_or(Time::END) {
+        return Err(Trouble::user("`--from` is later than `--to`").help("exchange them"));
+    }
+    let filtered = filter != TraceFilter::default();
     let format = if options.json { TraceFormat::JsonLines } else { TraceFormat::Text };
-    let out = BufWriter::new(std::io::stdout().lock());
-    match trace_record(&reader, out, format, filter) {
-        Ok(mut out) => {
-            // Whoever reads our output may have closed it; there is nobody left to tell.
-            out.flush().ok();
+    let out = output::Listened::standard();
+    let gone = out.gone();
+    let written = Rc::new(Cell::new(false));
+    let traced = trace_record(&reader, Noticed { out, written: Rc::clone(&written) }, format, filter);
+    match traced {
+        // Whoever reads our output has seen enough.
+        _ if gone.get() => Ok(()),
+        Err(error) => Err(Trouble::failure(error.to_string())),
+        Ok(_) => {
+            if filtered && !written.get() {
+                output::complain("note: nothing in this record matches");
+            }
             Ok(())
         }
-        Err(error) => Err(Trouble::failure(error.to_string())),
+    }
+}
+
+/// Notices whether anything is written at all.
+struct Noticed {
+    out: output::Listened,
+    written: Rc<Cell<bool>>,
+}
+
+impl Write for Noticed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.written.set(true);
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }

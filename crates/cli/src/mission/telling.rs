@@ -2,6 +2,7 @@
 
 use super::bookkeeping::Visit;
 use super::report::{MissionValue, Report};
+use crate::telling::{name_width, wrapped};
 use apex_metrics::eci::ExpectedCost;
 use apex_metrics::mission_score::MissionScore;
 use apex_model::time::Time;
@@ -64,7 +65,8 @@ impl Report {
         self.write_visits(out)?;
         if !self.left_out.is_empty() {
             writeln!(out, "\nNot observed")?;
-            self.left_out.iter().try_for_each(|(target, reason)| writeln!(out, "  {target:<16} {reason}"))?;
+            let width = name_width("", self.left_out.iter().map(|(target, _)| target.as_str()));
+            self.left_out.iter().try_for_each(|(target, reason)| writeln!(out, "  {target:<width$}  {reason}"))?;
         }
         if !self.notes.is_empty() {
             writeln!(out, "\nDecisions of note")?;
@@ -83,9 +85,10 @@ impl Report {
             return Ok(());
         }
         writeln!(out, "\nVisits")?;
+        let width = name_width("target", self.visits.iter().map(|visit| visit.target.as_str()));
         writeln!(
             out,
-            "  {:<16} {:>10} {:>10} {:>6} {:>9} {:>8}",
+            "  {:<width$} {:>10} {:>10} {:>6} {:>9} {:>8}",
             "target", "begin", "end", "lines", "altitude", "re-flown"
         )?;
         for visit in &self.visits {
@@ -93,7 +96,7 @@ impl Report {
             let altitude = visit.altitude_m().map_or_else(String::new, |altitude_m| format!("{altitude_m:.0} m"));
             writeln!(
                 out,
-                "  {:<16} {:>10} {:>10} {:>6} {:>9} {:>8}",
+                "  {:<width$} {:>10} {:>10} {:>6} {:>9} {:>8}",
                 visit.target,
                 whole_seconds(visit.begin).to_string(),
                 end,
@@ -158,9 +161,10 @@ fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
         score.score, score.benefits, score.personnel_cost, score.failure_cost, score.failure_probability
     )?;
     writeln!(out, "\nScore by factor")?;
+    let width = name_width("target", score.targets.iter().map(|target| target.observation.target.as_str()));
     writeln!(
         out,
-        "  {:<16} {:>6} {:>9} {:>11} {:>8} {:>7} {:>7}",
+        "  {:<width$} {:>6} {:>9} {:>11} {:>8} {:>7} {:>7}",
         "target", "value", "coverage", "resolution", "clarity", "timing", "worth"
     )?;
     for target in &score.targets {
@@ -168,7 +172,7 @@ fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
         let quality = &observation.quality;
         writeln!(
             out,
-            "  {:<16} {:>6.1} {:>9.2} {:>11.2} {:>8.2} {:>7.2} {:>7.1}",
+            "  {:<width$} {:>6.1} {:>9.2} {:>11.2} {:>8.2} {:>7.2} {:>7.1}",
             observation.target,
             observation.value,
             quality.coverage.factor,
@@ -181,7 +185,9 @@ fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
         let causes: Vec<&str> =
             factors.into_iter().map(|factor| factor.cause.as_str()).filter(|cause| !cause.is_empty()).collect();
         if !causes.is_empty() {
-            writeln!(out, "  {:<16} {}", "", causes.join("; "))?;
+            let indent = " ".repeat(width + 3);
+            let causes: Vec<String> = causes.into_iter().map(str::to_string).collect();
+            writeln!(out, "{indent}{}", wrapped(&causes, "; ", &indent))?;
         }
     }
     Ok(())
@@ -190,12 +196,13 @@ fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
 fn write_ignorance(out: &mut String, cost: &ExpectedCost) -> std::fmt::Result {
     writeln!(out, "Expected cost of ignorance {:.4}", cost.total)?;
     writeln!(out, "\nCost by site")?;
-    writeln!(out, "  {:<16} {:>13} {:>13} {:>12}", "site", "observations", "longest gap", "cost")?;
+    let width = name_width("site", cost.targets.iter().map(|target| target.target.as_str()));
+    writeln!(out, "  {:<width$} {:>13} {:>13} {:>12}", "site", "observations", "longest gap", "cost")?;
     for target in &cost.targets {
         let gap = Time::from_seconds(target.longest_gap_s.round());
         writeln!(
             out,
-            "  {:<16} {:>13} {:>13} {:>12.4}",
+            "  {:<width$} {:>13} {:>13} {:>12.4}",
             target.target,
             target.observations,
             gap.to_string(),

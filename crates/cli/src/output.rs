@@ -1,0 +1,83 @@
+//! Standard output and standard error. A reader that has seen enough (`apex trace F | head -1`) is no failure; a full
+//! disk is one, and never a panic.
+
+use crate::trouble::{Outcome, Trouble};
+use std::cell::Cell;
+use std::fmt;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::rc::Rc;
+
+/// Prints to standard output.
+///
+/// # Errors
+/// The output cannot be written. A reader that went away is no error.
+pub fn print(text: impl fmt::Display) -> Outcome {
+    let mut out = io::stdout().lock();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(error)),
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Prints one line to standard output.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_line(text: impl fmt::Display) -> Outcome {
+    print(format_args!("{text}\n"))
+}
+
+/// Prints one line to standard error. Where that cannot be written there is nobody left to tell.
+pub fn complain(text: impl fmt::Display) {
+    // Nothing can be done about it, and the exit code still says what happened.
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// What to say when standard output cannot be written.
+fn unwritable(error: io::Error) -> Trouble {
+    Trouble::failure("cannot write to standard output")
+        .because(error)
+        .help("what was printed is incomplete; look at where the output goes, and at the space there")
+}
+
+/// A buffered output that remembers whether its reader went away.
+pub struct Listened {
+    out: BufWriter<Box<dyn Write>>,
+    gone: Rc<Cell<bool>>,
+}
+
+impl Listened {
+    /// Standard output.
+    pub fn standard() -> Listened {
+        Listened::new(Box::new(io::stdout()))
+    }
+
+    /// Any other output.
+    pub fn new(out: Box<dyn Write>) -> Listened {
+        Listened { out: BufWriter::new(out), gone: Rc::new(Cell::new(false)) }
+    }
+
+    /// Becomes true when the reader went away.
+    pub fn gone(&self) -> Rc<Cell<bool>> {
+        Rc::clone(&self.gone)
+    }
+
+    fn watch<T>(&self, done: io::Result<T>) -> io::Result<T> {
+        if done.as_ref().is_err_and(|error| error.kind() == ErrorKind::BrokenPipe) {
+            self.gone.set(true);
+        }
+        done
+    }
+}
+
+impl Write for Listened {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = self.out.write(bytes);
+        self.watch(done)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.out.flush();
+        self.watch(done)
+    }
+}

@@ -1,0 +1,105 @@
+//! The files of flight records: what may stand where one is to be written or read, said before anything is touched.
+
+use crate::output;
+use crate::trouble::{Outcome, Trouble, nearby_help};
+use apex_model::library::Library;
+use apex_runtime::RecordError;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
+use std::path::Path;
+
+/// Starts a record of a run of `library`; `fill` adds what else belongs into it. What it then holds is on the disk
+/// before the run begins, so that a record that is cut off can still explain itself.
+///
+/// # Errors
+/// A path that cannot hold a record is the user's mistake (another file stands there, no such folder); a disk that is
+/// full or refuses is a failure. Other files are left as they are.
+pub fn create(
+    path: &Path,
+    library: &Library,
+    options: RecordOptions,
+    fill: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
+) -> Outcome<Recorder> {
+    check_place(path)?;
+    let mut recorder = Recorder::create(path, library, options).map_err(|error| {
+        if matches!(error, RecordError::DiskFull { .. }) {
+            remove_beginning(path);
+        }
+        written(error)
+    })?;
+    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).map_err(written);
+    let stored = filled.and_then(|()| recorder.flush().map_err(Trouble::failure));
+    match stored {
+        Ok(()) => Ok(recorder),
+        Err(trouble) => {
+            drop(recorder);
+            remove_beginning(path);
+            Err(trouble)
+        }
+    }
+}
+
+/// A record without its whole program explains nothing. If it cannot be removed, it still says that it is incomplete.
+fn remove_beginning(path: &Path) {
+    for suffix in ["", "-wal", "-shm", "-journal"] {
+        let mut name = path.as_os_str().to_owned();
+        name.push(suffix);
+        std::fs::remove_file(name).ok();
+    }
+}
+
+/// Can a record be made here at all?
+fn check_place(path: &Path) -> Outcome {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    if !folder.is_dir() {
+        return Err(Trouble::user(format!("the flight record {} cannot be written", path.display()))
+            .because(format!("there is no folder {}", folder.display()))
+            .help("make the folder, or choose another place with `--record`"));
+    }
+    check_kind(path, "choose another name with `--record`; what stands there is left as it is")
+}
+
+/// Devices, pipes and folders are no records, and opening some of them waits for ever.
+fn check_kind(path: &Path, help: &str) -> Outcome {
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            let kind = if found.is_dir() { "it is a folder" } else { "it is no ordinary file" };
+            Err(Trouble::user(format!("{} is not a flight record", path.display())).because(kind).help(help))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Opens a record and says so when it is incomplete.
+///
+/// # Errors
+/// A missing file, another kind of file, a record of a newer Apex, a damaged one.
+pub fn open(path: &Path) -> Outcome<RecordReader> {
+    check_kind(path, "give a file that `apex fly` or `apex run --record` has written")?;
+    if !path.exists() {
+        return Err(Trouble::user(format!("there is no flight record at {}", path.display())).help(nearby_help(path)));
+    }
+    let reader = RecordReader::open(path).map_err(read)?;
+    if let Some(warning) = reader.warning().map_err(read)? {
+        output::complain(format_args!("warning: {warning}"));
+    }
+    Ok(reader)
+}
+
+/// A record that cannot be written, with the exit code that it deserves.
+pub fn written(error: RecordError) -> Trouble {
+    match error {
+        RecordError::NotARecord { .. } => Trouble::user(error.to_string()),
+        _ => Trouble::failure(error.to_string()),
+    }
+}
+
+/// A record that cannot be read: the user gave the file.
+fn read(error: RecordError) -> Trouble {
+    match error {
+        RecordError::NotARecord { path, found } => Trouble::user(format!("{} is not a flight record", path.display()))
+            .because(found)
+            .help("give a file that `apex fly` or `apex run --record` has written"),
+        other => Trouble::user(other.to_string()),
+    }
+}

@@ -1,0 +1,79 @@
+//! Words and columns for people.
+
+use apex_model::time::Duration;
+
+/// Lines for people are no wider than this.
+const LINE_WIDTH: usize = 100;
+/// The narrowest column of names.
+const NAME_WIDTH_MIN: usize = 10;
+
+/// A duration as people say it: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
+pub fn plain_duration(duration: Duration) -> String {
+    let seconds = duration.seconds();
+    if seconds < 60.0 {
+        let text = format!("{seconds:.1}");
+        return format!("{} s", text.strip_suffix(".0").unwrap_or(&text));
+    }
+    let whole = seconds.round() as u64;
+    let parts = [(whole / 3600, "h"), (whole / 60 % 60, "min"), (whole % 60, "s")];
+    let words: Vec<String> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, unit)| format!("{count} {unit}")).collect();
+    words.join(" ")
+}
+
+/// How wide a column must be for its heading and all of its names.
+pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -> usize {
+    let longest = names.into_iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)
+}
+
+/// Words joined by `joint`, in lines no wider than [`LINE_WIDTH`]; later lines begin with `indent`.
+pub fn wrapped(words: &[String], joint: &str, indent: &str) -> String {
+    let mut text = String::new();
+    let mut width = indent.len();
+    for (index, word) in words.iter().enumerate() {
+        let piece = if index + 1 < words.len() { format!("{word}{joint}") } else { word.clone() };
+        let length = piece.chars().count();
+        if index > 0 && width + length > LINE_WIDTH {
+            text.truncate(text.trim_end().len());
+            text.push('\n');
+            text.push_str(indent);
+            width = indent.len();
+        }
+        text.push_str(&piece);
+        width += length;
+    }
+    text
+}
+
+/// A word for the shell: quoted where the shell would read it otherwise.
+pub fn shell_word(word: &str) -> String {
+    let plain = |character: char| character.is_alphanumeric() || "-_./+,:@".contains(character);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_string();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_as_people_say_them() {
+        let said = |seconds: f64| plain_duration(Duration::from_seconds(seconds));
+        assert_eq!(said(79_495.896), "22 h 4 min 56 s");
+        assert_eq!(said(243.146), "4 min 3 s");
+        assert_eq!(said(3600.0), "1 h");
+        assert_eq!(said(13.5), "13.5 s");
+        assert_eq!(said(0.0), "0 s");
+        assert_eq!(said(59.99), "60 s");
+    }
+
+    #[test]
+    fn words_are_quoted_for_the_shell_where_needed() {
+        assert_eq!(shell_word("a/b-1.apex"), "a/b-1.apex");
+        assert_eq!(shell_word("my flight.apex"), "'my flight.apex'");
+        assert_eq!(shell_word("it's"), "'it'\\''s'");
+    }
+}
