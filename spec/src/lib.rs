@@ -1,10 +1,12 @@
 //! Specification pages: Markdown that tells what the language means, and runs.
 //!
 //! A page is read into blocks ([`page`]), each `trace` block is one run of the program before it ([`scenario`]), told in a
-//! few words a line ([`projection`]) and compared with what the page says ([`diff`]). See `README.md` for the blocks.
+//! few words a line ([`projection`]) and compared with what the page says ([`diff`]); a `why` block asks its record
+//! ([`question`]). See `README.md` for the blocks.
 
 pub mod diff;
 pub mod page;
 pub mod projection;
+pub mod question;
 pub mod scenario;
 pub mod verdict;

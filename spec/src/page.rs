@@ -18,8 +18,10 @@ pub fn files() -> Vec<PathBuf> {
 /// A fenced block of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// The first word after the opening fence: `pdl`, `inputs`, `options`, `trace`, `check`; may be empty.
+    /// The first word after the opening fence: `pdl`, `inputs`, `options`, `trace`, `why`, `check`; may be empty.
     pub kind: String,
+    /// The rest of that line: the question of a `why` block.
+    pub argument: String,
     /// Line of the opening fence, from 1.
     pub line: usize,
     /// The lines between the fences, each with its line end.
@@ -33,8 +35,9 @@ pub fn blocks(text: &str) -> Vec<Block> {
     for (index, line) in text.lines().enumerate() {
         match (line.strip_prefix("```"), open) {
             (Some(info), false) => {
-                let kind = info.split_whitespace().next().unwrap_or_default().to_string();
-                found.push(Block { kind, line: index + 1, body: String::new() });
+                let (kind, argument) = info.trim().split_once(' ').unwrap_or((info.trim(), ""));
+                let (kind, argument) = (kind.to_string(), argument.trim().to_string());
+                found.push(Block { kind, argument, line: index + 1, body: String::new() });
                 open = true;
             }
             (Some(_), true) => open = false,
@@ -81,8 +84,15 @@ mod tests {
     fn blocks_know_kind_line_and_body() {
         let found = blocks(PAGE);
         assert_eq!(found.len(), 2);
-        assert_eq!(found[0], Block { kind: "pdl".into(), line: 5, body: "(a)\n(b)\n".into() });
+        let program = Block { kind: "pdl".into(), argument: String::new(), line: 5, body: "(a)\n(b)\n".into() };
+        assert_eq!(found[0], program);
         assert_eq!((found[1].kind.as_str(), found[1].line), ("trace", 10));
+    }
+
+    #[test]
+    fn a_block_may_carry_a_question() {
+        let found = blocks("```why take picture@2s\n```\n");
+        assert_eq!((found[0].kind.as_str(), found[0].argument.as_str()), ("why", "take picture@2s"));
     }
 
     #[test]

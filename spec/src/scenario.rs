@@ -8,9 +8,11 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
+use apex_runtime::error::RunError;
 use apex_runtime::input_lines::read_inputs;
 use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd};
-use apex_runtime::program;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::Program;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -35,23 +37,46 @@ pub struct Scenario {
 /// # Errors
 /// The checker's messages, a bad input line or a bad option. A run that breaks tells so in its last line.
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
-    let (until, kinds) = read_options(&scenario.options)?;
-    let checked = check(&scenario.pdl);
+    let (_, kinds) = read_options(&scenario.options)?;
+    let mut teller = Teller::new(&kinds)?;
+    let line = match run_observed(scenario, &program(&scenario.pdl)?, &mut teller)? {
+        Ok(end) => last_line(&end),
+        Err(error) => format!("error: {error}"),
+    };
+    teller.tell(line);
+    Ok(teller)
+}
+
+/// The scenario's program, ready to be run.
+///
+/// # Errors
+/// The checker's messages.
+pub fn program(pdl: &str) -> Result<Program, String> {
+    let checked = check(pdl);
     if checked.has_errors() {
         return Err(format!("the program has errors:\n{}", messages(&checked)));
     }
+    let declaration = agent_of(&checked.library);
+    Ok((Arc::new(checked.library), declaration, apex_geo::functions::host_functions()))
+}
+
+/// Runs `program` with the scenario's inputs and options; `observer` sees everything. Within: how the run ended.
+///
+/// # Errors
+/// A bad input line or a bad option, or an agent that cannot be made.
+pub fn run_observed(
+    scenario: &Scenario,
+    program: &Program,
+    observer: &mut dyn Observer,
+) -> Result<Result<RunEnd, RunError>, String> {
+    let (until, _) = read_options(&scenario.options)?;
     let inputs =
         read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
             .map_err(|error| error.to_string())?;
-    let declaration = agent_of(&checked.library);
-    let mut agent = load(Arc::new(checked.library), &declaration, apex_geo::functions::host_functions())?;
-    let mut teller = Teller::new(&kinds)?;
+    let (library, declaration, host) = program.clone();
+    let mut agent = load(library, &declaration, host)?;
     let options = FlyOptions { until, inputs, ..FlyOptions::default() };
-    match program::run(&mut agent, &mut [&mut teller], options) {
-        Ok(end) => teller.tell(last_line(&end)),
-        Err(error) => teller.tell(format!("error: {error}")),
-    }
-    Ok(teller)
+    Ok(apex_runtime::program::run(&mut agent, &mut [observer], options))
 }
 
 /// Checks a page's program; shipped libraries are found.
@@ -108,10 +133,11 @@ fn read_options(options: &str) -> Result<(Time, Vec<String>), String> {
     Ok((until, kinds))
 }
 
-fn read_time(text: &str) -> Result<Time, String> {
+/// An instant such as `20s` or `P1M30S`.
+pub(crate) fn read_time(text: &str) -> Result<Time, String> {
     match apex_pdl::read_value(text) {
         Ok(Value::Duration(Duration(nanoseconds))) => Ok(Time(nanoseconds)),
-        _ => Err(format!("`until {text}`: expected a duration such as 20s")),
+        _ => Err(format!("`{text}` is no instant: expected a duration such as 20s")),
     }
 }
 

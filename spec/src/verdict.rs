@@ -1,7 +1,8 @@
-//! A whole page: every `trace` and `check` block against what really happens.
+//! A whole page: every `trace`, `why` and `check` block against what really happens.
 
 use crate::diff;
 use crate::page::{self, Block};
+use crate::question;
 use crate::scenario::{self, Scenario};
 use apex_model::task::TaskState;
 use std::collections::BTreeSet;
@@ -31,7 +32,7 @@ pub fn judge(text: &str) -> Verdict {
         }
     }
     if compared == 0 {
-        differences.push_str("  the page compares nothing: it needs a `trace` or `check` block\n");
+        differences.push_str("  the page compares nothing: it needs a `trace`, `why` or `check` block\n");
     }
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
@@ -63,6 +64,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     let results = scenarios.map(|(block, scenario)| {
         let actual = match block.kind.as_str() {
             "trace" => scenario::run(&scenario).map(|told| told.text()),
+            "why" => question::answer(&scenario, &block.argument),
             "check" => Ok(scenario::messages(&scenario::check(&scenario.pdl))),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };

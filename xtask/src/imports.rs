@@ -10,7 +10,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geo", &["apex-model"]),
     ("crates/executive", &["apex-model"]),
     ("crates/metrics", &["apex-model", "apex-geo"]),
-    ("crates/solvers", &["apex-model", "apex-geo"]),
+    ("crates/solvers", &["apex-model", "apex-geo", "apex-metrics"]),
     ("crates/runtime", &["apex-model", "apex-executive"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo"]),
     ("crates/server", &["apex-model", "apex-executive", "apex-runtime", "apex-metrics"]),

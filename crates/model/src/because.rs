@@ -102,10 +102,10 @@ pub enum Cause {
     ResourceExhausted {
         /// The resource.
         resource: Value,
-        /// The amount needed, in SI.
-        needed: f64,
-        /// What there is, in SI.
-        left: f64,
+        /// The amount needed, with its unit.
+        needed: Value,
+        /// What there is, with its unit.
+        left: Value,
     },
     /// An ancestor was interrupted with its whole subtree, or resumed, or starts over.
     AncestorChanged {

@@ -112,7 +112,8 @@ fn on_task(cycle: &mut Cycle<'_>, id: TaskId, which: BuiltInActivity, task: Task
         BuiltInActivity::Resume => {
             let because = because("resume");
             interruption::resume(cycle, task, &because);
-            interruption::watch_suspension(cycle, task);
+            let window = interruption::window_from_here(cycle);
+            interruption::watch_suspension(cycle, task, window);
         }
         _ => cycle.work.priorities_changed = true,
     }

@@ -10,6 +10,7 @@ use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
+use apex_model::quantity::Dimension;
 use apex_model::resource::ResourceId;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
@@ -63,6 +64,8 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     }
     for (id, resource, needed, left) in arbitration.impossible {
         let name = resource_name(cycle, resource);
+        let dimension = cycle.agent.resources.get(resource).map_or(Dimension::NONE, |resource| resource.dimension);
+        let (needed, left) = (amount(needed, dimension), amount(left, dimension));
         let cause = Cause::ResourceExhausted { resource: name, needed, left };
         let place = cycle.place_of(id);
         termination::fail(cycle, id, Because::new(cause, place));
@@ -74,6 +77,14 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         refuse(cycle, loss);
     }
     cycle.work.resumed.clear();
+}
+
+/// An amount of a resource for people: whole units of a capacity, a quantity of a depletable.
+fn amount(number: f64, dimension: Dimension) -> Value {
+    if dimension == Dimension::NONE && libm::trunc(number) == number {
+        return Value::Integer(number as i64);
+    }
+    Value::measured(number, dimension)
 }
 
 fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {

@@ -7,7 +7,7 @@ use crate::control::transition::{Trigger, transition};
 use crate::control::{binding, instantiation, interruption, monitoring_clauses, repetition, restart, termination};
 use crate::cycle::{Cycle, Firing, in_order};
 use apex_model::because::{Because, Cause};
-use apex_model::clause::{Clause, Level};
+use apex_model::clause::Clause;
 use apex_model::effect::DecisionKind;
 use apex_model::monitor::Satisfaction;
 use apex_model::source::Place;
@@ -28,14 +28,7 @@ fn order(clause: Clause) -> u8 {
 
 /// The enable phase.
 pub(crate) fn enable(cycle: &mut Cycle<'_>) {
-    let mut firings = std::mem::take(&mut cycle.work.firings);
-    firings.sort_by_key(|firing| (order(firing.clause), firing.task, firing.monitor));
-    for firing in firings {
-        if cycle.agent.watches.contains(firing.monitor.0) {
-            fire(cycle, firing);
-            termination::settle(cycle);
-        }
-    }
+    fire_all(cycle);
     for id in in_order(&mut cycle.work.ready) {
         let free = cycle.task(id).is_some_and(|task| task.state == TaskState::Pending && task.held_back.is_free());
         if free {
@@ -44,6 +37,19 @@ pub(crate) fn enable(cycle: &mut Cycle<'_>) {
         }
     }
     cycle.work.evidence.clear();
+    // A task whose suspension came true while it was pending does not begin.
+    fire_all(cycle);
+}
+
+fn fire_all(cycle: &mut Cycle<'_>) {
+    let mut firings = std::mem::take(&mut cycle.work.firings);
+    firings.sort_by_key(|firing| (order(firing.clause), firing.task, firing.monitor));
+    for firing in firings {
+        if cycle.agent.watches.contains(firing.monitor.0) {
+            fire(cycle, firing);
+            termination::settle(cycle);
+        }
+    }
 }
 
 fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
@@ -65,6 +71,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     if clause == Clause::Waitfor {
         return preconditions_hold(cycle, id, satisfaction, place);
     }
+    let after = interruption::window_after(cycle, satisfaction.interval.1, answered);
     let because = Because { cause, place: Some(place), evidence: satisfaction.evidence };
     match clause {
         Clause::Waitfor => {}
@@ -78,11 +85,11 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
         },
         Clause::SuspendWhen => {
             interruption::suspend(cycle, id, because);
-            interruption::watch_resumption(cycle, id, level);
+            interruption::watch_resumption(cycle, id, level, after);
         }
         Clause::SuspendUntil | Clause::ResumeWhen => {
             interruption::resume(cycle, id, &because);
-            interruption::watch_suspension(cycle, id);
+            interruption::watch_suspension(cycle, id, after);
         }
     }
 }
@@ -106,21 +113,10 @@ fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {
     let place = cycle.place_of(id);
     transition(cycle, id, Trigger::Satisfied, None, Because { cause, place, evidence });
     repetition::respond(cycle, id);
-    match binding::select(cycle, id) {
+    let bound = binding::select(cycle, id)
+        .map_err(|(message, place)| Because::new(Cause::ExpressionFailed { message }, Some(place)));
+    match bound.and_then(|()| interruption::watch_step_suspension(cycle, id)) {
         Ok(()) => cycle.work.enabled.push(id),
-        Err((message, place)) => {
-            termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
-        }
+        Err(because) => termination::fail(cycle, id, because),
     }
-}
-
-/// Monitors of a step's clauses that concern working tasks: made when the task starts.
-pub(crate) fn watch_working(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
-    if let Some(handle) = cycle.step_of(id)
-        && let Some(step) = handle.get()
-        && matches!(cycle.task(id).map(|task| task.origin), Some(apex_model::task::Origin::Step(_)))
-    {
-        interruption::watch_clauses(cycle, id, Level::Step, &step.transitions)?;
-    }
-    Ok(())
 }

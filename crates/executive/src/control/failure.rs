@@ -12,13 +12,13 @@ use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
 use apex_model::controller::{Controller, HandlingController};
 use apex_model::effect::DecisionKind;
-use apex_model::task::{Origin, Outcome, TaskId, TaskState};
+use apex_model::task::{HeldBack, Origin, Outcome, TaskId, TaskState};
 
 /// Starts the `on-failure` goal of the task's step. False when there is none, or it is at work already.
 pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bool {
     let Some(task) = cycle.task(id) else { return false };
     let Origin::Step(step) = task.origin else { return false };
-    if task.state == TaskState::Pending || matches!(task.controller.as_deref(), Some(Controller::Handling(_))) {
+    if task.is_terminated() || matches!(task.controller.as_deref(), Some(Controller::Handling(_))) {
         return false;
     }
     let handled = cycle.step_of(id).is_some_and(|handle| handle.get().is_some_and(|step| step.on_failure.is_some()));
@@ -44,6 +44,13 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     cycle.decide(Some(id), DecisionKind::Trouble { message }, handling.clone());
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::Handling(HandlingController { handler })));
+    }
+    if cycle.state(id) == TaskState::Pending {
+        // It failed before it could begin. The handler is its work now, and waits for nothing.
+        if let Some(task) = cycle.agent.task_mut(id) {
+            task.held_back = HeldBack::default();
+        }
+        transition(cycle, id, Trigger::Satisfied, None, handling.clone());
     }
     if cycle.state(id) != TaskState::Ongoing {
         resources::release(cycle, id, resources::Release::Unused);

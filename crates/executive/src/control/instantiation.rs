@@ -6,7 +6,7 @@
 use crate::control::selection::activity_of;
 use crate::control::{monitoring_clauses, termination};
 use crate::cycle::Cycle;
-use crate::expression::{Surroundings, instantiate_partially};
+use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::because::{Because, Cause};
@@ -109,8 +109,17 @@ pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
 pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surroundings) -> Value {
     match activity {
         Activity::Goal(template) => instantiate_partially(template, surroundings),
-        Activity::Terminate { .. } => Value::list([Value::symbol("terminate")]),
-        Activity::BuiltIn(which, _) => Value::list([Value::symbol(built_in_word(*which))]),
+        Activity::Terminate { task, outcome, value } => {
+            let known = |expr| expression_as_known(expr, surroundings);
+            let words =
+                [Value::symbol("terminate")].into_iter().chain([task, outcome].into_iter().flatten().map(known));
+            let value = value.iter().flat_map(|value| [Value::symbol(">>"), known(value)]);
+            Value::list(words.chain(value))
+        }
+        Activity::BuiltIn(which, arguments) => {
+            let arguments = arguments.iter().map(|argument| expression_as_known(argument, surroundings));
+            Value::list([Value::symbol(built_in_word(*which))].into_iter().chain(arguments))
+        }
     }
 }
 
@@ -185,6 +194,7 @@ fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String,
         task.held_back.by_condition = true;
     }
     monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window)
+        .map(|_| ())
         .map_err(|error| (error.message, error.place))
 }
 
@@ -194,6 +204,7 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(condition) = handle.get().and_then(|step| step.transitions.end_when.as_ref()) else { return Ok(()) };
     monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window)
+        .map(|_| ())
         .map_err(|error| (error.message, error.place))
 }
 

@@ -8,12 +8,13 @@ use crate::control::transition::{Trigger, transition};
 use crate::control::{hooks, instantiation, monitoring_clauses, primitive, resources};
 use crate::cycle::Cycle;
 use apex_model::because::{Because, Cause};
-use apex_model::clause::{Clause, Level};
+use apex_model::clause::{Clause, Level, MonitorId};
 use apex_model::condition::Condition;
 use apex_model::controller::{Controller, Way};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
-use apex_model::task::{TaskId, TaskState};
+use apex_model::task::{Origin, TaskId, TaskState};
+use apex_model::time::Time;
 
 /// The task lost a resource: only it stops, and claims again.
 pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
@@ -60,7 +61,7 @@ pub(crate) fn run_step_hook(
     id: TaskId,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
-    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(apex_model::task::Origin::Step(_)));
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     if let Some(handle) = cycle.step_of(id).filter(|_| is_step)
         && let Some(step) = handle.get()
     {
@@ -141,22 +142,47 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Makes the monitors of clauses at `level` that concern a working task.
+/// Makes the monitors of the clauses of the procedure that the task begins.
 ///
 /// # Errors
 /// The cause when an expression of a condition cannot be evaluated.
-pub(crate) fn watch_clauses(
-    cycle: &mut Cycle<'_>,
-    id: TaskId,
-    level: Level,
-    clauses: &Transitions,
-) -> Result<(), Because> {
-    // A step's own `end-when` is watched from the creation of the task on.
-    let end = clauses.end_when.as_ref().filter(|_| level == Level::Procedure);
-    watch(cycle, id, Clause::EndWhen, level, end)?;
+pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Transitions) -> Result<(), Because> {
+    let level = Level::Procedure;
+    watch(cycle, id, Clause::EndWhen, level, clauses.end_when.as_ref())?;
     watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_ref())?;
     watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_ref())?;
-    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_ref())
+    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_ref())?;
+    Ok(())
+}
+
+/// Makes the monitors of the step's `suspend-when` and `resume-when` as its task becomes enabled: what its `waitfor`
+/// and `select` bind is known then. They look back over the task's life, and are judged at once.
+///
+/// # Errors
+/// The cause when an expression of a condition cannot be evaluated.
+pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
+    watch(cycle, id, Clause::ResumeWhen, Level::Step, clauses.resume_when.as_ref())?;
+    if let Some(monitor) = watch(cycle, id, Clause::SuspendWhen, Level::Step, clauses.suspend_when.as_ref())? {
+        monitoring_clauses::judge(cycle, monitor);
+    }
+    Ok(())
+}
+
+/// Makes the monitor of the step's `restart-when` as its task begins. Its `end-when` is watched from the creation on.
+///
+/// # Errors
+/// The cause when an expression of the condition cannot be evaluated.
+pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
+    watch(cycle, id, Clause::RestartWhen, Level::Step, clauses.restart_when.as_ref())?;
+    Ok(())
+}
+
+/// The clauses of the step that the task was made from; items and handlers have none of their own.
+fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
+    let is_step = matches!(cycle.task(id)?.origin, Origin::Step(_));
+    cycle.step_of(id).filter(|_| is_step)?.get().map(|step| step.transitions.clone())
 }
 
 fn watch(
@@ -165,18 +191,23 @@ fn watch(
     clause: Clause,
     level: Level,
     condition: Option<&Condition>,
-) -> Result<(), Because> {
-    let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(()) };
-    let window = instantiation::window(task);
+) -> Result<Option<MonitorId>, Because> {
+    let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(None) };
+    let window = match clause {
+        // What the task's `waitfor` answered says nothing about these: they count from its creation.
+        Clause::SuspendWhen | Clause::ResumeWhen => Window::from(task.created_at),
+        Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => instantiation::window(task),
+    };
     monitoring_clauses::watch(cycle, id, clause, level, condition, window)
+        .map(Some)
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
 
-/// The clauses of the task at `level`.
+/// The clauses of the task at `level`; those of its procedure only once it has begun.
 fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     match level {
-        Level::Step => cycle.step_of(id)?.get().map(|step| step.transitions.clone()),
-        Level::Procedure => match &cycle.task(id)?.selection.as_ref()?.way {
+        Level::Step => step_clauses(cycle, id),
+        Level::Procedure => match &cycle.task(id).filter(|task| task.controller.is_some())?.selection.as_ref()?.way {
             Way::Procedure(reference, _) => {
                 cycle.agent.procedure(*reference).map(|procedure| procedure.transitions.clone())
             }
@@ -186,14 +217,20 @@ fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
 }
 
 /// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
-fn window_from_here(cycle: &Cycle<'_>) -> Window {
-    Window { start: cycle.now, after_sequence: cycle.agent.next.arrival.checked_sub(1) }
+pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
+    window_after(cycle, cycle.now, None)
+}
+
+/// What counts for a clause that begins to watch when another came true at `at`, with `answered` as its newest arrival:
+/// everything after that, also where it was found by looking back.
+pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
+    let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);
+    Window { start: at.min(cycle.now), after_sequence: answered.or(newest) }
 }
 
 /// After a suspension by `suspend-when`: watches its `until`, and `resume-when` anew.
-pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level) {
+pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, window: Window) {
     let Some(clauses) = clauses(cycle, id, level) else { return };
-    let window = window_from_here(cycle);
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
     let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
     for (clause, condition) in wanted {
@@ -206,8 +243,7 @@ pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level) 
 }
 
 /// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew.
-pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId) {
-    let window = window_from_here(cycle);
+pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
     monitoring_clauses::unwatch(cycle, id, |clause, _| {
         matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)
     });

@@ -3,7 +3,7 @@
 //! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
 //! Bound: O(1) per task besides what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
-use crate::control::{built_in, enablement, interruption, primitive, procedure, termination};
+use crate::control::{built_in, interruption, primitive, procedure, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::{plan_adoption, planner_invocation};
 use apex_model::controller::{Controller, Way};
@@ -27,7 +27,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
 
 fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     interruption::run_step_hook(cycle, id, |hooks| &hooks.on_start);
-    if let Err(because) = enablement::watch_working(cycle, id) {
+    if let Err(because) = interruption::watch_step_restart(cycle, id) {
         return termination::fail(cycle, id, because);
     }
     if cycle.state(id) != TaskState::Ongoing {

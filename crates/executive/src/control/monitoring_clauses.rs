@@ -30,7 +30,7 @@ pub(crate) fn watch(
     level: Level,
     condition: &Condition,
     window: Window,
-) -> Result<(), EvaluationError> {
+) -> Result<MonitorId, EvaluationError> {
     let (monitor, second) = {
         let view = cycle.view(task, level);
         let monitor = monitoring::create(condition, window, &view)?;
@@ -48,7 +48,7 @@ pub(crate) fn watch(
         task.monitors.push(id);
     }
     cycle.work.touched.push(id);
-    Ok(())
+    Ok(id)
 }
 
 /// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
@@ -145,7 +145,8 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     cycle.work.touched.push(id);
 }
 
-fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
+/// Asks the monitor for its verdict; one that is satisfied joins the firings.
+pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let verdict = monitoring::verdict(&mut watch.monitor, &view);

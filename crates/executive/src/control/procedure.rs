@@ -45,7 +45,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
     }
     open_logs(cycle, id, &procedure);
     hooks::run_hook(cycle, id, Level::Procedure, &procedure.hooks.on_start);
-    if let Err(because) = interruption::watch_clauses(cycle, id, Level::Procedure, &procedure.transitions) {
+    if let Err(because) = interruption::watch_procedure(cycle, id, &procedure.transitions) {
         termination::fail(cycle, id, because);
         return;
     }

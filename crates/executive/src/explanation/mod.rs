@@ -4,6 +4,7 @@
 
 mod reasons;
 mod task_view;
+pub(crate) mod words;
 
 pub use reasons::{Reason, ReasonKind, waiting};
 pub use task_view::{TaskView, agenda, describe_task};

@@ -87,6 +87,11 @@ pub(crate) fn instantiate_partially(template: &Template, surroundings: &dyn Surr
     templates::partially(template, surroundings)
 }
 
+/// `expr` as its author would read it: variables with their values where they have one, calls as they are written.
+pub(crate) fn expression_as_known(expr: &Expr, surroundings: &dyn Surroundings) -> Value {
+    templates::as_known(expr, surroundings)
+}
+
 /// Evaluates the forms of a hook in order; the value is the last form's. `locals` are the primitive's variables, which
 /// `setq` changes; what the forms want done is appended to `actions`. On an error the actions so far stay.
 ///

@@ -75,6 +75,39 @@ fn partially_within(template: &Template, surroundings: &dyn Surroundings, depth:
     }
 }
 
+/// An argument before it is evaluated: variables have their values, calls stay as they are written.
+pub(super) fn as_known(expr: &Expr, surroundings: &dyn Surroundings) -> Value {
+    as_known_within(expr, surroundings, DEPTH_MAX)
+}
+
+fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -> Value {
+    let Some(depth) = depth.checked_sub(1) else { return Value::symbol("..") };
+    let list = |head: &str, parts: &[Expr]| {
+        let parts = parts.iter().map(|part| as_known_within(part, surroundings, depth));
+        Value::list([Value::symbol(head)].into_iter().chain(parts))
+    };
+    match &expr.kind {
+        ExprKind::Constant(value) => value.clone(),
+        ExprKind::Call { function, arguments } => list(&function.to_string(), arguments),
+        ExprKind::And(parts) => list("and", parts),
+        ExprKind::Or(parts) => list("or", parts),
+        ExprKind::If(test, ..) => {
+            Value::list([Value::symbol("if"), as_known_within(test, surroundings, depth), Value::symbol("..")])
+        }
+        ExprKind::Template(template) => partially_within(template, surroundings, depth),
+        ExprKind::Variable { .. } | ExprKind::Indexical(_) | ExprKind::Local(_) => {
+            Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
+        }
+        ExprKind::FunctionName(name) => Value::symbol(&format!("#'{name}")),
+        ExprKind::Cond(_)
+        | ExprKind::Case(..)
+        | ExprKind::Let { .. }
+        | ExprKind::Lambda { .. }
+        | ExprKind::Assign { .. }
+        | ExprKind::Sequence(_) => Value::symbol(&crate::explanation::words::expression(expr)),
+    }
+}
+
 /// A hole without a value as a symbol.
 fn written(expr: &Expr) -> Value {
     match &expr.kind {

@@ -21,7 +21,6 @@ mod task_state;
 mod tests;
 mod time_conditions;
 mod unmet;
-mod words;
 
 pub(crate) use histories::{record_event, record_sample};
 pub(crate) use retention::prepare;

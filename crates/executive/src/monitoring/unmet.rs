@@ -9,7 +9,8 @@
 
 use super::runs::with_newest;
 use super::time_conditions::{Kind, span};
-use super::{Asking, Truth, logic, measurement, task_state, words};
+use super::{Asking, Truth, logic, measurement, task_state};
+use crate::explanation::words;
 use apex_model::event::StateVariable;
 use apex_model::history::Sample;
 use apex_model::monitor::{Composite, EpisodePart, MeasurementPart, Part, PartKind, TimePart, Unmet};

@@ -200,7 +200,10 @@ impl fmt::Display for Why {
         }
         if let Some(Blocked { by, goal, resource, since, winner_priority, loser_priority }) = &self.blocked {
             let since = Time::from_seconds(*since);
-            writeln!(f, "\n{by} {goal} has {resource} since {since} ({winner_priority} against {loser_priority}).")?;
+            writeln!(
+                f,
+                "\nIt lost {resource} to {by} {goal} at {since} ({winner_priority} against {loser_priority})."
+            )?;
         }
         if !self.subtasks.is_empty() {
             writeln!(f, "\nIts subtasks:")?;

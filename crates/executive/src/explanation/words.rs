@@ -8,7 +8,7 @@ use apex_model::pattern::Pattern;
 use apex_model::value::Value;
 
 /// The text of an expression, close to what its author wrote.
-pub(super) fn expression(expr: &Expr) -> String {
+pub(crate) fn expression(expr: &Expr) -> String {
     match &expr.kind {
         ExprKind::Constant(Value::List(items)) if !items.is_empty() => format!("'{}", Value::List(items.clone())),
         ExprKind::Constant(value) => value.to_string(),
@@ -41,7 +41,7 @@ fn template_text(template: &Template) -> String {
 }
 
 /// The text of a pattern.
-pub(super) fn pattern(pattern_to_tell: &Pattern) -> String {
+pub(crate) fn pattern(pattern_to_tell: &Pattern) -> String {
     match pattern_to_tell {
         Pattern::Literal(value) => value.to_string(),
         Pattern::Variable(name) => format!("?{name}"),
@@ -81,7 +81,7 @@ fn variable(variable: &VariablePattern) -> String {
 }
 
 /// The text of a measurement condition.
-pub(super) fn measurement(condition: &MeasurementCondition) -> String {
+pub(crate) fn measurement(condition: &MeasurementCondition) -> String {
     let short = condition.object.is_empty() && condition.timestamp.is_empty() && condition.estimation.is_none();
     if let (true, [only]) = (short, condition.value.as_slice()) {
         return format!("({} {})", variable(&condition.variable), bare(only));
@@ -97,7 +97,7 @@ pub(super) fn measurement(condition: &MeasurementCondition) -> String {
 }
 
 /// The text of an episode condition.
-pub(super) fn episode(condition: &EpisodeCondition) -> String {
+pub(crate) fn episode(condition: &EpisodeCondition) -> String {
     let quality = match &condition.quality {
         Quality::NoConstraints => ":no-constraints".into(),
         Quality::MaximumGap(gap) => format!("(:max-gap {})", expression(gap)),
@@ -123,7 +123,7 @@ fn timing(timing: &Timing) -> String {
 }
 
 /// The text of an event condition.
-pub(super) fn event(form: &Pattern, when: &Timing) -> String {
+pub(crate) fn event(form: &Pattern, when: &Timing) -> String {
     match timing(when) {
         none if none.is_empty() => pattern(form),
         some => format!("(:atomic-episode {}{some})", pattern(form)),
@@ -171,12 +171,12 @@ fn sign(relation: Relation) -> &'static str {
 }
 
 /// The text of a wait for a task's state.
-pub(super) fn task_state(task: &Expr, state: &Pattern) -> String {
+pub(crate) fn task_state(task: &Expr, state: &Pattern) -> String {
     format!("(state {} = {})", expression(task), pattern(state))
 }
 
 /// The text of `:delay` and `:timestamp`.
-pub(super) fn span(name: &str, from: &Expr, to: Option<&Expr>) -> String {
+pub(crate) fn span(name: &str, from: &Expr, to: Option<&Expr>) -> String {
     list(name, std::iter::once(from).chain(to).map(expression))
 }
 
