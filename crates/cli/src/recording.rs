@@ -21,22 +21,29 @@ pub fn create(
     fill: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
 ) -> Outcome<Recorder> {
     check_place(path)?;
-    let mut recorder = Recorder::create(path, library, options).map_err(|error| {
-        if matches!(error, RecordError::DiskFull { .. }) {
+    let mut recorder = Recorder::create(path, library, options).map_err(|error| match error {
+        RecordError::DiskFull { .. } => {
             remove_beginning(path);
+            no_room(path)
         }
-        written(error)
+        other => written(other),
     })?;
-    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).map_err(written);
-    let stored = filled.and_then(|()| recorder.flush().map_err(Trouble::failure));
-    match stored {
-        Ok(()) => Ok(recorder),
-        Err(trouble) => {
-            drop(recorder);
-            remove_beginning(path);
-            Err(trouble)
-        }
+    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).map_err(|error| error.to_string());
+    let stored = filled.and_then(|()| recorder.flush());
+    if let Err(reason) = stored {
+        drop(recorder);
+        remove_beginning(path);
+        let full = reason.starts_with("The disk is full");
+        return Err(if full { no_room(path) } else { Trouble::failure(reason) });
     }
+    Ok(recorder)
+}
+
+/// The disk has not even room for what every record begins with.
+fn no_room(path: &Path) -> Trouble {
+    Trouble::failure(format!("the flight record {} cannot be begun", path.display()))
+        .because("the disk is full")
+        .help("free some space, or record to another disk with `--record`; nothing was run, and no record is left")
 }
 
 /// A record without its whole program explains nothing. If it cannot be removed, it still says that it is incomplete.

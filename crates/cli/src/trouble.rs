@@ -93,7 +93,10 @@ pub fn read_bytes(path: &std::path::Path) -> Outcome<Vec<u8>> {
     })
 }
 
-/// Names files of the same folder that look alike, or says where a relative path was looked for.
+/// How many names a message lists at most.
+const NEARBY_MAX: usize = 6;
+
+/// Names files and missions of the same folder that look alike, or says where a relative path was looked for.
 pub fn nearby_help(path: &std::path::Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| std::path::Path::new("."));
@@ -103,14 +106,24 @@ pub fn nearby_help(path: &std::path::Path) -> String {
         .flatten()
         .flatten()
         .map(|entry| entry.path())
-        .filter(|candidate| candidate.extension() == extension)
+        .filter(|candidate| candidate.extension() == extension || candidate.join("mission.pdl").is_file())
         .filter_map(|candidate| candidate.file_name().map(|name| name.to_string_lossy().into_owned()))
+        .filter(|name| !name.starts_with('.'))
         .collect();
-    names.sort();
-    names.truncate(6);
+    let wanted = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase()).unwrap_or_default();
+    // Names that begin alike first: most wrong names are misspelt or cut short.
+    names.sort_by_key(|name| (usize::MAX - alike(&name.to_lowercase(), &wanted), name.clone()));
+    names.truncate(NEARBY_MAX);
+    let folder_name =
+        if folder == std::path::Path::new(".") { "this folder".into() } else { folder.display().to_string() };
     match (folder.is_dir(), names.is_empty()) {
         (false, _) => format!("the folder {} does not exist; check the path", folder.display()),
-        (true, true) => format!("there is no such file in {}; check the path", folder.display()),
-        (true, false) => format!("{} holds {}", folder.display(), names.join(", ")),
+        (true, true) => format!("there is nothing like it in {folder_name}; check the path"),
+        (true, false) => format!("{folder_name} holds {}", names.join(", ")),
     }
+}
+
+/// How many characters two names have in common at their beginnings.
+fn alike(a: &str, b: &str) -> usize {
+    a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count()
 }

@@ -89,7 +89,14 @@ fn print_flight(flight: &Flight, seconds: f64, path: &Path, json: bool) -> Outco
     ))?;
     output::print_line(format_args!("Flight record: {}", path.display()))?;
     let path = shell_word(&path.display().to_string());
-    output::print_line(format_args!("Next: apex serve {path} --open   |   apex replay {path}   |   apex trace {path}"))
+    output::print_line(format_args!("Next: apex serve {path} --open      Sherpa, the web page, on this flight"))?;
+    output::print_line(format_args!("      apex trace {path} --type transition,plan,trouble"))?;
+    match &flight.end.reason {
+        EndReason::Application(reason) if reason.contains("failed") => {
+            output::print_line(format_args!("      apex why {path} T0"))
+        }
+        _ => output::print_line(format_args!("      apex replay {path}")),
+    }
 }
 
 /// The pace, if it makes time go on.

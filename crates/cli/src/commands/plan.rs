@@ -16,6 +16,9 @@ use std::fmt::Write;
 /// Deliberation time where the mission declares none.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
+/// What to do when there is no plan.
+const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
+
 /// Plans and prints.
 pub fn run(options: &PlanOptions) -> Outcome {
     let mission = Mission::load(&options.mission)?;
@@ -23,7 +26,7 @@ pub fn run(options: &PlanOptions) -> Outcome {
     let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
         .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
     let solved = solve(problem, options.solver.as_deref(), budget, mission.settings.seed)
-        .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
+        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
     if options.json {
         return output::print_line(serde_json::json!({
             "mission": mission.settings.name,
@@ -64,7 +67,9 @@ fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
 
 fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
     writeln!(out, "{}", solved.plan.summary())?;
-    writeln!(out, "planned by {} ({}), {} work units\n", solved.plan.solver(), solved.reason, solved.work)?;
+    let reason: Vec<String> = solved.reason.split(' ').map(str::to_string).collect();
+    writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
+    writeln!(out, "  chosen because: {}\n", wrapped(&reason, " ", "    "))?;
     match &solved.plan {
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
@@ -107,6 +112,14 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
     if !plan.cycle.is_empty() {
         let stops: Vec<String> = plan.cycle.iter().map(ToString::to_string).collect();
         writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", "         "))?;
+    } else if !plan.visits.is_empty() {
+        let width = name_width("site", plan.visits.iter().map(|visit| visit.target.as_str()));
+        writeln!(out, "  {:<width$} {:>10} {:>10}", "site", "begin", "end")?;
+        for visit in &plan.visits {
+            let (begin, end) = (clock(visit.arrive_s), clock(visit.end_s));
+            writeln!(out, "  {:<width$} {begin:>10} {end:>10}", visit.target)?;
+        }
+        writeln!(out)?;
     }
     writeln!(
         out,

@@ -9,6 +9,13 @@ use apex_runtime::replay::replay;
 pub fn run(options: &ReplayOptions) -> Outcome {
     let reader = recording::open(&options.record)?;
     let report = replay(&reader, &sources::load_recorded).map_err(|error| Trouble::failure(error.to_string()))?;
+    if report.batches == 0 {
+        return Err(Trouble::failure(format!(
+            "{} holds no steps: there is nothing to compare",
+            options.record.display()
+        ))
+        .help("fly the mission again"));
+    }
     if options.json {
         let difference = report.difference.as_ref().map(|difference| {
             serde_json::json!({

@@ -3,14 +3,14 @@
 use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
-use crate::{recording, sources};
+use crate::{output, recording, sources};
 use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_runtime::input_lines::read_inputs;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
-use apex_runtime::{FlyOptions, program};
+use apex_runtime::{EndReason, FlyOptions, program};
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,6 +48,9 @@ pub fn run(options: &RunOptions) -> Outcome {
             .because(error)
             .help("the trace is incomplete; look at where it goes, and at the space there")
     })?;
+    if !matches!(end.reason, EndReason::Application(_)) {
+        output::complain(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
+    }
     match recorder {
         Some(mut recorder) => recorder.finish(end.at, &end.reason.text()).map_err(recording::written),
         None => Ok(()),

@@ -19,7 +19,7 @@ pub use surroundings::Airfield;
 pub use targets::{Fire, Site, Target, TargetKind};
 
 use crate::sources;
-use crate::trouble::{Outcome, Trouble, read_bytes};
+use crate::trouble::{Outcome, Trouble, nearby_help, read_bytes};
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
 use apex_runtime::ports::Input;
@@ -83,19 +83,25 @@ impl Mission {
         let program = sources::program_path(path);
         let library = sources::load_program(&program)?;
         let settings = settings::read(&library)?;
-        let mut files = Files { folder: program.parent().map(Path::to_path_buf).unwrap_or_default(), data: Vec::new() };
+        let mut files = Files {
+            folder: program.parent().map(Path::to_path_buf).unwrap_or_default(),
+            place: settings.place.clone(),
+            data: Vec::new(),
+        };
         let model = VehicleModel::named(&settings.model).map_err(|error| {
-            Trouble::user("the mission's vehicle is unknown").because(error).help("write a known `:model` in :vehicle")
+            Trouble::user(format!("{}: the mission's vehicle is unknown", settings.place))
+                .because(error)
+                .help("write a known `:model` in :vehicle")
         })?;
-        let targets = files.read(&settings.targets, targets::read)?.unwrap_or_default();
-        let airfields = files.read(&settings.airfields, surroundings::airfields)?.unwrap_or_default();
-        let forecast = files.read(&settings.forecast, surroundings::wind)?;
-        let weather = files.read(&settings.weather, surroundings::wind)?;
+        let targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
+        let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
+        let forecast = files.read("forecast", &settings.forecast, surroundings::wind)?;
+        let weather = files.read("weather", &settings.weather, surroundings::wind)?;
         let mut mission = Mission {
-            agent: sources::agent_of(&library),
-            zones: files.read(&settings.airspace, surroundings::airspace)?.unwrap_or_default(),
-            crew: files.read(&settings.people, surroundings::people)?.unwrap_or_default(),
-            scenario: files.read(&settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),
+            agent: sources::only_agent_of(&library)?,
+            zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
+            crew: files.read("people", &settings.people, surroundings::people)?.unwrap_or_default(),
+            scenario: files.read("scenario", &settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
             failure: FAILURE,
@@ -120,7 +126,7 @@ impl Mission {
         self.place(start).ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
-            Trouble::user(format!("the vehicle's start `:at {start}` is no place"))
+            Trouble::user(format!("{}: the vehicle's start `:at {start}` is no place", self.settings.place))
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })
     }
@@ -174,13 +180,24 @@ fn possible(position: Position) -> bool {
 /// Reads data files beside the program and keeps their bytes for the record.
 struct Files {
     folder: PathBuf,
+    place: String,
     data: Vec<(String, Vec<u8>)>,
 }
 
 impl Files {
-    fn read<T>(&mut self, name: &Option<String>, read: impl Fn(&Path) -> Outcome<T>) -> Outcome<Option<T>> {
+    fn read<T>(
+        &mut self,
+        option: &str,
+        name: &Option<String>,
+        read: impl Fn(&Path) -> Outcome<T>,
+    ) -> Outcome<Option<T>> {
         let Some(name) = name else { return Ok(None) };
         let path = self.folder.join(name);
+        if !path.is_file() {
+            return Err(Trouble::user(format!("cannot read {}", path.display()))
+                .because(format!("there is no such file, but {} names it as `:{option} \"{name}\"`", self.place))
+                .help(nearby_help(&path)));
+        }
         let read = read(&path)?;
         if !self.data.iter().any(|(known, _)| known == name) {
             self.data.push((name.clone(), read_bytes(&path)?));

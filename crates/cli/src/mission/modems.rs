@@ -20,7 +20,7 @@ pub fn read(mission: &Mission) -> Outcome<Vec<Modem>> {
 
 fn modem(mission: &Mission, form: &Value) -> Outcome<Modem> {
     let wrong = |what: String| {
-        Trouble::user(format!("in :modems, {form}: {what}"))
+        Trouble::user(format!("{}: in :modems, {form}: {what}", mission.settings.place))
             .help("write (NAME :station PLACE :full-level 2km), or (NAME) for a satellite link; :dropouts ((6h 6.5h)) is optional")
     };
     let items = form.as_list().unwrap_or_default();

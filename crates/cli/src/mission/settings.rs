@@ -10,6 +10,8 @@ use time::format_description::well_known::Rfc3339;
 /// The options of an application that the command understands; all units SI.
 #[derive(Debug, Clone)]
 pub struct Settings {
+    /// Where the application stands, for messages.
+    pub place: String,
     /// The mission's title.
     pub name: String,
     /// The vehicle model's name, for example `predator-b`.
@@ -84,6 +86,7 @@ pub fn read(library: &Library) -> Outcome<Settings> {
     let (model, start) = reader.vehicle()?;
     let epoch_text = reader.text("start")?;
     Ok(Settings {
+        place: reader.place.clone(),
         name: application.name.to_string(),
         model,
         start,

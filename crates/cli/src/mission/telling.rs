@@ -56,7 +56,7 @@ impl Report {
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(out, "\n{}: ended at {} because {}", self.mission, self.end.0, self.end.1)?;
+        writeln!(out, "\n{}: ended at {} because {}", self.mission, whole_seconds(self.end.0), self.end.1)?;
         match &self.value {
             MissionValue::Score(score) => write_score(out, score)?,
             MissionValue::Ignorance(cost) => write_ignorance(out, cost)?,
@@ -72,10 +72,14 @@ impl Report {
             writeln!(out, "\nDecisions of note")?;
         }
         for note in self.notes.iter().take(NOTES_PRINTED_MAX) {
-            writeln!(out, "  {:>12}  {}", note.at.to_string(), note.text)?;
+            writeln!(out, "  {:>10}  {}", whole_seconds(note.at).to_string(), note.text)?;
         }
         if self.notes.len() > NOTES_PRINTED_MAX {
-            writeln!(out, "  .. and {} more: `apex trace` has them all", self.notes.len() - NOTES_PRINTED_MAX)?;
+            writeln!(
+                out,
+                "  .. and {} more; `apex trace` and `--json` tell them all",
+                self.notes.len() - NOTES_PRINTED_MAX
+            )?;
         }
         Ok(())
     }
