@@ -61,6 +61,10 @@ impl Deliberator for MissionDeliberator {
         }
         .and_then(|problem| solve(problem, wanted.as_deref(), budget, self.mission.settings.seed));
         match solved {
+            Err(reason) if lock(&self.books).observed().next().is_some() => {
+                self.made += 1;
+                SolverAnswer { result: Ok(nothing_more(&request.goal, self.made, &reason)), charged: Duration::ZERO }
+            }
             Err(reason) => SolverAnswer { result: Err(reason), charged: Duration::ZERO },
             Ok(solved) => {
                 self.made += 1;
@@ -146,6 +150,19 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
         steps: steps.into_iter().map(|(tag, step)| (tag, Template::Constant(step))).collect(),
         repeat,
         source: SourceFile { name: name.into(), text: text.into() },
+    }
+}
+
+/// The plan of a mission in progress for which nothing more can be planned: it ends, and the way back begins.
+fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
+    let summary = format!("nothing more to visit. {reason}");
+    let text = format!("; {summary}\n{}", apex_pdl::print_plan(goal, &[], false));
+    PlannedProcedure {
+        solver: Symbol::new("single-visit"),
+        summary,
+        steps: Vec::new(),
+        repeat: false,
+        source: SourceFile { name: format!("<plan {number}>").into(), text: text.into() },
     }
 }
 
