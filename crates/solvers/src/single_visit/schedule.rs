@@ -4,10 +4,10 @@ use super::travel::{Node, Travel};
 use apex_geo::airspace::Extent;
 use apex_geo::sun;
 use apex_metrics::mission_score;
-use apex_model::problem::{Light, SingleVisitProblem, TimeWindow};
+use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_model::solver::Budget;
 
-/// Work units charged for one leg: a leg with its wind, airspace and windows takes a microsecond, a unit a tenth of that.
+/// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged besides.
 pub const UNITS_PER_LEG: u64 = 10;
 
 /// One visit of a plan in the making.
@@ -77,6 +77,7 @@ pub struct Schedule<'a> {
     windows: Vec<Vec<Vec<TimeWindow>>>,
     /// For each target those that must come earlier.
     earlier: Vec<Vec<usize>>,
+    costs: Costs,
     /// Latest end of the flight, with what sets it.
     pub(super) limit_s: f64,
     pub(super) limit_name: &'static str,
@@ -110,7 +111,7 @@ impl<'a> Schedule<'a> {
             }
         }
         let windows = begin_windows(problem, limit_s);
-        Ok(Schedule { problem, travel, windows, earlier, limit_s, limit_name })
+        Ok(Schedule { problem, travel, windows, earlier, costs: Costs::new(problem), limit_s, limit_name })
     }
 
     /// Judges `order` from its beginning.
@@ -140,18 +141,19 @@ impl<'a> Schedule<'a> {
         if let Some((choice, timed)) = last {
             (node, time_s) = (Node::Exit(choice.target, choice.manoeuvre), timed.end_s);
         }
-        budget.charge(UNITS_PER_LEG * ((order.len() - same) as u64 + 1));
         for choice in order.iter().skip(same) {
+            budget.charge(UNITS_PER_LEG + self.travel.take_work());
             let visit = self.visit(node, time_s, *choice)?;
             (node, time_s) = (Node::Exit(choice.target, choice.manoeuvre), visit.end_s);
             visits.push(visit);
         }
+        budget.charge(UNITS_PER_LEG + self.travel.take_work());
         let end_s = time_s + self.home_s(node, time_s)?;
         if end_s > self.limit_s {
             return Err(Refusal::TooLate { over_s: end_s - self.limit_s });
         }
         let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
-        let score = benefits - mission_score::flight_cost(self.problem, end_s - self.problem.start_s);
+        let score = benefits - self.costs.of_flight(end_s - self.problem.start_s);
         Ok(Judged { visits, end_s, score })
     }
 
@@ -222,6 +224,31 @@ impl<'a> Schedule<'a> {
     /// The targets that must come before `target`.
     pub(super) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// What a flight costs, ready to be asked for many times; equal to [`mission_score::flight_cost`].
+#[derive(Clone, Copy, Debug)]
+struct Costs {
+    fixed: f64,
+    per_hour: f64,
+    failure: FailureTerm,
+}
+
+impl Costs {
+    fn new(problem: &SingleVisitProblem) -> Costs {
+        Costs {
+            fixed: problem.crew.iter().map(|member| member.fixed_hours * member.wage_per_hour).sum(),
+            per_hour: problem.crew.iter().map(|member| member.flight_share * member.wage_per_hour).sum(),
+            failure: problem.failure,
+        }
+    }
+
+    fn of_flight(&self, flight_s: f64) -> f64 {
+        let hours = flight_s / 3600.0;
+        let failure = &self.failure;
+        let loss = failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost;
+        self.fixed + self.per_hour * hours + mission_score::failure_probability(failure, hours) * loss
     }
 }
 
