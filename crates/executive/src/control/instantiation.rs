@@ -4,7 +4,7 @@
 //! Bound: O(1) per task besides looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
 
 use crate::control::selection::activity_of;
-use crate::control::{monitoring_clauses, termination};
+use crate::control::{interruption, monitoring_clauses, termination};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
 use crate::view::View;
@@ -154,8 +154,11 @@ pub(crate) fn arm(cycle: &mut Cycle<'_>, id: TaskId) {
             task.held_back.by_result = unbound;
         }
         let armed = watch_end(cycle, id).and_then(|()| if unbound { Ok(()) } else { watch_preconditions(cycle, id) });
-        if let Err((message, place)) = armed {
-            termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
+        let armed = armed
+            .map_err(|(message, place)| Because::new(Cause::ExpressionFailed { message }, Some(place)))
+            .and_then(|()| interruption::watch_step_suspension(cycle, id));
+        if let Err(because) = armed {
+            termination::fail(cycle, id, because);
             return;
         }
     }

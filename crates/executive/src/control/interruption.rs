@@ -7,6 +7,7 @@
 use crate::control::transition::{Trigger, transition};
 use crate::control::{hooks, instantiation, monitoring_clauses, primitive, resources};
 use crate::cycle::Cycle;
+use crate::expression::Surroundings;
 use apex_model::because::{Because, Cause};
 use apex_model::clause::{Clause, Level, MonitorId};
 use apex_model::condition::Condition;
@@ -15,6 +16,7 @@ use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
 use apex_model::task::{Origin, TaskId, TaskState};
 use apex_model::time::Time;
+use apex_model::variables::of_condition;
 
 /// The task lost a resource: only it stops, and claims again.
 pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
@@ -155,18 +157,41 @@ pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Trans
     Ok(())
 }
 
-/// Makes the monitors of the step's `suspend-when` and `resume-when` as its task becomes enabled: what its `waitfor`
-/// and `select` bind is known then. They look back over the task's life, and are judged at once.
+/// Makes the monitors of the step's `suspend-when` and `resume-when`, unless they are there: as its task is created,
+/// when everything that they name is known then; else as it becomes enabled, when its `waitfor` and `select` have bound
+/// what they bind.
 ///
 /// # Errors
 /// The cause when an expression of a condition cannot be evaluated.
 pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
     let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
+    if cycle.state(id) == TaskState::Pending && !all_known(cycle, id, &clauses) || has_suspension(cycle, id) {
+        return Ok(());
+    }
     watch(cycle, id, Clause::ResumeWhen, Level::Step, clauses.resume_when.as_ref())?;
     if let Some(monitor) = watch(cycle, id, Clause::SuspendWhen, Level::Step, clauses.suspend_when.as_ref())? {
         monitoring_clauses::judge(cycle, monitor);
     }
     Ok(())
+}
+
+/// Has every variable of the clauses about suspension a value?
+fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
+    let view = cycle.view(id, Level::Step);
+    let mut known = true;
+    for condition in [&clauses.suspend_when, &clauses.suspend_until, &clauses.resume_when].into_iter().flatten() {
+        of_condition(condition, &mut |name| known &= view.variable(name).is_some());
+    }
+    known
+}
+
+/// Does the task watch, or wait out, its step's suspension?
+fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
+    monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0)).any(|watch| {
+        watch.level == Level::Step
+            && matches!(watch.clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen)
+    })
 }
 
 /// Makes the monitor of the step's `restart-when` as its task begins. Its `end-when` is watched from the creation on.

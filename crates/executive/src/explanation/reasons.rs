@@ -170,7 +170,9 @@ fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
         if each.suspended {
             let text = format!("{} is suspended", name(agent, each.id));
             let task = Some(each.id);
-            reasons.push(Reason { since: Some(each.since), task, ..Reason::new(ReasonKind::Suspended, text) });
+            // One that was suspended before it began has been in its state for longer than that.
+            let since = Some(each.since).filter(|_| each.state == TaskState::Interrupted);
+            reasons.push(Reason { since, task, ..Reason::new(ReasonKind::Suspended, text) });
             reasons.extend(unmet(agent, each, |clause| matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen)));
         }
         next = each.parent;
