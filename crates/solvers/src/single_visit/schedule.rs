@@ -8,7 +8,7 @@ use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_model::solver::Budget;
 
 /// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged besides.
-pub const UNITS_PER_LEG: u64 = 10;
+pub const UNITS_PER_LEG: u64 = 2;
 
 /// One visit of a plan in the making.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,6 +219,12 @@ impl<'a> Schedule<'a> {
             }
         }
         Ok(())
+    }
+
+    /// What flying until `later_s` instead of `end_s` costs.
+    pub(super) fn delay_cost(&self, end_s: f64, later_s: f64) -> f64 {
+        let start_s = self.problem.start_s;
+        self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
     }
 
     /// The targets that must come before `target`.

@@ -1,4 +1,4 @@
-//! The search: greedy insertion, local search, ruin and re-insertion.
+//! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
 
 use super::schedule::{Choice, Judged, Schedule};
 use crate::random::Generator;
@@ -25,12 +25,12 @@ pub(super) struct Candidate {
     pub(super) judged: Judged,
 }
 
-struct Search<'s, 'p, 'b> {
-    schedule: &'s mut Schedule<'p>,
+pub(super) struct Search<'s, 'p, 'b> {
+    pub(super) schedule: &'s mut Schedule<'p>,
     usable: Vec<usize>,
     troubles: &'s [Option<String>],
-    budget: &'b mut dyn Budget,
-    random: Generator,
+    pub(super) budget: &'b mut dyn Budget,
+    pub(super) random: Generator,
 }
 
 /// The best order found within the budget, over the targets without a trouble of their own.
@@ -85,7 +85,7 @@ fn tell(search: &mut Search<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMu
 
 impl Search<'_, '_, '_> {
     /// Judges `order`, whose first `same` visits are those of `current`.
-    fn judge(&mut self, current: &Candidate, same: usize, order: &[Choice]) -> Option<Judged> {
+    pub(super) fn judge(&mut self, current: &Candidate, same: usize, order: &[Choice]) -> Option<Judged> {
         if self.budget.exhausted() {
             return None;
         }
@@ -94,7 +94,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Takes `order`, whose first `same` visits are those of `current`, when it is better; says whether it was.
-    fn try_order(&mut self, current: &mut Candidate, same: usize, order: Vec<Choice>) -> bool {
+    pub(super) fn try_order(&mut self, current: &mut Candidate, same: usize, order: Vec<Choice>) -> bool {
         match self.judge(current, same, &order) {
             Some(judged) if judged.beats(&current.judged) => {
                 *current = Candidate { order, judged };
@@ -157,140 +157,19 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    fn missing(&self, order: &[Choice]) -> Vec<usize> {
+    pub(super) fn missing(&self, order: &[Choice]) -> Vec<usize> {
         let usable = self.usable.iter().copied();
         usable.filter(|target| !order.iter().any(|choice| choice.target == *target)).collect()
     }
 
     /// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
-    fn choices(&self, target: usize) -> Vec<Choice> {
+    pub(super) fn choices(&self, target: usize) -> Vec<Choice> {
         let Some(data) = self.schedule.problem.targets.get(target) else { return Vec::new() };
         let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
         let starts: Vec<f64> = starts.collect();
         (0..data.manoeuvres.len())
             .flat_map(|manoeuvre| starts.iter().map(move |start| Choice { target, manoeuvre, not_before_s: *start }))
             .collect()
-    }
-
-    /// Inserts missing targets, each time the one with the most gain per added time, while the score grows.
-    /// `noise` blurs the choice so that repeated fillings differ.
-    fn fill(&mut self, current: &mut Candidate, noise: f64) {
-        loop {
-            let mut best: Option<(f64, Candidate)> = None;
-            for target in self.missing(&current.order) {
-                for choice in self.choices(target) {
-                    let blur = 1.0 - noise * self.random.unit();
-                    for at in 0..=current.order.len() {
-                        let order = inserted(&current.order, at, choice);
-                        let Some(judged) = self.judge(current, at, &order) else { continue };
-                        if !judged.beats(&current.judged) {
-                            continue;
-                        }
-                        let added_s = (judged.end_s - current.judged.end_s).max(1.0);
-                        let base = if current.order.is_empty() { 0.0 } else { current.judged.score };
-                        let merit = blur * (judged.score - base) / added_s;
-                        if best.as_ref().is_none_or(|(most, _)| merit > *most) {
-                            best = Some((merit, Candidate { order, judged }));
-                        }
-                    }
-                }
-            }
-            let Some((_, next)) = best else { return };
-            *current = next;
-        }
-    }
-
-    /// Applies improving moves until there is none.
-    fn descend(&mut self, current: &mut Candidate) {
-        while !self.budget.exhausted()
-            && (self.relocate(current)
-                || self.turn_round(current)
-                || self.rechoose(current)
-                || self.replace(current)
-                || self.insert(current)
-                || self.drop_one(current))
-        {}
-    }
-
-    fn relocate(&mut self, current: &mut Candidate) -> bool {
-        for from in 0..current.order.len() {
-            for to in 0..current.order.len() {
-                let mut order = current.order.clone();
-                let choice = order.remove(from);
-                order.insert(to.min(order.len()), choice);
-                if from != to && self.try_order(current, from.min(to), order) {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
-    /// Exchanges two visits, or turns the part between them round.
-    fn turn_round(&mut self, current: &mut Candidate) -> bool {
-        for from in 0..current.order.len() {
-            for to in from + 1..current.order.len() {
-                let mut exchanged = current.order.clone();
-                exchanged.swap(from, to);
-                let mut turned = current.order.clone();
-                if let Some(part) = turned.get_mut(from..=to) {
-                    part.reverse();
-                }
-                if self.try_order(current, from, turned) || self.try_order(current, from, exchanged) {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
-    /// Another manoeuvre or another time for one visit.
-    fn rechoose(&mut self, current: &mut Candidate) -> bool {
-        for at in 0..current.order.len() {
-            let Some(now) = current.order.get(at).copied() else { continue };
-            for choice in self.choices(now.target).into_iter().filter(|choice| *choice != now) {
-                let mut order = current.order.clone();
-                if let Some(slot) = order.get_mut(at) {
-                    *slot = choice;
-                }
-                if self.try_order(current, at, order) {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
-    /// One target out, another in at any place.
-    fn replace(&mut self, current: &mut Candidate) -> bool {
-        for out in 0..current.order.len() {
-            let mut without = current.order.clone();
-            without.remove(out);
-            for target in self.missing(&current.order) {
-                for choice in self.choices(target) {
-                    for at in 0..=without.len() {
-                        if self.try_order(current, out.min(at), inserted(&without, at, choice)) {
-                            return true;
-                        }
-                    }
-                }
-            }
-        }
-        false
-    }
-
-    fn insert(&mut self, current: &mut Candidate) -> bool {
-        let before = current.order.len();
-        self.fill(current, 0.0);
-        current.order.len() > before
-    }
-
-    fn drop_one(&mut self, current: &mut Candidate) -> bool {
-        (0..current.order.len()).any(|at| {
-            let mut order = current.order.clone();
-            order.remove(at);
-            !order.is_empty() && self.try_order(current, at, order)
-        })
     }
 
     /// `best` without a few visits: a run of neighbours, or some at random.
@@ -317,7 +196,7 @@ impl Search<'_, '_, '_> {
     }
 }
 
-fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
+pub(super) fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
     let mut longer = order.to_vec();
     longer.insert(at.min(order.len()), choice);
     longer
