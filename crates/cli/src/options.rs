@@ -69,7 +69,7 @@ pub struct RunOptions {
     #[arg(long)]
     pub inputs: Option<PathBuf>,
     /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub until: Option<String>,
     /// Where the trace goes; `-` is standard output (the default).
     #[arg(long)]
@@ -91,13 +91,13 @@ pub struct FlyOptions {
     #[arg(long)]
     pub record: Option<PathBuf>,
     /// Stop at this mission time, for example `2h`.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub until: Option<String>,
     /// Seed of the simulated world; default is the mission's own.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub seed: Option<u64>,
     /// Simulated seconds per second of wall time; default is as fast as possible.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub pace: Option<f64>,
     /// Serve Sherpa while flying, and go on serving after.
     #[arg(long)]
@@ -131,7 +131,7 @@ pub struct WhyOptions {
     /// The task: its number (`T12`), its tag, or words of its goal.
     pub task: String,
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub at: Option<String>,
     /// Print as JSON.
     #[arg(long)]
@@ -150,10 +150,10 @@ pub struct TraceOptions {
     #[arg(long)]
     pub object: Option<String>,
     /// Not before this mission time.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub from: Option<String>,
     /// Not after this mission time.
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub to: Option<String>,
     /// Only tasks of the procedure at this place, `file.pdl` or `file.pdl:14`.
     #[arg(long)]

@@ -46,6 +46,12 @@ pub fn wrapped(words: &[String], joint: &str, indent: &str) -> String {
     text
 }
 
+/// A name in a column of `width`, and what is to be said of it in the lines beside it.
+pub fn named(name: &str, width: usize, text: &str) -> String {
+    let words: Vec<String> = text.split(' ').map(str::to_string).collect();
+    format!("  {name:<width$}  {}", wrapped(&words, " ", &" ".repeat(width + 4)))
+}
+
 /// A word for the shell: quoted where the shell would read it otherwise.
 pub fn shell_word(word: &str) -> String {
     let plain = |character: char| character.is_alphanumeric() || "-_./+,:@".contains(character);
@@ -68,6 +74,15 @@ mod tests {
         assert_eq!(said(13.5), "13.5 s");
         assert_eq!(said(0.0), "0 s");
         assert_eq!(said(59.99), "60 s");
+    }
+
+    #[test]
+    fn long_texts_go_on_in_their_column() {
+        let text = named("cabin", 10, &"word ".repeat(25));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("  cabin       word ") && lines[0].len() <= LINE_WIDTH, "{text}");
+        assert!(lines[1].starts_with("              word "), "{text}");
     }
 
     #[test]

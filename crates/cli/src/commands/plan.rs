@@ -6,7 +6,7 @@ use crate::mission::deliberator::{Deliberation, solve, translate};
 use crate::mission::problem::pose;
 use crate::options::PlanOptions;
 use crate::output;
-use crate::telling::{name_width, wrapped};
+use crate::telling::{name_width, named, wrapped};
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::{Duration, Time};
@@ -66,10 +66,10 @@ fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
 }
 
 fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
-    writeln!(out, "{}", solved.plan.summary())?;
-    let reason: Vec<String> = solved.reason.split(' ').map(str::to_string).collect();
+    let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
+    writeln!(out, "{}", wrapped(&words(&solved.plan.summary()), " ", "  "))?;
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
-    writeln!(out, "  chosen because: {}\n", wrapped(&reason, " ", "    "))?;
+    writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", "    "))?;
     match &solved.plan {
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
@@ -79,7 +79,7 @@ fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
         writeln!(out, "\nnot visited:")?;
     }
     let width = name_width("", left_out.iter().map(|left| left.target.as_str()));
-    left_out.iter().try_for_each(|left| writeln!(out, "  {:<width$}  {}", left.target, left.reason))
+    left_out.iter().try_for_each(|left| writeln!(out, "{}", named(&left.target, width, &left.reason)))
 }
 
 fn clock(seconds: f64) -> String {

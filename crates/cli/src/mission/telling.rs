@@ -2,7 +2,7 @@
 
 use super::bookkeeping::Visit;
 use super::report::{MissionValue, Report};
-use crate::telling::{name_width, wrapped};
+use crate::telling::{name_width, named, wrapped};
 use apex_metrics::eci::ExpectedCost;
 use apex_metrics::mission_score::MissionScore;
 use apex_model::time::Time;
@@ -66,13 +66,14 @@ impl Report {
         if !self.left_out.is_empty() {
             writeln!(out, "\nNot observed")?;
             let width = name_width("", self.left_out.iter().map(|(target, _)| target.as_str()));
-            self.left_out.iter().try_for_each(|(target, reason)| writeln!(out, "  {target:<width$}  {reason}"))?;
+            self.left_out.iter().try_for_each(|(target, reason)| writeln!(out, "{}", named(target, width, reason)))?;
         }
         if !self.notes.is_empty() {
             writeln!(out, "\nDecisions of note")?;
         }
         for note in self.notes.iter().take(NOTES_PRINTED_MAX) {
-            writeln!(out, "  {:>10}  {}", whole_seconds(note.at).to_string(), note.text)?;
+            let at = format!("{:>10}", whole_seconds(note.at).to_string());
+            writeln!(out, "{}", named(&at, 10, &note.text))?;
         }
         if self.notes.len() > NOTES_PRINTED_MAX {
             writeln!(

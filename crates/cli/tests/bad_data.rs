@@ -1,0 +1,172 @@
+//! Missions whose data are wrong: every message says what, where, why and what to do; nothing is flown or left behind.
+
+mod common;
+
+use common::{Desk, Said};
+
+/// Flies the mission in `m`, which must not work, and must leave no record.
+#[track_caller]
+fn refused(desk: &Desk, phrases: &[&str]) -> Said {
+    let said = desk.apex(&["fly", "m", "--no-progress", "--record", "r.apex"]).complained(2, phrases);
+    assert_eq!(desk.names(), ["m"], "nothing is left behind");
+    said
+}
+
+/// `first-picture` with one change.
+#[track_caller]
+fn picture(file: &str, from: &str, to: &str, phrases: &[&str]) {
+    let desk = Desk::with_mission("first-picture");
+    desk.change(&format!("m/{file}"), from, to);
+    refused(&desk, phrases);
+}
+
+/// `structure-watch` with one change.
+#[track_caller]
+fn watch(file: &str, from: &str, to: &str, phrases: &[&str]) {
+    let desk = Desk::with_mission("structure-watch");
+    desk.change(&format!("m/{file}"), from, to);
+    refused(&desk, phrases);
+}
+
+const SPOT: &str = "[-122.0535, 37.4155]";
+
+#[test]
+fn impossible_coordinates_are_named_with_file_and_feature() {
+    let feature = "targets.geojson: feature 1 `hangar-1`: impossible coordinates";
+    picture("targets.geojson", SPOT, "[37.4155, -122.0535]", &[feature, "longitude first", "seem to be exchanged"]);
+    picture("targets.geojson", SPOT, "[-222.0535, 37.4155]", &[feature, "longitude -222.0535", "between -180 and 180"]);
+    picture("targets.geojson", SPOT, "[-122.0535, 97.4155]", &[feature, "latitude 97.4155", "between -90 and 90"]);
+    picture("targets.geojson", SPOT, "[-122.0535]", &["targets.geojson"]);
+    picture("targets.geojson", SPOT, "[\"west\", 37.4155]", &["targets.geojson is not GeoJSON", "line 5 column"]);
+    picture(
+        "mission.pdl",
+        ":at (37.4150 -122.0480)",
+        ":at (97.4150 -122.0480)",
+        &[
+            "m/mission.pdl:3:1: the vehicle's start `:at (97.415 -122.048)` is no place",
+            "(LATITUDE LONGITUDE)",
+            "hangar-1",
+        ],
+    );
+}
+
+#[test]
+fn targets_that_are_no_targets_are_named() {
+    let name = "targets.geojson: feature 1 `hangar-1`: ";
+    let height = "\"height_m\": 60";
+    picture("targets.geojson", height, "\"height_m\": \"tall\"", &[name, "`height_m` is \"tall\", not a number"]);
+    picture(
+        "targets.geojson",
+        height,
+        "\"height_m\": -3",
+        &[name, "`height_m` is -3, which is not between 0 and 9000"],
+    );
+    picture("targets.geojson", "\"target\"", "\"castle\"", &[name, "unknown `kind`: `castle`", "known are fire,"]);
+    let id = "\"id\": \"wind-tunnel\"";
+    picture(
+        "targets.geojson",
+        id,
+        "\"id\": \"hangar-1\"",
+        &["two features have the id `hangar-1`", "features 1 and 2"],
+    );
+    picture("targets.geojson", "\"Point\"", "\"LineString\"", &["targets.geojson"]);
+    picture("targets.geojson", "FeatureCollection", "FeatureCollectoin", &["targets.geojson is not GeoJSON"]);
+    let desk = Desk::with_mission("first-picture");
+    desk.write("m/targets.geojson", "");
+    refused(&desk, &["targets.geojson is not GeoJSON", "line 1 column 0", "help: export it"]);
+    desk.write("m/targets.geojson", "{\"type\": \"FeatureCollection\", \"features\": []}");
+    refused(&desk, &["targets.geojson holds no features"]);
+}
+
+#[test]
+fn missing_data_are_told_with_who_names_them_and_what_is_there() {
+    let desk = Desk::with_mission("first-picture");
+    desk.change("m/mission.pdl", "\"targets.geojson\"", "\"target.geojson\"");
+    refused(
+        &desk,
+        &[
+            "cannot read m/target.geojson",
+            "m/mission.pdl:3:1 names it as `:targets \"target.geojson\"`",
+            "help: m holds targets.geojson",
+        ],
+    );
+}
+
+#[test]
+fn tables_are_read_strictly() {
+    let file = "winds.csv";
+    watch(
+        file,
+        "wind_speed_mps",
+        "speed",
+        &["m/winds.csv: missing columns: wind_speed_mps", "why: the first line names"],
+    );
+    watch(file, "south_deg", "south", &["m/winds.csv: unknown column `south`", "known are altitude_m_min"]);
+    watch(file, "300,3,0.1", "300,fast,0.1", &["m/winds.csv:2: `wind_speed_mps` is `fast`, not a number"]);
+    watch(file, "300,3,0.1", "300,,0.1", &["m/winds.csv:2: `wind_speed_mps` is empty"]);
+    watch(file, "300,3,0.1", "300,NaN,0.1", &["m/winds.csv:2: `wind_speed_mps` is NaN", "between 0 and 150"]);
+    watch(file, "300,4.5,0.08", "400,4.5,0.08", &["m/winds.csv:3: `wind_from_deg` is 400", "between 0 and 360"]);
+    watch(file, "300,3,0.1", "300,3,0.1,7", &["m/winds.csv", "line: 2"]);
+    watch(file, ",,,,0,200", "1,,,,0,200", &["m/winds.csv:2: an area needs all four edges"]);
+    watch(file, ",,,,0,200", ",,,,300,200", &["m/winds.csv:2: the layer's upper face is not above its lower face"]);
+    let desk = Desk::with_mission("structure-watch");
+    desk.write("m/winds.csv", "");
+    refused(&desk, &["m/winds.csv: missing columns: altitude_m_min"]);
+}
+
+#[test]
+fn sites_and_zones_are_checked_like_targets() {
+    let rate = "\"rate_per_h\": 0.06";
+    watch("sites.geojson", rate, "\"rate_per_h\": -1", &["feature 2 `farmhouse`: `rate_per_h` is -1"]);
+    watch("sites.geojson", "\"saturating\"", "\"cheap\"", &["`farmhouse`", "unknown `cost`: `cheap`", "logistic"]);
+    watch("obstacles.geojson", "\"Polygon\"", "\"Circle\"", &["m/obstacles.geojson is not GeoJSON", "why: "]);
+}
+
+#[test]
+fn scripted_events_are_checked_before_the_flight() {
+    let event = "{\"t\": 40, \"event\"";
+    picture(
+        "scenario.jsonl",
+        event,
+        "{\"t\": 40, \"evnt\"",
+        &["m/scenario.jsonl:2: expected exactly one of", "help: "],
+    );
+    picture("scenario.jsonl", event, "{\"t\": 40, event", &["m/scenario.jsonl:2:11: this is no JSON"]);
+    picture("scenario.jsonl", event, "{\"t\": \"soon\", \"event\"", &["m/scenario.jsonl:2: \"t\" is \"soon\""]);
+    picture("scenario.jsonl", "camera-1)", "camera-1", &["m/scenario.jsonl:2: \"event\" cannot be read"]);
+}
+
+#[test]
+fn options_of_the_application_are_told_with_their_place() {
+    let place = "m/mission.pdl:3:1: ";
+    let change = |from: &str, to: &str, phrases: &[&str]| picture("mission.pdl", from, to, phrases);
+    change(":duration", ":duratoin", &[place, "unknown option :duratoin", "known are :vehicle"]);
+    change("15min", "15m", &[place, "`:duration 15m` cannot be read", "positive duration"]);
+    change("15min", "-15min", &[place, "`:duration", "cannot be read"]);
+    change(":duration 15min", ":seed pi", &[place, "`:seed pi` cannot be read", "whole number"]);
+    change(":duration 15min", ":start \"noon\"", &[place, "`:start \"noon\"` cannot be read", "2007-09-08"]);
+    change("\"targets.geojson\"", "targets", &[place, "`:targets targets` cannot be read", "a string"]);
+    change("(sim :model rmax", "(mavlink :model rmax", &[place, "unknown kind of vehicle `mavlink`", "`sim`"]);
+    change(":model rmax", ":model concorde", &[place, "unknown", "`concorde`", "predator-b, rmax"]);
+    change(":at (37.4150 -122.0480))", ":at moffett)", &[place, "`:at moffett` is no place", "wind-tunnel"]);
+    change(":at (37.4150 -122.0480))", ")", &[place, ":vehicle", "(sim :model NAME :at PLACE)"]);
+    change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
+}
+
+#[test]
+fn several_agents_are_refused_rather_than_left_out() {
+    let from = ":agents ((agent";
+    let to = ":agents ((agent scout :initial-task (photograph the airfield)) (agent";
+    picture("mission.pdl", from, to, &["the application has 2 agents: scout, rotorcraft-1", "keep one agent"]);
+}
+
+#[test]
+fn what_is_no_mission_is_told_apart() {
+    let desk = Desk::with_greetings();
+    for command in ["fly", "plan"] {
+        desk.apex(&[command, "greetings.pdl"]).complained(2, &["no (defapplication ..)", "apex run"]);
+        desk.apex(&[command, "nowhere"]).complained(2, &["cannot read nowhere", "why: "]);
+    }
+    assert_eq!(desk.names(), ["go.jsonl", "greetings.pdl"]);
+    picture("mission.pdl", "(step up", "(step up (", &["error[", "m/mission.pdl:", "help: "]);
+}

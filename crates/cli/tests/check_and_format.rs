@@ -1,0 +1,115 @@
+//! `apex check` and `apex fmt`, by themselves and with every mistake that comes to mind.
+
+mod common;
+
+use common::{Desk, mission};
+
+const UNKNOWN_GOAL: &str = "(procedure\n  (index (do-domain))\n  (step s (make coffee)))\n";
+
+#[test]
+fn shipped_missions_are_well() {
+    for name in ["first-picture", "structure-watch", "western-states"] {
+        Desk::new().apex(&["check", &mission(name)]).well().told(&["mission.pdl: ", " 0 errors, 0 warnings"]);
+    }
+}
+
+#[test]
+fn a_mistake_is_named_with_file_line_and_column() {
+    let desk = Desk::new();
+    desk.write("a.pdl", UNKNOWN_GOAL);
+    let said = desk.apex(&["check", "a.pdl"]).complained(2, &[]);
+    said.told(&["no procedure, primitive or solver serves `(make coffee)`", "--> a.pdl:3:11", "help:", "1 error,"]);
+}
+
+#[test]
+fn a_fragment_may_leave_goals_to_others() {
+    let desk = Desk::new();
+    desk.write("a.pdl", UNKNOWN_GOAL);
+    desk.apex(&["check", "--fragment", "a.pdl"]).well().told(&["0 errors, 0 warnings"]);
+}
+
+#[test]
+fn json_names_every_part_of_a_diagnostic() {
+    let desk = Desk::new();
+    desk.write("a.pdl", UNKNOWN_GOAL);
+    let said = desk.apex(&["check", "--json", "a.pdl"]).complained(2, &[]);
+    let lines = said.json_lines();
+    let errors: Vec<_> = lines.iter().filter(|line| line["severity"] == "error").collect();
+    let [error] = errors.as_slice() else { panic!("one error in {lines:?}") };
+    assert_eq!(error["file"], "a.pdl");
+    assert_eq!((error["line"].as_u64(), error["column"].as_u64()), (Some(3), Some(11)));
+    assert!(error["code"].is_string() && error["message"].is_string(), "{error}");
+    assert!(error["help"][0].as_str().unwrap().starts_with("write a procedure for it"), "{error}");
+}
+
+#[test]
+fn all_files_are_checked_even_after_a_bad_one() {
+    let desk = Desk::with_greetings();
+    desk.write("a.pdl", UNKNOWN_GOAL);
+    desk.apex(&["check", "a.pdl", "greetings.pdl"]).complained(2, &[]).told(&["a.pdl: 1 ", "greetings.pdl: 1 "]);
+}
+
+#[test]
+fn unbalanced_parentheses_are_found_where_they_are() {
+    let desk = Desk::with_greetings();
+    desk.change("greetings.pdl", "(step a (greet world))", "(step a (greet world)");
+    desk.apex(&["check", "greetings.pdl"]).complained(2, &[]).told(&["error[", "greetings.pdl:", "help:"]);
+}
+
+#[test]
+fn a_missing_file_is_told_with_its_neighbours() {
+    let desk = Desk::with_greetings();
+    let phrases = ["cannot read greeting.pdl", "why: ", "help: this folder holds greetings.pdl"];
+    desk.apex(&["check", "greeting.pdl"]).complained(2, &phrases);
+    desk.apex(&["check", "no/such.pdl"]).complained(2, &["no/such.pdl", "the folder no does not exist"]);
+}
+
+#[test]
+fn a_folder_of_missions_is_answered_with_its_missions() {
+    let missions = common::missions().display().to_string();
+    let phrases = ["mission.pdl", "first-picture", "structure-watch", "western-states"];
+    Desk::new().apex(&["check", &missions]).complained(2, &phrases);
+}
+
+#[test]
+fn a_file_that_is_not_text_is_refused() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("a.pdl"), [b'(', 0xff, 0xfe]).unwrap();
+    for command in ["check", "fmt", "run"] {
+        desk.apex(&[command, "a.pdl"]).complained(2, &["a.pdl is not text", "byte 1", "UTF-8"]);
+    }
+}
+
+#[test]
+fn formatting_is_idempotent_and_check_agrees() {
+    let desk = Desk::new();
+    desk.write("a.pdl", "(procedure (index (do-domain))\n\n\n      (step a   (terminate)))");
+    let before = desk.read("a.pdl");
+    desk.apex(&["fmt", "--check", "a.pdl"]).complained(2, &["not formatted: a.pdl", "help: run `apex fmt`"]);
+    assert_eq!(desk.read("a.pdl"), before, "--check changes nothing");
+    desk.apex(&["fmt", "a.pdl"]).well().told(&["formatted a.pdl"]);
+    let formatted = desk.read("a.pdl");
+    assert_ne!(formatted, before);
+    assert_eq!(desk.apex(&["fmt", "a.pdl"]).well().out, "", "nothing is left to do");
+    assert_eq!(desk.read("a.pdl"), formatted);
+    desk.apex(&["fmt", "--check", "a.pdl"]).well();
+    assert_eq!(desk.names(), ["a.pdl"], "no temporary file stays");
+    assert_eq!(desk.apex_hearing(&["fmt", "-"], &before).well().out, formatted);
+}
+
+#[test]
+fn a_file_that_cannot_be_read_as_pdl_is_left_alone() {
+    let desk = Desk::new();
+    desk.write("a.pdl", "(procedure (index (a))");
+    desk.apex(&["fmt", "a.pdl"]).complained(2, &["error[", "a.pdl:1:1"]);
+    assert_eq!(desk.read("a.pdl"), "(procedure (index (a))");
+    desk.apex_hearing(&["fmt", "-"], "(a").complained(2, &["<standard input>:1:1"]);
+}
+
+#[test]
+fn an_unknown_library_is_answered_with_the_shipped_ones() {
+    let desk = Desk::with_mission("first-picture");
+    desk.change("m/mission.pdl", "(\"vehicle\")", "(\"vehicel\")");
+    let said = desk.apex(&["check", "m"]).complained(2, &[]);
+    said.told(&["mission.pdl:5:15", "no library `vehicel`", "aerial-observation, contingencies, vehicle"]);
+}

@@ -1,0 +1,192 @@
+//! Flight records that cannot be written, are cut off, were tampered with or are something else.
+
+mod common;
+
+use common::{Desk, mission};
+use std::fs;
+use std::process::Command;
+
+#[test]
+fn other_files_are_never_overwritten() {
+    let desk = Desk::with_greetings();
+    let program = desk.read("greetings.pdl");
+    fs::create_dir(desk.path("folder")).unwrap();
+    let mission = mission("first-picture");
+    let fly = |record: &str| desk.apex(&["fly", &mission, "--no-progress", "--record", record]);
+    fly("greetings.pdl").complained(2, &["greetings.pdl is not a flight record", "left as it is"]);
+    fly("folder").complained(2, &["folder is not a flight record", "it is a folder"]);
+    fly("no/such/f.apex").complained(2, &["no/such/f.apex", "there is no folder no/such", "help: make the folder"]);
+    let run = desk.apex(&["run", "greetings.pdl", "--record", "greetings.pdl"]);
+    run.complained(2, &["greetings.pdl is not a flight record"]);
+    assert_eq!(desk.read("greetings.pdl"), program);
+    assert_eq!(desk.names(), ["folder", "go.jsonl", "greetings.pdl"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_are_refused_and_stay() {
+    use std::os::unix::fs::FileTypeExt;
+    let desk = Desk::with_greetings();
+    assert!(Command::new("mkfifo").arg(desk.path("pipe")).status().unwrap().success());
+    for record in ["pipe", "/dev/null"] {
+        let said = desk.apex(&["run", "greetings.pdl", "--record", record]);
+        said.complained(2, &["is not a flight record", "no ordinary file"]);
+        for command in ["trace", "replay", "serve"] {
+            desk.apex(&[command, record]).complained(2, &["is not a flight record", "no ordinary file"]);
+        }
+    }
+    assert!(fs::metadata(desk.path("pipe")).unwrap().file_type().is_fifo());
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}
+
+#[test]
+fn what_is_no_record_is_told_by_every_command() {
+    let desk = Desk::with_flight();
+    desk.write("notes.apex", "not a record");
+    desk.write("empty.apex", "");
+    for command in [&["replay"][..], &["trace"], &["serve"]] {
+        let apex = |file: &str| desk.apex(&[command, &[file]].concat());
+        apex("notes.apex").complained(2, &["notes.apex is not a flight record", "help: give a file that `apex fly`"]);
+        apex("empty.apex").complained(2, &["empty.apex is not a flight record", "it is empty"]);
+        apex("fligth.apex")
+            .complained(2, &["there is no flight record at fligth.apex", "this folder holds flight.apex"]);
+    }
+    desk.apex(&["why", "notes.apex", "T1"]).complained(2, &["notes.apex is not a flight record"]);
+    assert_eq!(desk.read("notes.apex"), "not a record");
+}
+
+#[test]
+fn a_record_cut_in_half_is_damaged_and_no_panic() {
+    let desk = Desk::with_flight();
+    let bytes = fs::read(desk.path("flight.apex")).unwrap();
+    fs::write(desk.path("half.apex"), &bytes[..bytes.len() / 2]).unwrap();
+    for command in [&["replay", "half.apex"][..], &["why", "half.apex", "T2"], &["trace", "half.apex"]] {
+        let said = desk.apex(command);
+        assert!(matches!(said.code, Some(1 | 2)), "{said:?}");
+        said.complained_of(&["half.apex", "damaged"]);
+    }
+}
+
+#[test]
+fn a_tampered_record_is_shown_with_its_first_difference() {
+    let desk = Desk::with_flight();
+    let path = desk.path("flight.apex");
+    let bytes = fs::read(&path).unwrap();
+    let program = replaced(&bytes, b"(priority 5))", b"(priority 0))");
+    assert_ne!(program, bytes, "the program is in the record");
+    fs::write(&path, program).unwrap();
+    let said = desk.apex(&["replay", "flight.apex"]);
+    assert_eq!(said.code, Some(1), "{said:?}");
+    let said = said.told(&["ecorded", "eplayed"]);
+    assert!(!said.out.contains("confirmed"), "{}", said.out);
+    let json = desk.apex(&["replay", "flight.apex", "--json"]);
+    assert_eq!(json.code, Some(1));
+    let json = json.json_lines();
+    assert_eq!(json[0]["equal"], false);
+    let difference = &json[0]["difference"];
+    assert_eq!(difference["t"], 40.0, "where the calibration no longer outranks the picture: {difference}");
+    assert_ne!(difference["recorded"], difference["replayed"]);
+}
+
+/// `bytes` with every `from` replaced by `to` of the same length.
+fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut bytes = bytes.to_vec();
+    let found: Vec<usize> =
+        (0..bytes.len().saturating_sub(from.len())).filter(|at| bytes[*at..].starts_with(from)).collect();
+    for at in found {
+        bytes[at..at + from.len()].copy_from_slice(to);
+    }
+    bytes
+}
+
+/// A flight that is killed on its way leaves a record that says so, and that explains what it holds.
+#[test]
+fn a_flight_that_was_cut_off_is_marked_incomplete() {
+    let desk = Desk::new();
+    let mission = mission("first-picture");
+    let mut child = desk
+        .command(&["fly", &mission, "--record", "cut.apex", "--no-progress", "--pace", "20"])
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = std::time::Instant::now();
+    while !desk.apex(&["trace", "cut.apex", "--type", "command"]).out.contains("take off") {
+        assert!(began.elapsed().as_secs() < 60, "the flight does not begin");
+        assert!(child.try_wait().unwrap().is_none(), "the flight ends by itself");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let warning = "warning: The flight record cut.apex is incomplete";
+    desk.apex(&["trace", "cut.apex", "--type", "created"]).complained(0, &[warning]).told(&["take off to 40m"]);
+    desk.apex(&["why", "cut.apex", "T1"]).complained(0, &[warning]).told(&["T1 (take off to 40m)"]);
+    desk.apex(&["replay", "cut.apex"]).complained(0, &[warning]).told(&["The record is confirmed"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_on_a_full_disk_is_a_failure_and_no_panic() {
+    let desk = Desk::with_flight();
+    desk.write("p.pdl", common::GREETINGS);
+    let commands: [&[&str]; 8] = [
+        &["check", "p.pdl"],
+        &["fmt", "-"],
+        &["run", "p.pdl"],
+        &["run", "p.pdl", "--trace", "/dev/full"],
+        &["why", "flight.apex", "T2"],
+        &["trace", "flight.apex"],
+        &["replay", "flight.apex"],
+        &["fly", &mission("first-picture"), "--json", "--until", "1"],
+    ];
+    for arguments in commands {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let program = fs::File::open(desk.path("p.pdl")).unwrap();
+        let output = desk.command(arguments).stdin(program).stdout(full).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        assert!(said.contains("No space left on device") && !said.contains("panicked"), "{arguments:?}: {said}");
+    }
+}
+
+/// Needs the right to mount; without it there is no small disk to fill, and the runtime's tests fill a file instead.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_ends_the_flight_and_leaves_nothing_that_passes_for_whole() {
+    let desk = Desk::new();
+    let small = Small::mount(&desk, "200k");
+    let Some(small) = small else { return };
+    let mission = mission("first-picture");
+    let fly = ["fly", &*mission, "--no-progress", "--record", "small/f.apex"];
+    desk.apex(&fly).complained(1, &["The disk is full", "small/f.apex", "Free some space"]);
+    let warning = "warning: The flight record small/f.apex is incomplete";
+    desk.apex(&["trace", "small/f.apex"]).complained(0, &[warning]);
+    desk.apex(&["replay", "small/f.apex"]).complained_of(&[warning]);
+    drop(small);
+    let tiny = Small::mount(&desk, "8k");
+    desk.apex(&fly).complained(1, &["cannot be begun", "the disk is full", "no record is left"]);
+    assert_eq!(fs::read_dir(desk.path("small")).unwrap().count(), 0);
+    drop(tiny);
+}
+
+/// A small disk in memory at `small`.
+struct Small {
+    at: std::path::PathBuf,
+}
+
+impl Small {
+    fn mount(desk: &Desk, size: &str) -> Option<Small> {
+        let at = desk.path("small");
+        fs::create_dir_all(&at).unwrap();
+        let size = format!("size={size}");
+        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "none"]).arg(&at).output();
+        mounted.is_ok_and(|output| output.status.success()).then_some(Small { at })
+    }
+}
+
+impl Drop for Small {
+    fn drop(&mut self) {
+        let unmounted = Command::new("umount").arg(&self.at).status();
+        assert!(unmounted.is_ok_and(|status| status.success()), "{} stays mounted", self.at.display());
+    }
+}

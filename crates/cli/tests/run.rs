@@ -1,0 +1,111 @@
+//! `apex run`: inputs, trace, time limit, record.
+
+mod common;
+
+use common::{Desk, GO};
+
+#[test]
+fn the_trace_is_what_its_page_says() {
+    let desk = Desk::with_greetings();
+    let said = desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl"]).well();
+    let lines: Vec<&str> = said.out.lines().collect();
+    let expected = [
+        r#"{"t":0,"kind":"transition","task":"T1","goal":"(greet world)","from":"pending","state":"enabled","cause":"there is nothing to wait for","place":"greetings.pdl:3:3"}"#,
+        r#"{"t":0,"kind":"event","task":"T1","goal":"(greet world)","form":"(greeted world)"}"#,
+        r#"{"t":7,"kind":"event","form":"(go)"}"#,
+        r#"{"t":7,"kind":"end","reason":"the initial task is done"}"#,
+    ];
+    let mut rest = lines.iter();
+    for line in expected {
+        assert!(rest.any(|found| *found == line), "{line}\nis not in, or not in order:\n{}", said.out);
+    }
+    assert_eq!(rest.next(), None, "the end is the end");
+    let times: Vec<f64> = said.json_lines().iter().map(|line| line["t"].as_f64().unwrap()).collect();
+    assert!(times.is_sorted(), "{times:?}");
+    let printed: Vec<String> = said
+        .json_lines()
+        .iter()
+        .filter(|line| line["kind"] == "print")
+        .map(|line| line["text"].as_str().unwrap().split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect();
+    assert_eq!(printed, ["hello world", "hello moon"]);
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let desk = Desk::with_greetings();
+    let run = |trace: &str| {
+        let arguments = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--trace", trace];
+        assert_eq!(desk.apex(&arguments).well().out, "");
+        desk.read(trace)
+    };
+    assert_eq!(run("one.jsonl"), run("two.jsonl"));
+    let heard = desk.apex_hearing(&["run", "greetings.pdl", "--inputs", "-", "--trace", "-"], GO).well();
+    assert_eq!(heard.out, desk.read("one.jsonl"), "standard input is as good as a file");
+}
+
+#[test]
+fn text_is_for_people() {
+    let desk = Desk::with_greetings();
+    let said = desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl", "--text"]).well();
+    said.told(&["          7s  T2 (greet moon): pending -> enabled because ", "end: the initial task is done"]);
+}
+
+#[test]
+fn the_time_limit_and_the_lack_of_anything_to_do_are_told() {
+    let desk = Desk::with_greetings();
+    let early = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--until", "3s"];
+    let said = desk.apex(&early).complained(0, &["note: the run ended at 3s because the time limit was reached"]);
+    assert!(!said.out.contains("(go)"), "{}", said.out);
+    desk.apex(&["run", "greetings.pdl"]).complained(0, &["note: the run ended at 0s because nothing more can happen"]);
+    let late = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--until", "0:00:07"];
+    desk.apex(&late).well().told(&["the initial task is done"]);
+}
+
+#[test]
+fn a_run_can_be_recorded_replayed_and_explained() {
+    let desk = Desk::with_greetings();
+    desk.apex(&["run", "greetings.pdl", "--inputs", "go.jsonl", "--record", "r.apex", "--trace", "t"]).well();
+    desk.apex(&["replay", "r.apex"]).well().told(&["The record is confirmed"]);
+    let why = desk.apex(&["why", "r.apex", "b", "--at", "5"]).well();
+    why.told(&["T2 (greet moon) is pending at 5s.", "What it waits for:", "(go)"]);
+    let traced = desk.apex(&["trace", "r.apex", "--json"]).well();
+    assert_eq!(traced.out, desk.read("t"), "live and recorded traces are the same");
+}
+
+#[test]
+fn bad_inputs_are_named_line_by_line() {
+    let desk = Desk::with_greetings();
+    desk.write("bad.jsonl", "# fine\n{\"t\": 1, \"evnt\": \"(go)\"}\n{\"t\": -1, \"event\": \"(go)\"}\n{\"t\n");
+    let phrases =
+        ["bad.jsonl:2: expected exactly one of", "bad.jsonl:3: \"t\" is -1", "bad.jsonl:4:", "help: each line"];
+    desk.apex(&["run", "greetings.pdl", "--inputs", "bad.jsonl"]).complained(2, &phrases);
+    let heard = desk.apex_hearing(&["run", "greetings.pdl", "--inputs", "-"], "nonsense");
+    heard.complained(2, &["<standard input>:1:"]);
+    desk.apex(&["run", "greetings.pdl", "--inputs", "gone.jsonl"])
+        .complained(2, &["cannot read gone.jsonl", "go.jsonl"]);
+}
+
+#[test]
+fn the_trace_is_never_written_over_what_is_run() {
+    let desk = Desk::with_greetings();
+    let program = desk.read("greetings.pdl");
+    let arguments = ["run", "greetings.pdl", "--trace", "greetings.pdl"];
+    desk.apex(&arguments).complained(2, &["written over the program", "greetings.pdl"]);
+    let arguments = ["run", "greetings.pdl", "--inputs", "go.jsonl", "--trace", "./go.jsonl"];
+    desk.apex(&arguments).complained(2, &["written over the file of inputs", "help: give `--trace` another file"]);
+    assert_eq!((desk.read("greetings.pdl"), desk.read("go.jsonl")), (program, GO.to_string()));
+    let arguments = ["run", "greetings.pdl", "--trace", "no/such/trace"];
+    desk.apex(&arguments).complained(2, &["cannot write the trace to no/such/trace", "why: ", "help: "]);
+}
+
+#[test]
+fn a_failing_expression_is_a_failed_task_with_its_place() {
+    let desk = Desk::new();
+    desk.write(
+        "z.pdl",
+        "(procedure (index (do-domain)) (step a (divide 0)))\n(primitive (index (divide ?by)) (on-start (print (/ 1 ?by))))\n",
+    );
+    let said = desk.apex(&["run", "z.pdl", "--text"]).well();
+    said.told(&["(failure) because", "by zero", "z.pdl:2:", "end: the initial task failed"]);
+}
