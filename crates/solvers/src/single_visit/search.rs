@@ -8,9 +8,9 @@ use apex_model::solver::{Budget, Environment};
 /// Ruins in a row without a better plan after which the search ends by itself.
 pub(super) const STALE_ROUNDS_MAX: usize = 300;
 
-/// The search goes on from plans that are worse than the best by no more than this share.
-const DETOUR_SHARE: f64 = 0.03;
-/// Rounds without a better plan after which it returns to the best.
+/// The search goes on from plans that are worse than the best by a random part of this share.
+const DETOUR_SHARE: f64 = 0.08;
+/// Rounds without a better plan after which it returns to the best, again and again.
 const RETURN_ROUNDS: usize = 20;
 
 /// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
@@ -31,6 +31,8 @@ pub(super) struct Search<'s, 'p, 'b> {
     troubles: &'s [Option<String>],
     pub(super) budget: &'b mut dyn Budget,
     pub(super) random: Generator,
+    /// Targets that the next filling leaves out, so that others get their turn.
+    banned: Vec<usize>,
 }
 
 /// The best order found within the budget, over the targets without a trouble of their own.
@@ -43,7 +45,8 @@ pub(super) fn run(
     let report = &mut *environment.report;
     let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
     let random = Generator::new(seed);
-    let mut search = Search { schedule, usable, troubles, budget: &mut *environment.budget, random };
+    let mut search =
+        Search { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     search.fill(&mut best, 0.0);
@@ -61,6 +64,7 @@ pub(super) fn run(
         stale += 1;
         let mut next = search.ruined(&current);
         search.fill(&mut next, 0.6);
+        search.banned.clear();
         search.descend(&mut next);
         if next.judged.beats(&best.judged) {
             best = next.clone();
@@ -68,10 +72,11 @@ pub(super) fn run(
             tell(&mut search, &best, report);
         }
         // Go on from plans a little worse than the best, so that the search does not circle around one summit.
-        if next.judged.score >= best.judged.score - DETOUR_SHARE * best.judged.score.abs() {
-            current = next;
-        } else if stale % RETURN_ROUNDS == 0 {
+        let detour = DETOUR_SHARE * search.random.unit() * best.judged.score.abs();
+        if stale % RETURN_ROUNDS == 0 {
             current = best.clone();
+        } else if next.judged.score >= best.judged.score - detour {
+            current = next;
         }
     }
     best
@@ -159,7 +164,9 @@ impl Search<'_, '_, '_> {
 
     pub(super) fn missing(&self, order: &[Choice]) -> Vec<usize> {
         let usable = self.usable.iter().copied();
-        usable.filter(|target| !order.iter().any(|choice| choice.target == *target)).collect()
+        usable
+            .filter(|target| !self.banned.contains(target) && !order.iter().any(|choice| choice.target == *target))
+            .collect()
     }
 
     /// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
@@ -172,19 +179,31 @@ impl Search<'_, '_, '_> {
             .collect()
     }
 
-    /// `best` without a few visits: a run of neighbours, or some at random.
+    /// `best` without a few visits: a run of neighbours, or some at random; now and then a visit anywhere instead, so that
+    /// every region has a plan grown from it. Half of the time what was taken out stays out of the next filling.
     fn ruined(&mut self, best: &Candidate) -> Candidate {
         let count = best.order.len();
-        let most = if self.random.below(4) == 0 { count } else { count.div_ceil(3) };
-        let take = 1 + self.random.below(most.max(1));
+        let take = 1 + self.random.below(count.div_ceil(3).max(1));
         let mut order = best.order.clone();
-        if self.random.below(2) == 0 {
-            let from = self.random.below(count.saturating_sub(take) + 1);
-            order.drain(from..(from + take).min(count));
-        } else {
-            for _ in 0..take.min(order.len()) {
-                order.remove(self.random.below(order.len()));
+        match self.random.below(5) {
+            0 => {
+                let target = self.usable.get(self.random.below(self.usable.len())).copied().unwrap_or(0);
+                let choices = self.choices(target);
+                order = choices.get(self.random.below(choices.len())).copied().into_iter().collect();
             }
+            1 | 2 => {
+                let from = self.random.below(count.saturating_sub(take) + 1);
+                order.drain(from..(from + take).min(count));
+            }
+            _ => {
+                for _ in 0..take.min(order.len()) {
+                    order.remove(self.random.below(order.len()));
+                }
+            }
+        }
+        if self.random.below(2) == 0 {
+            let kept = |target: &usize| order.iter().any(|choice| choice.target == *target);
+            self.banned = best.order.iter().map(|choice| choice.target).filter(|target| !kept(target)).collect();
         }
         match self.schedule.judge(&order, self.budget) {
             Ok(judged) if !order.is_empty() => Candidate { order, judged },
