@@ -2,6 +2,8 @@
 //!
 //! Bound: a sweep has at most [`SWEEP_LINES_MAX`] lines, each O(corners).
 
+pub use crate::perimeter::{perimeter_lines, perimeter_manoeuvre};
+
 use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position, RAD_PER_DEG};
 use crate::plane::{self, Plane, Point};
 use crate::wind::{self, WindField};
@@ -9,6 +11,8 @@ use apex_model::problem::{Manoeuvre, QualityFactor, QualityFactors};
 
 /// Lines of one sweep: more would take days.
 pub const SWEEP_LINES_MAX: usize = 1_000;
+/// Lines with ends closer than this touch: the vehicle flies on around a corner.
+const TOUCHING_M_MAX: f64 = 1.0;
 /// Corners of the polygon that stands for a circle.
 const CIRCLE_CORNERS: usize = 32;
 const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
@@ -98,7 +102,11 @@ pub fn sweep_lines(
     Ok(from_nearest_corner(lines, approach))
 }
 
-fn corners_of(ground: &Ground) -> Result<Vec<Position>, String> {
+/// The corners of the ground; those of a circle hold all of it.
+///
+/// # Errors
+/// A sentence where the ground makes no sense.
+pub(crate) fn corners_of(ground: &Ground) -> Result<Vec<Position>, String> {
     let corners = match ground {
         Ground::Polygon(corners) => corners.clone(),
         Ground::Circle { centre, radius_m } => {
@@ -200,6 +208,13 @@ pub fn turn_length_m(spacing_m: f64, radius_m: f64) -> f64 {
     radius_m * (3.0 * pi - 4.0 * libm::asin((0.5 + spacing_m / (4.0 * radius_m)).clamp(-1.0, 1.0)))
 }
 
+/// Length added by turning `turn_rad` (0..pi) where one line ends and the next begins: past the corner, and back onto
+/// the next line. As long as the bulb of [`turn_length_m`] where the next line leads straight back.
+pub fn corner_length_m(turn_rad: f64, radius_m: f64) -> f64 {
+    let back = 2.0 / 3.0 * std::f64::consts::PI * (1.0 - libm::cos(turn_rad));
+    radius_m * (turn_rad - libm::sin(turn_rad) + back)
+}
+
 /// Radius of a level turn.
 pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     true_airspeed_mps * true_airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_deg * RAD_PER_DEG))
@@ -225,10 +240,10 @@ pub struct LineFlight {
 pub fn fly_lines(lines: &[(Position, Position)], flight: &LineFlight, field: &WindField) -> Result<(f64, f64), String> {
     let radius_m = turn_radius_m(flight.true_airspeed_mps, flight.bank_deg);
     let (mut time_s, mut length_m) = (0.0, 0.0);
-    let mut exit: Option<Position> = None;
+    let mut before: Option<(Position, Position)> = None;
     for (number, (from, to)) in lines.iter().enumerate() {
-        if let Some(exit) = exit {
-            let turn_m = turn_length_m(geodesy::distance_m(exit, *from), radius_m);
+        if let Some(before) = before {
+            let turn_m = turn_between_m(before, (*from, *to), radius_m);
             length_m += turn_m;
             time_s += turn_m / flight.true_airspeed_mps;
         }
@@ -238,9 +253,20 @@ pub fn fly_lines(lines: &[(Position, Position)], flight: &LineFlight, field: &Wi
             format!("Line {} cannot be flown at {:.0} m: the wind is too strong.", number + 1, flight.altitude_m)
         })?;
         length_m += geodesy::distance_m(*from, *to);
-        exit = Some(*to);
+        before = Some((*from, *to));
     }
     Ok((time_s, length_m))
+}
+
+/// Length of the turn from one line into the next: around a corner where they touch, else back alongside.
+fn turn_between_m(line: (Position, Position), next: (Position, Position), radius_m: f64) -> f64 {
+    let apart_m = geodesy::distance_m(line.1, next.0);
+    if apart_m > TOUCHING_M_MAX {
+        return turn_length_m(apart_m, radius_m);
+    }
+    let heading_deg = geodesy::azimuth_deg(line.1, line.0) + 180.0;
+    let turn_deg = geodesy::wrap_180(geodesy::azimuth_deg(next.0, next.1) - heading_deg);
+    corner_length_m(turn_deg.abs() * RAD_PER_DEG, radius_m)
 }
 
 /// What is wanted of an observation.
@@ -265,6 +291,32 @@ pub fn sweep_manoeuvre(
     field: &WindField,
     approach: Position,
 ) -> Result<Manoeuvre, String> {
+    let lines = |swath_m: f64| {
+        let settings = SweepSettings { swath_m, overlap: 0.1, track_deg: None, run_in_m: 0.0 };
+        sweep_lines(&wish.ground, &settings, approach)
+    };
+    observed_manoeuvre(&Observed { name: "sweep", wish, scanner, flight, field }, lines)
+}
+
+/// What an observation is made of, but for its lines.
+pub(crate) struct Observed<'a> {
+    /// First part of the manoeuvre's name.
+    pub(crate) name: &'a str,
+    pub(crate) wish: &'a ObservationWish,
+    pub(crate) scanner: &'a LineScanner,
+    pub(crate) flight: &'a LineFlight,
+    pub(crate) field: &'a WindField,
+}
+
+/// The manoeuvre of the lines for the swath at the flight's altitude, with its predicted time and quality.
+///
+/// # Errors
+/// A sentence where the altitude is below ground, there are no lines, or the wind is too strong.
+pub(crate) fn observed_manoeuvre(
+    observed: &Observed<'_>,
+    lines: impl FnOnce(f64) -> Result<Vec<(Position, Position)>, String>,
+) -> Result<Manoeuvre, String> {
+    let Observed { name, wish, scanner, flight, field } = observed;
     let height_m = flight.altitude_m - wish.ground_elevation_m;
     if height_m.is_nan() || height_m <= 0.0 {
         return Err(format!(
@@ -272,8 +324,7 @@ pub fn sweep_manoeuvre(
             flight.altitude_m, wish.ground_elevation_m
         ));
     }
-    let settings = SweepSettings { swath_m: scanner.swath_m(height_m), overlap: 0.1, track_deg: None, run_in_m: 0.0 };
-    let lines = sweep_lines(&wish.ground, &settings, approach)?;
+    let lines = lines(scanner.swath_m(height_m))?;
     let (duration_s, length_m) = fly_lines(&lines, flight, field)?;
     let obtained_m = scanner.resolution_m(height_m);
     let turbulence = lines.iter().map(|(from, to)| {
@@ -282,7 +333,7 @@ pub fn sweep_manoeuvre(
     });
     let turbulence = turbulence.fold(0.0, f64::max).clamp(0.0, 1.0);
     Ok(Manoeuvre {
-        name: format!("sweep-{:.0}m", flight.altitude_m),
+        name: format!("{name}-{:.0}m", flight.altitude_m),
         altitude_m: flight.altitude_m,
         lines,
         duration_s,
@@ -340,6 +391,8 @@ mod tests {
         let (just_below, just_above) = (turn_length_m(1999.999, 1000.0), turn_length_m(2000.001, 1000.0));
         assert!((just_below - just_above).abs() < 3.0);
         assert!((turn_length_m(0.0, 1000.0) - 7.0 / 3.0 * std::f64::consts::PI * 1000.0).abs() < 1e-6);
+        assert!((corner_length_m(std::f64::consts::PI, 1000.0) - turn_length_m(0.0, 1000.0)).abs() < 1e-6);
+        assert_eq!(corner_length_m(0.0, 1000.0), 0.0);
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub mod functions;
 pub mod geodesy;
 pub mod landing;
 pub mod passage;
+pub mod perimeter;
 pub mod plane;
 pub mod route;
 pub mod sun;

@@ -1,0 +1,195 @@
+//! Flying along the outline of a target, for those of which only the perimeter is wanted.
+//!
+//! The outline is simplified (Douglas and Peucker) so that fewer turns are flown and every point of the true outline
+//! still lies well inside the swath. Bound: O(corners^2), lines at most [`PERIMETER_LINES_MAX`].
+
+use crate::coverage::{LineFlight, LineScanner, ObservationWish, Observed, corners_of, observed_manoeuvre};
+use crate::geodesy::{self, Position};
+use crate::plane::{self, Plane, Point};
+use crate::wind::WindField;
+use apex_model::problem::Manoeuvre;
+
+/// Lines of one outline: a simpler outline is asked for beyond.
+pub const PERIMETER_LINES_MAX: usize = 1_000;
+/// The simplified outline strays from the true one by no more than this share of the swath: half of what is seen to
+/// either side is left for the vehicle's own deviations.
+pub const OUTLINE_SHARE_OF_SWATH: f64 = 0.25;
+
+/// Lines along the outline given by `corners` (in order, not closed), once around, from the corner nearest to
+/// `approach` back to it. Every point of the outline lies within a quarter of `swath_m` of a line.
+///
+/// # Errors
+/// A sentence where the outline or the swath makes no sense, or too many lines would be needed.
+pub fn perimeter_lines(
+    corners: &[Position],
+    swath_m: f64,
+    approach: Position,
+) -> Result<Vec<(Position, Position)>, String> {
+    let finite = |position: &Position| position.latitude_deg.is_finite() && position.longitude_deg.is_finite();
+    if corners.len() < 3 || !corners.iter().all(finite) {
+        return Err("The outline to fly along needs at least three corners on the map.".to_string());
+    }
+    if !swath_m.is_finite() || swath_m <= 0.0 {
+        return Err(format!("A swath of {swath_m} m cannot follow an outline; it must be positive."));
+    }
+    let plane = Plane::around(corners);
+    let points: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
+    let mut points = points.ok_or("The outline is larger than half a continent; split it.")?;
+    points.dedup();
+    while points.len() > 1 && points.first() == points.last() {
+        points.pop();
+    }
+    // Distances on the plane are never shorter than on the ground, so that the tolerance is kept there too.
+    let mut turns: Vec<Position> =
+        simplified(&points, OUTLINE_SHARE_OF_SWATH * swath_m).into_iter().map(|point| plane.position(point)).collect();
+    if turns.len() < 2 {
+        return Err("The outline to fly along is a single point; it needs at least three corners.".to_string());
+    }
+    if turns.len() > PERIMETER_LINES_MAX {
+        return Err(format!("The outline would need {} lines; fly higher or split it.", turns.len()));
+    }
+    let distances = turns.iter().map(|turn| geodesy::distance_m(approach, *turn)).enumerate();
+    let nearest = distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(index, _)| index);
+    turns.rotate_left(nearest);
+    let next = turns.iter().skip(1).chain(turns.first());
+    Ok(turns.iter().zip(next).map(|(from, to)| (*from, *to)).collect())
+}
+
+/// The corners of a closed outline that are needed to stay within `tolerance_m` of all of it.
+fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
+    // Cut at the two corners that are far apart: each half is an open line with ends that stay.
+    let far_from = |from: Point| {
+        let distances = points.iter().map(|point| point.minus(from).length()).enumerate();
+        distances.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(index, _)| index)
+    };
+    let start = points.first().map_or(0, |first| far_from(*first));
+    let mut ring: Vec<Point> = points.to_vec();
+    ring.rotate_left(start);
+    let middle = ring.first().map_or(0, |first| {
+        let distances = ring.iter().map(|point| point.minus(*first).length()).enumerate();
+        distances.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(index, _)| index)
+    });
+    ring.extend(ring.first().copied());
+    let end = ring.len().saturating_sub(1);
+    let mut kept = vec![false; ring.len()];
+    let mut open = vec![(0, middle), (middle, end)];
+    while let Some((from, to)) = open.pop() {
+        for index in [from, to] {
+            if let Some(slot) = kept.get_mut(index) {
+                *slot = true;
+            }
+        }
+        let (Some(a), Some(b)) = (ring.get(from), ring.get(to)) else { continue };
+        let between = ring.iter().enumerate().take(to).skip(from + 1);
+        let away = between.map(|(index, point)| (index, plane::point_to_segment(*point, *a, *b)));
+        let farthest = away.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        if let Some((index, _)) = farthest.filter(|(_, away_m)| *away_m > tolerance_m) {
+            open.extend([(from, index), (index, to)]);
+        }
+    }
+    // The last corner closes the ring: it is the first once more.
+    ring.iter().zip(&kept).take(end).filter(|(_, kept)| **kept).map(|(point, _)| *point).collect()
+}
+
+/// The manoeuvre along the outline of the wished ground at one altitude, with its predicted time and quality: the twin
+/// of `coverage::sweep_manoeuvre` where only the perimeter is wanted.
+///
+/// # Errors
+/// A sentence where the altitude is below ground, the outline makes no sense, or the wind is too strong.
+pub fn perimeter_manoeuvre(
+    wish: &ObservationWish,
+    scanner: &LineScanner,
+    flight: &LineFlight,
+    field: &WindField,
+    approach: Position,
+) -> Result<Manoeuvre, String> {
+    let corners = corners_of(&wish.ground)?;
+    let lines = |swath_m: f64| perimeter_lines(&corners, swath_m, approach);
+    observed_manoeuvre(&Observed { name: "perimeter", wish, scanner, flight, field }, lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::coverage::Ground;
+    use proptest::prelude::*;
+
+    const CENTRE: Position = Position::new(40.0, -120.0);
+
+    fn around(count: usize, reach_m: impl Fn(usize) -> f64) -> Vec<Position> {
+        let corner = |index| geodesy::destination(CENTRE, 360.0 * index as f64 / count as f64, reach_m(index));
+        (0..count).map(corner).collect()
+    }
+
+    #[test]
+    fn a_square_is_flown_around_from_the_nearest_corner_and_back_to_it() {
+        let mut square = around(4, |_| 10_000.0);
+        // Corners in the middle of sides and a dent within the tolerance are left out; a closed ring is as good.
+        square.insert(1, geodesy::midpoint(square[0], square[1]));
+        square.insert(1, geodesy::destination(square[1], 225.0, 300.0));
+        square.push(square[0]);
+        let approach = Position::new(39.0, -120.0);
+        let lines = perimeter_lines(&square, 4_000.0, approach).unwrap();
+        assert_eq!(lines.len(), 4, "{lines:?}");
+        assert!(geodesy::distance_m(lines[0].0, geodesy::destination(CENTRE, 180.0, 10_000.0)) < 1.0);
+        assert_eq!(lines[3].1, lines[0].0);
+        assert!(lines.windows(2).all(|pair| pair[0].1 == pair[1].0));
+        assert_eq!(perimeter_lines(&square, 100.0, approach).unwrap().len(), 6, "the dent with a narrow swath");
+    }
+
+    #[test]
+    fn what_is_no_outline_is_refused() {
+        let square = around(4, |_| 1_000.0);
+        assert!(perimeter_lines(&square[..2], 100.0, CENTRE).unwrap_err().contains("three corners"));
+        assert!(perimeter_lines(&square, 0.0, CENTRE).unwrap_err().contains("must be positive"));
+        assert!(perimeter_lines(&[CENTRE; 5], 100.0, CENTRE).unwrap_err().contains("single point"));
+        let jagged = around(3_000, |index| if index % 2 == 0 { 90_000.0 } else { 80_000.0 });
+        assert!(perimeter_lines(&jagged, 100.0, CENTRE).unwrap_err().contains("3000 lines"));
+        let thin = [CENTRE, geodesy::destination(CENTRE, 90.0, 5_000.0), geodesy::destination(CENTRE, 90.0, 2_500.0)];
+        assert_eq!(perimeter_lines(&thin, 1_000.0, CENTRE).unwrap().len(), 2, "there and back");
+    }
+
+    #[test]
+    fn a_large_fire_is_quicker_around_than_over() {
+        let wish = ObservationWish {
+            ground: Ground::Circle { centre: CENTRE, radius_m: 40_000.0 },
+            ground_elevation_m: 1500.0,
+            resolution_m: 5.0,
+        };
+        let flight = LineFlight { altitude_m: 6000.0, true_airspeed_mps: 95.0, bank_deg: 18.0, start_s: 0.0 };
+        let field = WindField::default();
+        let around = perimeter_manoeuvre(&wish, &LineScanner::FIRE, &flight, &field, CENTRE).unwrap();
+        let over = crate::coverage::sweep_manoeuvre(&wish, &LineScanner::FIRE, &flight, &field, CENTRE).unwrap();
+        assert!(around.duration_s < 0.5 * over.duration_s, "{} {}", around.duration_s, over.duration_s);
+        assert!((around.length_m / (80_000.0 * std::f64::consts::PI) - 1.0).abs() < 0.1, "{}", around.length_m);
+        assert_eq!(around.quality, over.quality);
+        assert_eq!(around.name, "perimeter-6000m");
+        let low = LineFlight { altitude_m: 1000.0, ..flight };
+        let refused = perimeter_manoeuvre(&wish, &LineScanner::FIRE, &low, &field, CENTRE).unwrap_err();
+        assert!(refused.contains("not above the ground"), "{refused}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_whole_outline_stays_inside_the_swath(
+            corners in prop::collection::vec((0.0..360.0f64, 2_000.0..40_000.0f64), 3..40),
+            swath_m in 1_000.0..20_000.0f64, probe in any::<prop::sample::Index>(), share in 0.0..1.0f64,
+        ) {
+            let mut corners = corners;
+            corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let outline: Vec<Position> =
+                corners.iter().map(|(azimuth, reach)| geodesy::destination(CENTRE, *azimuth, *reach)).collect();
+            let lines = perimeter_lines(&outline, swath_m, CENTRE).unwrap();
+            prop_assert!(lines.len() <= outline.len());
+            let side = probe.index(outline.len());
+            let point = geodesy::interpolate(outline[side], outline[(side + 1) % outline.len()], share);
+            let plane = Plane::new(CENTRE);
+            let flat = |position: Position| plane.project(position).unwrap();
+            let least = lines.iter().map(|(from, to)| plane::point_to_segment(flat(point), flat(*from), flat(*to)));
+            let least = least.fold(f64::INFINITY, f64::min);
+            prop_assert!(least <= OUTLINE_SHARE_OF_SWATH * swath_m + 5.0, "{least} of {swath_m}");
+            let nearest = lines.iter().map(|(from, _)| geodesy::distance_m(CENTRE, *from)).fold(f64::INFINITY, f64::min);
+            prop_assert!(geodesy::distance_m(CENTRE, lines[0].0) <= nearest);
+        }
+    }
+}
