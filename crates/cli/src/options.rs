@@ -3,9 +3,14 @@
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
+/// What everybody wants to know and no option says.
+const AFTER_HELP: &str = "\
+Times: 90 (seconds), 20s, 2h, P1M30S, 1:30:00
+Exit codes: 0 well; 1 something failed (a disk, a port, a difference in replay); 2 the input was wrong";
+
 /// Apex: an autonomy executive for aerial observation missions.
 #[derive(Parser)]
-#[command(name = "apex", version, about, propagate_version = true)]
+#[command(name = "apex", version, about, propagate_version = true, after_help = AFTER_HELP)]
 pub struct Options {
     /// What to do.
     #[command(subcommand)]
@@ -66,19 +71,19 @@ pub struct RunOptions {
     /// The program.
     pub program: PathBuf,
     /// Inputs as JSON lines; `-` is standard input.
-    #[arg(long)]
+    #[arg(long, value_name = "FILE")]
     pub inputs: Option<PathBuf>,
     /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
     /// Where the trace goes; `-` is standard output (the default).
-    #[arg(long)]
+    #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Print the trace as text for people instead of JSON lines.
     #[arg(long)]
     pub text: bool,
     /// Also write a flight record.
-    #[arg(long)]
+    #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
 }
 
@@ -88,22 +93,22 @@ pub struct FlyOptions {
     /// The mission's folder, or its `mission.pdl`.
     pub mission: PathBuf,
     /// The flight record to write; default is the mission's name with `.apex` in the current folder.
-    #[arg(long)]
+    #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// Stop at this mission time, for example `2h`.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,
     /// Seed of the simulated world; default is the mission's own.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "NUMBER")]
     pub seed: Option<u64>,
     /// Simulated seconds per second of wall time; default is as fast as possible.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
     pub pace: Option<f64>,
     /// Serve Sherpa while flying, and go on serving after.
     #[arg(long)]
     pub serve: bool,
     /// Port of Sherpa.
-    #[arg(long, default_value_t = 8040)]
+    #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
     /// No progress bar.
     #[arg(long)]
@@ -131,7 +136,7 @@ pub struct WhyOptions {
     /// The task: its number (`T12`), its tag, or words of its goal.
     pub task: String,
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: Option<String>,
     /// Print as JSON.
     #[arg(long)]
@@ -144,19 +149,19 @@ pub struct TraceOptions {
     /// The flight record.
     pub record: PathBuf,
     /// Only these kinds, separated by commas: created, transition, event, measurement, selected, command, print, ..
-    #[arg(long = "type", value_delimiter = ',')]
+    #[arg(long = "type", value_delimiter = ',', value_name = "KIND,..")]
     pub kinds: Vec<String>,
     /// Only what concerns this task (`T12`), goal text or state variable.
-    #[arg(long)]
+    #[arg(long, value_name = "TEXT")]
     pub object: Option<String>,
     /// Not before this mission time.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub from: Option<String>,
     /// Not after this mission time.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub to: Option<String>,
     /// Only tasks of the procedure at this place, `file.pdl` or `file.pdl:14`.
-    #[arg(long)]
+    #[arg(long, value_name = "PLACE")]
     pub procedure: Option<String>,
     /// Print JSON lines.
     #[arg(long)]
@@ -169,7 +174,7 @@ pub struct PlanOptions {
     /// The mission's folder, or its `mission.pdl`.
     pub mission: PathBuf,
     /// Use this solver instead of the one that solver selection chooses.
-    #[arg(long)]
+    #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,
     /// Print the plan as a PDL procedure.
     #[arg(long)]
@@ -185,10 +190,10 @@ pub struct ServeOptions {
     /// The flight record.
     pub record: PathBuf,
     /// The port.
-    #[arg(long, default_value_t = 8040)]
+    #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
     /// The address; anything but 127.0.0.1 lets other machines read the flight.
-    #[arg(long, default_value = "127.0.0.1")]
+    #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
     pub address: String,
     /// Open the page in the default browser.
     #[arg(long)]

@@ -4,6 +4,8 @@ use apex_model::time::Duration;
 
 /// Lines for people are no wider than this.
 const LINE_WIDTH: usize = 100;
+/// Where the text stands beside the times of a history.
+const TIME_INDENT: &str = "                ";
 /// The narrowest column of names.
 const NAME_WIDTH_MIN: usize = 10;
 
@@ -27,10 +29,11 @@ pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -
     longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)
 }
 
-/// Words joined by `joint`, in lines no wider than [`LINE_WIDTH`]; later lines begin with `indent`.
-pub fn wrapped(words: &[String], joint: &str, indent: &str) -> String {
+/// Words joined by `joint`, in lines no wider than [`LINE_WIDTH`]; later lines begin with `indent`, and of the first one
+/// `used` columns are taken already.
+pub fn wrapped(words: &[String], joint: &str, used: usize, indent: &str) -> String {
     let mut text = String::new();
-    let mut width = indent.len();
+    let mut width = used;
     for (index, word) in words.iter().enumerate() {
         let piece = if index + 1 < words.len() { format!("{word}{joint}") } else { word.clone() };
         let length = piece.chars().count();
@@ -46,10 +49,17 @@ pub fn wrapped(words: &[String], joint: &str, indent: &str) -> String {
     text
 }
 
+/// One line for people in as many as it needs; what begins with a time goes on beside it.
+pub fn wrapped_line(line: &str) -> String {
+    let words: Vec<String> = line.split(' ').map(str::to_string).collect();
+    let leading = line.len() - line.trim_start().len();
+    wrapped(&words, " ", 0, if leading > 2 { TIME_INDENT } else { "    " })
+}
+
 /// A name in a column of `width`, and what is to be said of it in the lines beside it.
 pub fn named(name: &str, width: usize, text: &str) -> String {
     let words: Vec<String> = text.split(' ').map(str::to_string).collect();
-    format!("  {name:<width$}  {}", wrapped(&words, " ", &" ".repeat(width + 4)))
+    format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))
 }
 
 /// A word for the shell: quoted where the shell would read it otherwise.
@@ -83,6 +93,18 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert!(lines[0].starts_with("  cabin       word ") && lines[0].len() <= LINE_WIDTH, "{text}");
         assert!(lines[1].starts_with("              word "), "{text}");
+    }
+
+    #[test]
+    fn a_history_goes_on_beside_its_times() {
+        let line = format!("         13.5s  {}", "word ".repeat(20).trim_end());
+        let text = wrapped_line(&line);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "{text}");
+        assert_eq!(lines[0].len(), 95, "as full as can be: {text}");
+        assert!(lines[1].starts_with("                word"), "{text}");
+        assert_eq!(wrapped_line("short"), "short");
+        assert_eq!(wrapped_line(""), "");
     }
 
     #[test]

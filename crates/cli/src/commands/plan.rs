@@ -67,9 +67,9 @@ fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
 
 fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
     let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
-    writeln!(out, "{}", wrapped(&words(&solved.plan.summary()), " ", "  "))?;
+    writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
-    writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", "    "))?;
+    writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", 18, "    "))?;
     match &solved.plan {
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
@@ -111,7 +111,7 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Res
 fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
     if !plan.cycle.is_empty() {
         let stops: Vec<String> = plan.cycle.iter().map(ToString::to_string).collect();
-        writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", "         "))?;
+        writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", 9, "         "))?;
     } else if !plan.visits.is_empty() {
         let width = name_width("site", plan.visits.iter().map(|visit| visit.target.as_str()));
         writeln!(out, "  {:<width$} {:>10} {:>10}", "site", "begin", "end")?;

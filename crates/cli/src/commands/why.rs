@@ -1,6 +1,7 @@
 //! `apex why`: why a task started, waits, was interrupted or ended.
 
 use crate::options::WhyOptions;
+use crate::telling::wrapped_line;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
 use apex_model::time::Time;
@@ -21,7 +22,8 @@ pub fn run(options: &WhyOptions) -> Outcome {
             .map_err(|error| Trouble::failure("cannot write the explanation as JSON").because(error))?;
         output::print_line(json)?;
     } else {
-        output::print_line(why.to_string().trim_end())?;
+        let lines: Vec<String> = why.to_string().trim_end().lines().map(wrapped_line).collect();
+        output::print_line(lines.join("\n"))?;
     }
     Ok(())
 }

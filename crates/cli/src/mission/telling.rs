@@ -192,7 +192,7 @@ fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
         if !causes.is_empty() {
             let indent = " ".repeat(width + 3);
             let causes: Vec<String> = causes.into_iter().map(str::to_string).collect();
-            writeln!(out, "{indent}{}", wrapped(&causes, "; ", &indent))?;
+            writeln!(out, "{indent}{}", wrapped(&causes, "; ", indent.len(), &indent))?;
         }
     }
     Ok(())

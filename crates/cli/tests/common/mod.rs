@@ -1,6 +1,7 @@
 //! Runs the `apex` command as a user would, in a folder of its own.
 
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its part")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot prepare its folder has failed")]
 
 use std::fs;
 use std::io::Write;
