@@ -165,6 +165,9 @@ fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId) {
         return;
     }
     let reference = controller.procedure;
+    if cycle.agent.procedure(reference).is_some_and(|procedure| ends_by_condition(procedure)) {
+        return;
+    }
     if let ProcedureRef::Generated(number) = reference
         && cycle.agent.generated.get(number).is_some_and(|generated| generated.repeat)
     {
@@ -172,6 +175,11 @@ fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId) {
     }
     let because = Because::new(Cause::StepsEnded, cycle.place_of(id));
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
+}
+
+/// A concurrent procedure with an `end-when` says itself when its goal is reached; that its steps have ended is not it.
+fn ends_by_condition(procedure: &Procedure) -> bool {
+    procedure.kind == ProcedureKind::Concurrent && procedure.transitions.end_when.is_some()
 }
 
 fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: Time) {

@@ -238,7 +238,12 @@ fn controller(agent: &Agent, task: &Task) -> Vec<Reason> {
         }
         Some(other @ (Controller::Procedure(_) | Controller::Items(_) | Controller::Handling(_))) => {
             let living = other.children().into_iter().filter_map(|child| agent.task(child));
-            living.filter(|child| !child.is_terminated()).map(|child| subtask(agent, child)).collect()
+            let mut reasons: Vec<Reason> =
+                living.filter(|child| !child.is_terminated()).map(|child| subtask(agent, child)).collect();
+            if reasons.is_empty() {
+                reasons = unmet(agent, task, |clause| clause == Clause::EndWhen);
+            }
+            reasons
         }
         Some(Controller::BuiltIn) | None => Vec::new(),
     }
