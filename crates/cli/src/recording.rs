@@ -6,7 +6,9 @@ use apex_model::library::Library;
 use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
+use std::fs::{File, TryLockError};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Starts a record of a run of `library`; `fill` adds what else belongs into it. What it then holds is on the disk
 /// before the run begins, so that a record that is cut off can still explain itself.
@@ -21,6 +23,7 @@ pub fn create(
     fill: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
 ) -> Outcome<Recorder> {
     check_place(path)?;
+    refuse_when_held(path)?;
     let mut recorder = Recorder::create(path, library, options).map_err(|error| match error {
         RecordError::DiskFull { .. } => {
             remove_beginning(path);
@@ -36,7 +39,35 @@ pub fn create(
         let full = reason.starts_with("The disk is full");
         return Err(if full { no_room(path) } else { Trouble::failure(reason) });
     }
+    hold(path);
     Ok(recorder)
+}
+
+/// The record of this run, held until the program ends: closing the file earlier would release SQLite's own locks on it.
+static HELD: OnceLock<File> = OnceLock::new();
+
+/// Marks the record as ours. SQLite's locks do not do that: a flight at a pace gives them back whenever it waits.
+fn hold(path: &Path) {
+    // Where the file system knows no such locks there is only SQLite's to go by.
+    if cfg!(unix)
+        && let Ok(file) = File::open(path)
+        && file.try_lock().is_ok()
+    {
+        HELD.set(file).ok();
+    }
+}
+
+/// A record that another run still writes or serves must not be taken away from it.
+fn refuse_when_held(path: &Path) -> Outcome {
+    let Ok(file) = File::open(path) else { return Ok(()) };
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) if cfg!(unix) => {
+            Err(Trouble::failure(format!("the flight record {} cannot be replaced", path.display()))
+                .because("another run of apex still writes or serves it")
+                .help("wait for its end, or choose another name with `--record`"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The disk has not even room for what every record begins with.

@@ -118,6 +118,8 @@ fn a_flight_that_was_cut_off_is_marked_incomplete() {
         assert!(child.try_wait().unwrap().is_none(), "the flight ends by itself");
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
+    let second = desk.apex(&["fly", &mission, "--record", "cut.apex", "--no-progress"]);
+    second.complained(1, &["cut.apex cannot be replaced", "another run of apex", "`--record`"]);
     child.kill().unwrap();
     child.wait().unwrap();
     let warning = "warning: The flight record cut.apex is incomplete";
