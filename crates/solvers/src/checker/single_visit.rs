@@ -14,6 +14,8 @@ const STEPS_MAX: usize = 4_000;
 /// A leg may be quicker than the checker's by this share and [`TIME_TOLERANCE_S`]: both integrate in steps.
 const TIME_TOLERANCE: f64 = 0.02;
 const TIME_TOLERANCE_S: f64 = 30.0;
+/// The Earth is this far from being a sphere: nearer than the limit by more is surely near enough.
+const SPHERE_TOLERANCE: f64 = 0.01;
 const WORTH_TOLERANCE: f64 = 1e-6;
 
 /// What is wrong with `plan`; empty where nothing is.
@@ -84,12 +86,15 @@ fn fly(
     let heights = (leg.from_m.min(leg.to_m).min(cruise_m), leg.from_m.max(leg.to_m).max(cruise_m));
     let mut time_s = depart_s;
     for (from, to) in route.iter().zip(route.iter().skip(1)) {
-        let length_m = geodesy::distance_m(*from, *to);
+        let (length_m, track_deg) = geodesy::inverse(*from, *to);
         let steps = ((length_m / STEP_M) as usize + 1).min(STEPS_MAX);
+        let mut begin = *from;
         for step in 0..steps {
-            let at = |share: f64| geodesy::interpolate(*from, *to, (step as f64 + share) / steps as f64);
-            let middle = at(0.5);
-            let speed_mps = ground_speed_mps(problem, at(0.0), at(1.0), middle, time_s);
+            let at =
+                |share: f64| geodesy::destination(*from, track_deg, (step as f64 + share) * length_m / steps as f64);
+            let (middle, end) = (at(0.5), at(1.0));
+            let speed_mps = ground_speed_mps(problem, begin, end, middle, time_s);
+            begin = end;
             time_s += length_m / steps as f64 / speed_mps;
             inside_rules(problem, middle, heights, time_s, leg.to, found);
         }
@@ -144,12 +149,25 @@ fn inside_rules(
         note(found, format!("leaves the permitted area of operation on the way to {name}"));
     }
     if let Some(limit_m) = problem.landing_distance_m_max {
+        let near = |position: Position| spherical_m(place, position) < (1.0 - SPHERE_TOLERANCE) * limit_m;
+        if problem.landing_places.iter().any(|landing| near(landing.position)) {
+            return;
+        }
         let distances = problem.landing_places.iter().map(|landing| geodesy::distance_m(place, landing.position));
         let nearest_m = distances.fold(f64::INFINITY, f64::min);
         if nearest_m > limit_m + 1000.0 {
             note(found, format!("is {:.0} km from any landing place on the way to {name}", nearest_m / 1000.0));
         }
     }
+}
+
+/// Distance on the mean sphere by half-angle sines: within [`SPHERE_TOLERANCE`] of the geodesic.
+fn spherical_m(a: Position, b: Position) -> f64 {
+    let half_sine = |from_deg: f64, to_deg: f64| libm::sin(0.5 * (to_deg - from_deg) * RAD_PER_DEG);
+    let (north, east) = (half_sine(a.latitude_deg, b.latitude_deg), half_sine(a.longitude_deg, b.longitude_deg));
+    let squeeze = libm::cos(a.latitude_deg * RAD_PER_DEG) * libm::cos(b.latitude_deg * RAD_PER_DEG);
+    let squared = north * north + squeeze * east * east;
+    2.0 * geodesy::EARTH_RADIUS_M_MEAN * libm::asin(libm::sqrt(squared).min(1.0))
 }
 
 /// One message per matter, however many steps show it.

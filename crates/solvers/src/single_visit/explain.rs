@@ -5,6 +5,9 @@ use super::travel::Node;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_model::solver::{Budget, WorkBudget};
 
+/// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
+const GAPS_EXPLAINED: usize = 6;
+
 /// For each target the reason why it cannot be visited even if it were the only one (but for those that must come
 /// earlier); none where it can.
 pub(super) fn alone(schedule: &mut Schedule<'_>) -> Vec<Option<String>> {
@@ -159,7 +162,7 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
     let (mut least_over_s, mut best_score) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut trouble = "does not fit between the others".to_string();
     for manoeuvre in 0..manoeuvres {
-        for at in 0..=order.len() {
+        for at in nearest_gaps(schedule, order, target, manoeuvre) {
             let mut with = order.to_vec();
             with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
             match schedule.judge(&with, budget) {
@@ -182,6 +185,23 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
         return format!("needs {} more than {} leaves", spoken(least_over_s), schedule.limit_name);
     }
     trouble
+}
+
+/// The places in `order` where `target` adds the shortest detour as the crow flies.
+fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
+    let (entry, exit) = (Node::Entry(target, manoeuvre), Node::Exit(target, manoeuvre));
+    let travel = &schedule.travel;
+    let detour_s = |at: usize| {
+        let before = at.checked_sub(1).and_then(|before| order.get(before));
+        let before = before.map_or(Node::Start, |choice| Node::Exit(choice.target, choice.manoeuvre));
+        let next = order.get(at).map(|choice| Node::Entry(choice.target, choice.manoeuvre));
+        let next = next.or(schedule.problem.base.map(|_| Node::Base));
+        let direct_s = next.map_or(0.0, |next| travel.time_s_min(before, next));
+        travel.time_s_min(before, entry) + next.map_or(0.0, |next| travel.time_s_min(exit, next)) - direct_s
+    };
+    let mut gaps: Vec<(f64, usize)> = (0..=order.len()).map(|at| (detour_s(at), at)).collect();
+    gaps.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    gaps.into_iter().take(GAPS_EXPLAINED).map(|(_, at)| at).collect()
 }
 
 /// A span of time as people say it: `41 min`, `3 h 5 min`, `20 s`.
