@@ -1,7 +1,7 @@
 //! The files of flight records: what may stand where one is to be written or read, said before anything is touched.
 
 use crate::output;
-use crate::trouble::{Outcome, Trouble, nearby_help};
+use crate::trouble::{Outcome, Trouble, nearby_help, unreadable};
 use apex_model::library::Library;
 use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
@@ -89,10 +89,20 @@ fn remove_beginning(path: &Path) {
 /// Can a record be made here at all?
 fn check_place(path: &Path) -> Outcome {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
-    if !folder.is_dir() {
-        return Err(Trouble::user(format!("the flight record {} cannot be written", path.display()))
-            .because(format!("there is no folder {}", folder.display()))
-            .help("make the folder, or choose another place with `--record`"));
+    let refused = |reason: String, help: &str| {
+        let place = format!("the flight record {} cannot be written", path.display());
+        Err(Trouble::user(place).because(reason).help(help))
+    };
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => {}
+        Ok(_) => return refused(format!("{} is no folder", folder.display()), "choose another place with `--record`"),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let help = "make the folder, or choose another place with `--record`";
+            return refused(format!("there is no folder {}", folder.display()), help);
+        }
+        Err(error) => {
+            return refused(format!("{}: {error}", folder.display()), "choose another place with `--record`");
+        }
     }
     check_kind(path, "choose another name with `--record`; what stands there is left as it is")
 }
@@ -117,6 +127,7 @@ pub fn open(path: &Path) -> Outcome<RecordReader> {
     if !path.exists() {
         return Err(Trouble::user(format!("there is no flight record at {}", path.display())).help(nearby_help(path)));
     }
+    File::open(path).map_err(|error| unreadable(path, &error))?;
     let reader = RecordReader::open(path).map_err(read)?;
     if let Some(warning) = reader.warning().map_err(read)? {
         output::complain(format_args!("warning: {warning}"));

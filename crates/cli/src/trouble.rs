@@ -88,9 +88,16 @@ pub fn read_bytes(path: &std::path::Path) -> Outcome<Vec<u8>> {
     if path.is_dir() {
         return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
     }
-    std::fs::read(path).map_err(|error| {
-        Trouble::user(format!("cannot read {}", path.display())).because(error).help(nearby_help(path))
-    })
+    std::fs::read(path).map_err(|error| unreadable(path, &error))
+}
+
+/// A file that cannot be read: looked for in vain, or not for us.
+pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> Trouble {
+    let help = match error.kind() {
+        std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),
+        _ => nearby_help(path),
+    };
+    Trouble::user(format!("cannot read {}", path.display())).because(error).help(help)
 }
 
 /// How many names a message lists at most.

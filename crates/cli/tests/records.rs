@@ -17,6 +17,7 @@ fn other_files_are_never_overwritten() {
     let fly = |record: &str| desk.apex(&["fly", &mission, "--no-progress", "--record", record]);
     fly("greetings.pdl").complained(2, &["greetings.pdl is not a flight record", "left as it is"]);
     fly("folder").complained(2, &["folder is not a flight record", "it is a folder"]);
+    fly("greetings.pdl/f.apex").complained(2, &["greetings.pdl/f.apex", "greetings.pdl is no folder"]);
     fly("no/such/f.apex").complained(2, &["no/such/f.apex", "there is no folder no/such", "help: make the folder"]);
     let run = desk.apex(&["run", "greetings.pdl", "--record", "greetings.pdl"]);
     run.complained(2, &["greetings.pdl is not a flight record"]);
