@@ -3,6 +3,7 @@
 use super::bookkeeping::Bookkeeping;
 use super::{Fire, Mission, Site, TargetKind};
 use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
+use apex_geo::perimeter::perimeter_manoeuvre;
 use apex_model::problem::{
     Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
     SurveillanceTarget, WindField,
@@ -10,6 +11,10 @@ use apex_model::problem::{
 use apex_model::time::Time;
 use apex_solvers::surveillance::travel::{Transit, travel_times};
 
+/// Time to turn onto a line and roll level before it begins, beyond the turn itself: the first line is met from any
+/// side, each further one antiparallel and close by. Medians of simulated flights at 95 m/s and 15 degrees of bank.
+const FIRST_JOIN_S: f64 = 120.0;
+const FURTHER_JOIN_S: f64 = 390.0;
 /// Share of the endurance and fuel that must be left at the end.
 const RESERVE_SHARE: f64 = 0.08;
 /// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
@@ -161,7 +166,13 @@ fn sweep(
             ground_elevation_m: elevation_m,
             resolution_m: fire.resolution_m,
         };
-        let part = sweep_manoeuvre(&wish, scanner, flight, forecast, entry)?;
+        let swept = sweep_manoeuvre(&wish, scanner, flight, forecast, entry)?;
+        // Where the outline is all that is wanted, flying along it may be quicker than sweeping what it encloses.
+        let along = fire.perimeter_only.then(|| perimeter_manoeuvre(&wish, scanner, flight, forecast, entry));
+        let part = match along {
+            Some(Ok(along)) if along.duration_s < swept.duration_s => along,
+            _ => swept,
+        };
         entry = part.lines.last().map_or(entry, |(_, exit)| *exit);
         match &mut whole {
             None => whole = Some(part),
@@ -174,7 +185,9 @@ fn sweep(
             }
         }
     }
-    whole.ok_or_else(|| "there is nothing to see".to_string())
+    let mut whole = whole.ok_or_else(|| "there is nothing to see".to_string())?;
+    whole.duration_s += FIRST_JOIN_S + FURTHER_JOIN_S * whole.lines.len().saturating_sub(1) as f64;
+    Ok(whole)
 }
 
 fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SurveillanceProblem, String> {
