@@ -139,6 +139,30 @@ pub struct Step {
     pub place: Place,
 }
 
+impl Step {
+    /// A step that does `activity` at once: no clauses.
+    pub fn plain(tag: Symbol, activity: Activity, place: Place) -> Step {
+        Step {
+            tag,
+            activity,
+            binds: None,
+            waitfor: Vec::new(),
+            select: Vec::new(),
+            forall: None,
+            priority: Vec::new(),
+            rank: None,
+            interrupt_cost: None,
+            repeating: None,
+            responding: None,
+            profile: Vec::new(),
+            transitions: Transitions::default(),
+            hooks: Hooks::default(),
+            on_failure: None,
+            place,
+        }
+    }
+}
+
 /// What a step does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Activity {

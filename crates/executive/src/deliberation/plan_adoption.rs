@@ -111,24 +111,7 @@ fn translate(goal: &Value, plan: &PlannedProcedure, file: u32) -> Procedure {
     let mut lines = plan.source.text.lines().zip(1_u32..);
     let steps = plan.steps.iter().map(|(tag, activity)| {
         let line = lines.by_ref().find(|(text, _)| names_step(text, tag)).map_or(1, |(_, line)| line);
-        Step {
-            tag: tag.clone(),
-            activity: Activity::Goal(activity.clone()),
-            binds: None,
-            waitfor: Vec::new(),
-            select: Vec::new(),
-            forall: None,
-            priority: Vec::new(),
-            rank: None,
-            interrupt_cost: None,
-            repeating: None,
-            responding: None,
-            profile: Vec::new(),
-            transitions: Transitions::default(),
-            hooks: Hooks::default(),
-            on_failure: None,
-            place: Place { file, line, column: 1 },
-        }
+        Step::plain(tag.clone(), Activity::Goal(activity.clone()), Place { file, line, column: 1 })
     });
     let steps = steps.collect();
     Procedure {

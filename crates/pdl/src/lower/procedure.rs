@@ -277,24 +277,7 @@ impl Lowering {
 
 /// The step that ends a procedure with success.
 fn terminate_step(tag: &str, place: apex_model::source::Place) -> Step {
-    Step {
-        tag: Symbol::new(tag),
-        activity: Activity::Terminate { task: None, outcome: None, value: None },
-        binds: None,
-        waitfor: Vec::new(),
-        select: Vec::new(),
-        forall: None,
-        priority: Vec::new(),
-        rank: None,
-        interrupt_cost: None,
-        repeating: None,
-        responding: None,
-        profile: Vec::new(),
-        transitions: Transitions::default(),
-        hooks: Hooks::default(),
-        on_failure: None,
-        place,
-    }
+    Step::plain(Symbol::new(tag), Activity::Terminate { task: None, outcome: None, value: None }, place)
 }
 
 /// `(indx (..))`: one list inside, headed by nearly `index`.

@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::did_you_mean;
 use apex_model::expression::Expr;
-use apex_model::procedure::{Activity, BuiltInActivity, Hooks, PriorityClause, Repetition, Step, Transitions};
+use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Repetition, Step};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
@@ -94,24 +94,8 @@ impl Lowering {
         }
         let lowered = self.pure("an activity", |lowering| lowering.activity(&activity));
         let binds = inner.or(source.result).map(|pattern| self.result_pattern(pattern));
-        let mut step = Step {
-            tag: source.tag.clone(),
-            activity: Activity::BuiltIn(BuiltInActivity::Print, Vec::new()),
-            binds: None,
-            waitfor: Vec::new(),
-            select: Vec::new(),
-            forall: None,
-            priority: Vec::new(),
-            rank: None,
-            interrupt_cost: None,
-            repeating: None,
-            responding: None,
-            profile: Vec::new(),
-            transitions: Transitions::default(),
-            hooks: Hooks::default(),
-            on_failure: None,
-            place: source.span.place(),
-        };
+        let nothing_yet = Activity::BuiltIn(BuiltInActivity::Print, Vec::new());
+        let mut step = Step::plain(source.tag.clone(), nothing_yet, source.span.place());
         for clause in &source.clauses {
             complete &= self.step_clause(clause, &mut step).is_some();
         }
