@@ -18,7 +18,7 @@ const FURTHER_JOIN_S: f64 = 390.0;
 /// Share of the endurance and fuel that must be left at the end.
 const RESERVE_SHARE: f64 = 0.08;
 /// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
-const END_MARGIN_S: f64 = 2_700.0;
+const END_MARGIN_S: f64 = 3_600.0;
 /// Distance kept from the edges of airspace zones.
 const ZONE_MARGIN_M: f64 = 3_000.0;
 /// Steps of altitude among which the planner chooses, above the ground of the target.
