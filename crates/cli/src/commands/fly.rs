@@ -160,7 +160,7 @@ fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
         }
         recorder.meta("mission", &mission.settings.name)?;
         recorder.meta("agent", mission.agent.name.printed())?;
-        recorder.meta("vehicle_model", &mission.model.name)?;
+        recorder.meta("vehicle", &mission.model.name)?;
         if let Some(epoch) = &mission.settings.epoch_text {
             recorder.meta("epoch_utc", epoch)?;
         }
