@@ -2,6 +2,7 @@
 
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::loose;
 use crate::lower::{Callable, Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
 use crate::suggest::did_you_mean;
@@ -200,7 +201,10 @@ impl Loader {
 
     fn finish(mut self, names: Names, fragment: bool) -> Checked {
         let mut lowering = Lowering::new(names, fragment);
-        let files = std::mem::take(&mut self.files);
+        let mut files = std::mem::take(&mut self.files);
+        if fragment {
+            files = files.into_iter().map(loose::gather).collect();
+        }
         let mut refused = false;
         for form in files.iter().flatten() {
             refused |= lowering.collect(form, &mut self.library).is_none();

@@ -8,6 +8,7 @@ mod check;
 mod codes;
 mod diagnostic;
 mod format;
+mod loose;
 mod lower;
 mod print;
 mod read;

@@ -40,6 +40,42 @@ fn every_listing_loads_as_a_fragment() {
     }
 }
 
+/// The listings of section IV as they stand on the page: a step and its select, in no procedure.
+const REFLY_ALONE: &str = "(step (refly segment visited from ?loc to +current-location+)
+  (waitfor
+    (:episode roll-violation (roll-angle +this-aircraft+)
+      :value (> +max-roll-angle-deviation+)
+      :timing
+        (:duration (> +max-off-nominal-roll-angle-duration+)))
+    :quality (:no-constraints)))
+(select ?loc
+  (most-recent-SVvalue 'location +this-aircraft+
+    :prior-to (start ?roll-violation)))";
+
+#[test]
+fn clauses_outside_of_a_procedure_load_as_a_fragment_only() {
+    let checked = loads("refly-alone.pdl", REFLY_ALONE);
+    let step = &checked.library.procedures[0].steps[0];
+    assert!(step.select[0].0.is("loc"));
+    let index = "(index (enable measurement (?is ?variable valid-variable-p)))";
+    assert_eq!(loads("index.pdl", index).library.procedures.len(), 1);
+    let both = format!("{REFLY_ALONE}\n{index}\n{}", TABLE_1.join("\n"));
+    let unsupported = |each: &&apex_pdl::Diagnostic| each.severity == Severity::Error;
+    assert_eq!(fragment("all.pdl", &both).diagnostics.iter().find(unsupported).map(|each| &each.message), None);
+    let mut resolve = |_| Err("none".to_string());
+    let source = SourceText { name: "whole.pdl".to_string(), text: REFLY_ALONE.to_string() };
+    let whole = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
+    assert!(whole.has_errors(), "a whole application has no loose clauses");
+}
+
+#[test]
+fn a_mistake_inside_of_a_loose_clause_is_still_told() {
+    let checked = fragment("loose.pdl", "(step a (print 1)\n  (waitfr (ready camera-1)))\n(procedur (index (x)))");
+    let places: Vec<u32> =
+        checked.diagnostics.iter().filter(|each| each.severity == Severity::Error).map(|each| each.span.line).collect();
+    assert_eq!(places, [2, 3]);
+}
+
 #[test]
 fn the_camera_procedure_means_what_the_paper_says() {
     let library = loads("camera.pdl", include_str!("listings/camera.pdl")).library;

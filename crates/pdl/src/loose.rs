@@ -1,0 +1,100 @@
+//! Loose pieces: in a fragment, clauses may stand outside of a procedure and conditions outside of a `waitfor`, as they
+//! do in articles and manuals. They are wrapped into procedures here, so that everything after checks them as usual.
+
+use crate::diagnostic::Span;
+use crate::read::{Datum, DatumKind};
+use apex_model::symbol::Symbol;
+
+/// Clauses that may stand alone in a fragment.
+const CLAUSES: &[&str] = &[
+    "index",
+    "step",
+    "profile",
+    "log",
+    "expected-duration",
+    "interrupt-cost",
+    "end-when",
+    "restart-when",
+    "resume-when",
+    "suspend-when",
+    "on-start",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "select",
+];
+/// Relations that make a list `(ATTRIBUTE OBJECT RELATION VALUE ..)` a measurement.
+const RELATIONS: &[&str] = &["=", "<", "<=", ">", ">="];
+
+/// Wraps runs of loose clauses, and each loose condition, into a procedure of its own; other forms stay as they are.
+pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
+    let mut gathered = Vec::new();
+    let mut run: Vec<Datum> = Vec::new();
+    let mut number = 0;
+    for form in forms {
+        let clause = CLAUSES.contains(&form.head_name());
+        let next_index = form.head_name() == "index" && run.iter().any(|each| each.head_name() == "index");
+        if !clause || next_index {
+            gathered.extend(procedure(std::mem::take(&mut run), &mut number));
+        }
+        if clause {
+            run.push(form);
+        } else if is_condition(&form) {
+            let step = waiting_step(form);
+            gathered.extend(procedure(vec![step], &mut number));
+        } else {
+            gathered.push(form);
+        }
+    }
+    gathered.extend(procedure(run, &mut number));
+    gathered
+}
+
+/// `(waitfor ..)`, a form headed by a keyword, or a measurement.
+fn is_condition(form: &Datum) -> bool {
+    let items = form.as_list().unwrap_or_default();
+    let headed = items.first().is_some_and(|head| head.keyword().is_some());
+    let measured = items.len() >= 4 && items.get(2).is_some_and(|third| RELATIONS.iter().any(|each| third.is(each)));
+    headed || measured || form.head_name() == "waitfor"
+}
+
+/// A step that does nothing but wait for the condition.
+fn waiting_step(condition: Datum) -> Datum {
+    let span = condition.span;
+    let waitfor = if condition.head_name() == "waitfor" {
+        condition
+    } else {
+        list(span, vec![symbol(span, "waitfor"), condition])
+    };
+    list(span, vec![symbol(span, "step"), list(span, vec![symbol(span, "terminate")]), waitfor])
+}
+
+/// The procedure that the clauses of `run` may have been taken from; none for no clauses. What is added stands in empty
+/// spans before and after them: equal spans mean the same clause to the rest of the front end.
+fn procedure(run: Vec<Datum>, number: &mut i64) -> Option<Datum> {
+    let (first, last) = (run.first()?.span, run.last()?.span);
+    let before = Span { end: first.start, ..first };
+    let after = Span { start: last.end, ..last };
+    let mut items = vec![symbol(before, "procedure")];
+    if !run.iter().any(|clause| clause.head_name() == "index") {
+        *number += 1;
+        let goal = vec![symbol(before, "fragment"), Datum { kind: DatumKind::Integer(*number), span: before }];
+        items.push(list(before, vec![symbol(before, "index"), list(before, goal)]));
+    }
+    let ends = run.iter().any(|clause| clause.head_name() == "end-when");
+    items.extend(run);
+    if !ends {
+        // How it ends is written elsewhere; without this the checker would remark on it.
+        let end = list(after, vec![symbol(after, "fragment-ends")]);
+        items.push(list(after, vec![symbol(after, "end-when"), end]));
+    }
+    Some(list(Span { end: last.end, ..first }, items))
+}
+
+fn symbol(span: Span, name: &str) -> Datum {
+    Datum { kind: DatumKind::Symbol(Symbol::new(name)), span }
+}
+
+fn list(span: Span, items: Vec<Datum>) -> Datum {
+    Datum { kind: DatumKind::List(items), span }
+}
