@@ -69,6 +69,19 @@ fn clauses_outside_of_a_procedure_load_as_a_fragment_only() {
 }
 
 #[test]
+fn words_of_episodes_without_a_meaning_yet_are_named_as_such() {
+    for (text, word) in [
+        ("(:episode (x y) :quality :no-constraints :any :value (> 3))", ":any"),
+        ("(:episode (x y) :quality :no-constraints :stats (:mean (> 3) :time-weighted))", ":time-weighted"),
+    ] {
+        let program = format!("(procedure (index (a)) (step s (terminate) (waitfor {text})))");
+        let checked = fragment("words.pdl", &program);
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+        assert!(checked.diagnostics.iter().any(|each| each.message == format!("{word} is not yet supported")));
+    }
+}
+
+#[test]
 fn a_mistake_inside_of_a_loose_clause_is_still_told() {
     let checked = fragment("loose.pdl", "(step a (print 1)\n  (waitfr (ready camera-1)))\n(procedur (index (x)))");
     let places: Vec<u32> =

@@ -3,7 +3,7 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::read::Datum;
+use crate::read::{Datum, DatumKind};
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::procedure::{Procedure, Step};
 use apex_model::source::Place;
@@ -30,6 +30,22 @@ impl Lowering {
             Some(what) => self.unsupported(what, span),
             None => Some(()),
         }
+    }
+
+    /// The parts of an episode without words that have no meaning yet; each is refused, or noted in a fragment.
+    pub(super) fn without_unsupported(&mut self, items: &[Datum]) -> Option<Vec<Datum>> {
+        let mut kept = Vec::new();
+        for item in items {
+            match (item.keyword(), &item.kind) {
+                (Some(word @ ("any" | "time-weighted")), _) => self.unsupported(&format!(":{word}"), item.span)?,
+                (_, DatumKind::List(parts)) => {
+                    let parts = self.without_unsupported(parts)?;
+                    kept.push(Datum { kind: DatumKind::List(parts), span: item.span });
+                }
+                _ => kept.push(item.clone()),
+            }
+        }
+        Some(kept)
     }
 
     fn unsupported(&mut self, what: &str, span: Span) -> Option<()> {
