@@ -89,12 +89,15 @@ web-tests: web/node_modules/.installed
 $(CI_APEX): web/dist/index.html
 	cargo build --locked --quiet $(CI_PROFILE) --package apex-cli
 
-# $(call fly_all,APEX,FOLDER,OPTIONS): every mission is flown headless, then replayed and compared, two at a time.
+# $(call fly_all,APEX,FOLDER,OPTIONS): every mission is flown headless to the success of its initial task, then replayed
+# and compared, two at a time.
 define fly_all
 	mkdir -p $(2)
 	printf '%s\n' $(MISSIONS) | xargs -P 2 -I {} bash -c \
 	  'set -euo pipefail; $(1) fly missions/{} --record $(2)/{}.apex --no-progress $(3) > $(2)/{}.txt \
-	   || { echo "flight of {} failed:"; cat $(2)/{}.txt; exit 1; }; $(1) replay $(2)/{}.apex'
+	   || { echo "flight of {} failed:"; cat $(2)/{}.txt; exit 1; }; \
+   grep -q "because the initial task is done" $(2)/{}.txt || { echo "{} did not reach its goal:"; cat $(2)/{}.txt; exit 1; }; \
+   $(1) replay $(2)/{}.apex'
 endef
 
 flights: $(CI_APEX)

@@ -2,7 +2,7 @@
 
 use super::Mission;
 use super::bookkeeping::{SharedBookkeeping, lock};
-use super::problem::pose;
+use super::problem::{NoPlan, pose};
 use apex_model::effect::SolveRequest;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
@@ -61,11 +61,11 @@ impl Deliberator for MissionDeliberator {
         }
         .and_then(|problem| solve(problem, wanted.as_deref(), budget, self.mission.settings.seed));
         match solved {
-            Err(reason) if lock(&self.books).observed().next().is_some() => {
+            Err(NoPlan::NothingLeft(reason)) if lock(&self.books).observed().next().is_some() => {
                 self.made += 1;
                 SolverAnswer { result: Ok(nothing_more(&request.goal, self.made, &reason)), charged: Duration::ZERO }
             }
-            Err(reason) => SolverAnswer { result: Err(reason), charged: Duration::ZERO },
+            Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
             Ok(solved) => {
                 self.made += 1;
                 self.tell_targets(&solved.plan, at);
@@ -106,7 +106,7 @@ impl MissionDeliberator {
 ///
 /// # Errors
 /// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
-pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64) -> Result<Deliberation, String> {
+pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64) -> Result<Deliberation, NoPlan> {
     let selection = apex_solvers::table::select(&problem);
     let (name, reason) = match wanted {
         Some(name) => (name.to_string(), "asked for by name".to_string()),
@@ -115,23 +115,32 @@ pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64
     let solvers = apex_solvers::solvers();
     let Some(solver) = solvers.iter().find(|solver| solver.name() == name) else {
         let names: Vec<&str> = solvers.iter().map(|solver| solver.name()).collect();
-        return Err(format!("there is no solver `{name}`; known are {}", names.join(", ")));
+        return Err(NoPlan::Fault(format!("there is no solver `{name}`; known are {}", names.join(", "))));
     };
     if !solver.serves(&problem) {
-        return Err(format!("the solver `{name}` does not plan for this kind of problem"));
+        return Err(NoPlan::Fault(format!("the solver `{name}` does not plan for this kind of problem")));
     }
     let mut work = WorkBudget::new(u64::try_from(budget.0 / WORK_UNIT.0).unwrap_or(0).max(1));
     let mut report = |_: &Plan| {};
     let mut environment = Environment { seed, budget: &mut work, report: &mut report };
-    let plan = solver.solve(&problem, &mut environment)?;
+    validate(&problem).map_err(NoPlan::Fault)?;
+    let plan = solver.solve(&problem, &mut environment).map_err(NoPlan::NothingLeft)?;
     let violations = apex_solvers::checker::violations(&problem, &plan);
     if let Some(first) = violations.first() {
-        return Err(format!(
+        return Err(NoPlan::Fault(format!(
             "the plan of `{name}` breaks {} rules and is not used; the first: {first}",
             violations.len()
-        ));
+        )));
     }
     Ok(Deliberation { problem, plan, reason, work: work.used })
+}
+
+/// A problem that makes no sense is a fault, not a mission with nothing left to visit.
+fn validate(problem: &Problem) -> Result<(), String> {
+    match problem {
+        Problem::Surveillance(problem) => apex_solvers::validate::surveillance(problem),
+        Problem::SingleVisit(problem) => apex_solvers::validate::single_visit(problem),
+    }
 }
 
 /// The plan as a procedure for `goal`.
@@ -227,4 +236,19 @@ fn at(position: Position, altitude_m: f64) -> Value {
         Value::Real(round(position.longitude_deg)),
         Value::Real(altitude_m.round()),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::problem::SingleVisitProblem;
+
+    #[test]
+    fn a_fault_of_planning_does_not_pass_for_a_mission_with_nothing_left() {
+        let budget = Duration::from_seconds(1.0);
+        let senseless = || Problem::SingleVisit(SingleVisitProblem::default());
+        assert!(matches!(solve(senseless(), Some("no-such-solver"), budget, 1), Err(NoPlan::Fault(_))));
+        assert!(matches!(solve(senseless(), Some("two-opt"), budget, 1), Err(NoPlan::Fault(_))));
+        assert!(matches!(solve(senseless(), Some("single-visit"), budget, 1), Err(NoPlan::Fault(_))));
+    }
 }

@@ -27,8 +27,8 @@ use apex_sim::VehicleModel;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What failure would cost where the mission does not say: a thousandth an hour, a whole aircraft of 400 points,
-/// half of a mission of 300.
+/// What failure costs, in points: one in ten thousand hours, then a whole aircraft of 400 and half of a mission of 300.
+/// Made up, and the same for every mission until mission data say otherwise.
 const FAILURE: FailureTerm = FailureTerm {
     probability_per_hour: 1e-4,
     vehicle_share: 1.0,

@@ -26,11 +26,27 @@ const ALTITUDES_M: [f64; 5] = [4_500.0, 5_500.0, 6_500.0, 7_500.0, 9_000.0];
 /// Cruise altitude of a fixed wing.
 const CRUISE_ALTITUDE_M: f64 = 7_000.0;
 
+/// Why there is no plan. Only the first kind is a reason to end a mission in progress and go home.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoPlan {
+    /// Nothing that is left can be visited.
+    NothingLeft(String),
+    /// The planning itself went wrong: a refused plan, an unknown solver, data that make no sense.
+    Fault(String),
+}
+
+impl std::fmt::Display for NoPlan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (NoPlan::NothingLeft(reason) | NoPlan::Fault(reason)) = self;
+        f.write_str(reason)
+    }
+}
+
 /// The problem that a plan made at `at` has to solve: what has been observed already is left out.
 ///
 /// # Errors
-/// A sentence when nothing is left to plan for, or the data make no sense.
-pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, String> {
+/// Nothing is left to plan for, or the data make no sense.
+pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visit(mission, books, at).map(Problem::SingleVisit)
     } else {
@@ -42,7 +58,7 @@ fn here(mission: &Mission, books: &Bookkeeping) -> Position {
     books.vehicle.position.unwrap_or(mission.start)
 }
 
-fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SingleVisitProblem, String> {
+fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SingleVisitProblem, NoPlan> {
     let model = &mission.model;
     let now_s = at.seconds();
     let fuel_kg = books.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
@@ -55,7 +71,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
         .filter(|target| !target.is_announced_late() || books.announced.contains(&target.id))
         .collect();
     if open.is_empty() {
-        return Err("every known target has been observed".to_string());
+        return Err(NoPlan::NothingLeft("every known target has been observed".to_string()));
     }
     let mut precedence = Vec::new();
     let mut targets = Vec::new();
@@ -68,7 +84,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
             name: target.id.clone(),
             position: target.position,
             value: fire.value,
-            manoeuvres: manoeuvres(mission, target, fire, start, now_s)?,
+            manoeuvres: manoeuvres(mission, target, fire, start, now_s).map_err(NoPlan::Fault)?,
             windows: fire.windows.clone(),
             light: fire.light,
             timing: Vec::new(),
@@ -190,7 +206,7 @@ fn sweep(
     Ok(whole)
 }
 
-fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SurveillanceProblem, String> {
+fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SurveillanceProblem, NoPlan> {
     let now_s = at.seconds();
     let mut targets = Vec::new();
     let mut positions = Vec::new();
