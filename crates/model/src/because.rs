@@ -93,10 +93,10 @@ pub enum Cause {
         resource: Value,
         /// The rule that decided.
         rule: ConflictRule,
-        /// The winner's priority (or rank), with interrupt cost where it defends.
-        winner_priority: f64,
-        /// The loser's priority (or rank).
-        loser_priority: f64,
+        /// What the winner brought.
+        winner: Strength,
+        /// What the loser brought.
+        loser: Strength,
     },
     /// The resource can never give what is needed: it has less, or less of it is left.
     ResourceExhausted {
@@ -233,6 +233,36 @@ pub enum ConflictRule {
     Capacity,
 }
 
+/// What a task brings to a conflict: its priority (or rank), and its interrupt cost where it defends what it holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Strength {
+    /// Priority, or rank where ranks decide.
+    pub priority: f64,
+    /// Interrupt cost; 0 for who does not hold the resource, and where ranks decide.
+    pub interrupt_cost: f64,
+}
+
+impl Strength {
+    /// Of a task that claims.
+    pub fn claiming(priority: f64) -> Strength {
+        Strength { priority, interrupt_cost: 0.0 }
+    }
+
+    /// What is compared.
+    pub fn total(self) -> f64 {
+        self.priority + self.interrupt_cost
+    }
+}
+
+impl std::fmt::Display for Strength {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.interrupt_cost {
+            0.0 => write!(f, "{}", self.priority),
+            cost => write!(f, "{} + interrupt cost {cost}", self.priority),
+        }
+    }
+}
+
 impl Because {
     /// A cause with a place and no evidence.
     pub fn new(cause: Cause, place: Option<Place>) -> Because {
@@ -279,8 +309,8 @@ impl Cause {
             Cause::ConditionSatisfied { clause } => format!("the condition of {clause} holds"),
             Cause::ResourcesGranted { resources } if resources.is_empty() => "it needs no resources".into(),
             Cause::ResourcesGranted { resources } => format!("it was granted {}", words(resources)),
-            Cause::Outranked { by, resource, rule, winner_priority, loser_priority } => {
-                outranked_text(*by, resource, *rule, *winner_priority, *loser_priority)
+            Cause::Outranked { by, resource, rule, winner, loser } => {
+                outranked_text(*by, resource, *rule, *winner, *loser)
             }
             Cause::ResourceExhausted { resource, needed, left } => {
                 format!("{resource} can never give the {needed} that it needs: there is {left}")
@@ -318,7 +348,7 @@ fn words(values: &[Value]) -> String {
     values.iter().map(Value::to_string).collect::<Vec<_>>().join(", ")
 }
 
-fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: f64, loser: f64) -> String {
+fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Strength, loser: Strength) -> String {
     match rule {
         ConflictRule::Rank => format!("{by} comes first on {resource} (rank {winner} before {loser})"),
         ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),

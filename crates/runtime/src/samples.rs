@@ -1,6 +1,6 @@
 //! Inputs and effects made by hand, for tests that need no executive.
 
-use apex_model::because::{Because, Cause, ConflictRule, Evidence};
+use apex_model::because::{Because, Cause, ConflictRule, Evidence, Strength};
 use apex_model::effect::{CommandId, Decision, DecisionKind, Effect, Method, QuestionId, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, Event, EventKind, PlannedProcedure, SolverReport, StateVariable};
 use apex_model::expression::Template;
@@ -146,8 +146,8 @@ fn second_effects() -> Vec<Effect> {
         by: TaskId(3),
         resource: Value::symbol("flight-path"),
         rule: ConflictRule::Priority,
-        winner_priority: 7.0,
-        loser_priority: 3.0,
+        winner: Strength::claiming(7.0),
+        loser: Strength { priority: 3.0, interrupt_cost: 0.1 },
     };
     vec![
         decided(3, DecisionKind::Satisfied { clause: "waitfor".into(), interval }, seen),

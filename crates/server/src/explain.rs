@@ -12,7 +12,8 @@ pub trait Explainer: Send + Sync {
     /// The answer is an object. The page shows two of its members, both optional, and passes over all others:
     /// `waiting`, a list of `{what, now, place}` (the part of a condition that does not hold yet, what is known about
     /// it then, its `file:line:column`; the last two may be missing); and `blocked`,
-    /// `{by, goal, resource, winner_priority, loser_priority}`: who has the task's resource.
+    /// `{by, goal, resource, winner_priority, loser_priority, strengths}`: who has the task's resource, with the numbers
+    /// compared, and what they are made of in words.
     ///
     /// # Errors
     /// One sentence for people, when the task is unknown or the instant cannot be restored.

@@ -11,7 +11,7 @@ use crate::control::competition::{
 use crate::control::priority;
 use crate::cycle::Cycle;
 use apex_model::agent::Agent;
-use apex_model::because::ConflictRule;
+use apex_model::because::{ConflictRule, Strength};
 use apex_model::resource::{Need, ResourceId};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -43,9 +43,9 @@ pub(crate) struct Loss {
     /// The rule that decided.
     pub(crate) rule: ConflictRule,
     /// The winner's priority or rank, with interrupt cost where it defends.
-    pub(crate) winner_priority: f64,
+    pub(crate) winner_strength: Strength,
     /// The loser's.
-    pub(crate) loser_priority: f64,
+    pub(crate) loser_strength: Strength,
     /// The winner has the resource, or gets it now; else it claims it too.
     pub(crate) winner_holds: bool,
 }
@@ -246,12 +246,16 @@ impl Field<'_, '_> {
         for rival in rivals {
             match self.confront(claimant, need.resource, rival) {
                 Ok(loss) => {
-                    if beaten.as_ref().is_none_or(|before| loss.loser_priority <= before.loser_priority) {
+                    if beaten.as_ref().is_none_or(|before| loss.loser_strength.total() <= before.loser_strength.total())
+                    {
                         beaten = Some(loss);
                     }
                 }
                 Err(loss) => {
-                    if unbeaten.as_ref().is_none_or(|before| loss.winner_priority > before.winner_priority) {
+                    if unbeaten
+                        .as_ref()
+                        .is_none_or(|before| loss.winner_strength.total() > before.winner_strength.total())
+                    {
                         unbeaten = Some(loss);
                     }
                 }
@@ -268,42 +272,43 @@ impl Field<'_, '_> {
     fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
         let (agent, now) = (&*self.cycle.agent, self.cycle.now);
         let holds = rival.kind == UseKind::Held;
-        let loss = |rule, winner_priority, loser_priority| Loss {
+        let loss = |rule, winner_strength, loser_strength| Loss {
             loser: claimant.id,
             resource,
             winner: rival.task,
             rule,
-            winner_priority,
-            loser_priority,
+            winner_strength,
+            loser_strength,
             winner_holds: !matches!(rival.kind, UseKind::Awaited(_)),
         };
-        let win = |rule, winner_priority, loser_priority| Loss {
+        let win = |rule, winner_strength, loser_strength| Loss {
             loser: rival.task,
             resource,
             winner: claimant.id,
             rule,
-            winner_priority,
-            loser_priority,
+            winner_strength,
+            loser_strength,
             winner_holds: false,
         };
         if let Some((order, own, other)) = rank_order(agent, claimant.id, rival.task, now) {
+            let (own, other) = (Strength::claiming(own), Strength::claiming(other));
             return match order {
                 Ordering::Less if holds => Ok(win(ConflictRule::Rank, own, other)),
                 _ => Err(loss(ConflictRule::Rank, other, own)),
             };
         }
-        let own = claimant.priority;
-        let other = priority::priority(agent, rival.task, now);
+        let own = Strength::claiming(claimant.priority);
         if holds {
             let defence = priority::defence(agent, rival.task, now);
-            if own > defence {
+            if own.total() > defence.total() {
                 return Ok(win(ConflictRule::Priority, own, defence));
             }
-            let rule = if other > own { ConflictRule::Priority } else { ConflictRule::Incumbent };
+            let rule = if defence.priority > own.priority { ConflictRule::Priority } else { ConflictRule::Incumbent };
             return Err(loss(rule, defence, own));
         }
+        let other = Strength::claiming(priority::priority(agent, rival.task, now));
         let siblings = order_of(agent, claimant.id).0 == order_of(agent, rival.task).0;
-        let rule = match other.total_cmp(&own) {
+        let rule = match other.priority.total_cmp(&own.priority) {
             Ordering::Greater => ConflictRule::Priority,
             Ordering::Equal if siblings => ConflictRule::WrittenOrder,
             Ordering::Equal => ConflictRule::CreationOrder,

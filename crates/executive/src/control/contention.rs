@@ -96,8 +96,8 @@ fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
         by: loss.winner,
         resource: resource_name(cycle, loss.resource),
         rule: loss.rule,
-        winner_priority: loss.winner_priority,
-        loser_priority: loss.loser_priority,
+        winner: loss.winner_strength,
+        loser: loss.loser_strength,
     }
 }
 

@@ -8,6 +8,7 @@ use crate::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate};
 use crate::view::View;
 use apex_model::agent::Agent;
+use apex_model::because::Strength;
 use apex_model::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::PriorityClause;
@@ -39,9 +40,10 @@ pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
 }
 
 /// What an ongoing task defends its resources with.
-pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> f64 {
-    let cost = agent.task(id).and_then(|task| task.selection.as_ref());
-    priority(agent, id, at) + cost.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost)
+pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
+    let selection = agent.task(id).and_then(|task| task.selection.as_ref());
+    let interrupt_cost = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
+    Strength { priority: priority(agent, id, at), interrupt_cost }
 }
 
 fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
@@ -181,7 +183,7 @@ pub(crate) fn crossing(
 ) -> Option<Time> {
     let agent: &Agent = cycle.agent;
     let ahead = |at: Time| {
-        let defended = if holds { defence(agent, holder, at) } else { priority(agent, holder, at) };
+        let defended = if holds { defence(agent, holder, at).total() } else { priority(agent, holder, at) };
         priority(agent, challenger, at) > defended
     };
     let now = cycle.now;

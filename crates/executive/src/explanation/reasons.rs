@@ -4,6 +4,7 @@ use crate::control::priority::{defence, priority};
 use crate::monitoring;
 use crate::view::View;
 use apex_model::agent::Agent;
+use apex_model::because::Strength;
 use apex_model::clause::{Clause, Level};
 use apex_model::controller::{Controller, PrimitiveController};
 use apex_model::resource::Need;
@@ -191,8 +192,9 @@ fn suspensions(agent: &Agent, task: &Task) -> Vec<Reason> {
 }
 
 fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
-    let needs = task.selection.as_ref().map(|selection| selection.needs.as_slice()).unwrap_or_default();
-    needs.iter().flat_map(|need| rivals(agent, task, need)).collect()
+    let profile = task.selection.iter().flat_map(|selection| &selection.needs);
+    let held = task.extras.iter().flat_map(|extras| &extras.held);
+    profile.chain(held).flat_map(|need| rivals(agent, task, need)).collect()
 }
 
 /// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
@@ -210,7 +212,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
         let (word, strength) = if holds {
             ("holds it and defends it with", defence(agent, rival, agent.now))
         } else {
-            ("claims it too with", priority(agent, rival, agent.now))
+            ("claims it too with", Strength::claiming(priority(agent, rival, agent.now)))
         };
         Reason {
             now: Some(format!("{} {word} priority {strength}, against {own}", name(agent, rival))),

@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::record::RecordReader;
-use apex_model::because::Cause;
+use apex_model::because::{Cause, Strength};
 use apex_model::effect::{Decision, Effect};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -54,8 +54,8 @@ pub(super) struct Conflict {
     pub(super) by: TaskId,
     pub(super) resource: String,
     pub(super) since: Time,
-    pub(super) winner_priority: f64,
-    pub(super) loser_priority: f64,
+    pub(super) winner: Strength,
+    pub(super) loser: Strength,
 }
 
 /// A row of the `effect` table.
@@ -124,11 +124,11 @@ impl History {
     /// The conflict that this decision tells of; the same conflict told again began earlier.
     fn conflict(&self, body: &[u8], at: Time) -> Option<Conflict> {
         let Ok(Effect::Decided(Decision { because, .. })) = postcard::from_bytes(body) else { return None };
-        let Cause::Outranked { by, resource, winner_priority, loser_priority, .. } = because.cause else { return None };
+        let Cause::Outranked { by, resource, winner, loser, .. } = because.cause else { return None };
         let resource = resource.to_string();
         let known = self.blocked.as_ref().filter(|known| known.by == by && known.resource == resource);
         let since = known.map_or(at, |known| known.since);
-        Some(Conflict { by, resource, since, winner_priority, loser_priority })
+        Some(Conflict { by, resource, since, winner, loser })
     }
 }
 

@@ -74,10 +74,16 @@ pub struct Blocked {
     pub resource: String,
     /// Since when, in seconds of mission time.
     pub since: f64,
-    /// The winner's priority or rank.
+    /// The winner's priority or rank, with its interrupt cost where it defended.
     pub winner_priority: f64,
-    /// The loser's priority or rank.
+    /// The loser's.
     pub loser_priority: f64,
+    /// The part of the winner's priority that is its interrupt cost.
+    pub winner_cost: f64,
+    /// The part of the loser's.
+    pub loser_cost: f64,
+    /// Both for people: `5 against 0 + interrupt cost 0.1`.
+    pub strengths: String,
 }
 
 /// A living subtask.
@@ -114,8 +120,11 @@ pub fn why(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -
             goal: winner.map(|winner| winner.goal.clone()).unwrap_or_default(),
             resource: blocked.resource,
             since: blocked.since.seconds(),
-            winner_priority: blocked.winner_priority,
-            loser_priority: blocked.loser_priority,
+            winner_priority: blocked.winner.total(),
+            loser_priority: blocked.loser.total(),
+            winner_cost: blocked.winner.interrupt_cost,
+            loser_cost: blocked.loser.interrupt_cost,
+            strengths: format!("{} against {}", blocked.winner, blocked.loser),
         }
     });
     Ok(Why {
@@ -198,12 +207,9 @@ impl fmt::Display for Why {
                 writeln!(f, "{}", unmet.place.as_ref().map_or_else(String::new, |place| format!("; from {place}")))?;
             }
         }
-        if let Some(Blocked { by, goal, resource, since, winner_priority, loser_priority }) = &self.blocked {
+        if let Some(Blocked { by, goal, resource, since, strengths, .. }) = &self.blocked {
             let since = Time::from_seconds(*since);
-            writeln!(
-                f,
-                "\nIt lost {resource} to {by} {goal} at {since} ({winner_priority} against {loser_priority})."
-            )?;
+            writeln!(f, "\nIt lost {resource} to {by} {goal} at {since} ({strengths}).")?;
         }
         if !self.subtasks.is_empty() {
             writeln!(f, "\nIts subtasks:")?;

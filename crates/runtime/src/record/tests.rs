@@ -108,7 +108,7 @@ fn effect_rows_say_what_the_reference_promises() {
         "selected|3||||(power-up camera-1)|primitive camera.pdl:9:1 because it is the most specific of 2 matches|",
         "transition|3|enabled|ongoing||(power-up camera-1)|it was granted camera-1|camera.pdl:4:3",
         "procedure-added|1||||3 targets, value 12|two-opt answered request 1|",
-        "refused|1||||flight-path|T3 outranks it on flight-path (priority 7 > 3)|camera.pdl:7:3",
+        "refused|1||||flight-path|T3 outranks it on flight-path (priority 7 > 3 + interrupt cost 0.1)|camera.pdl:7:3",
         "command|3||||(switch camera-1)|command 1|",
         "inform|3||||(powering camera-1)||",
         "print|3|||||two\nlines|",

@@ -86,9 +86,8 @@ function waitingOf(value: unknown): WhyView['waiting'] {
 
 function blockedOf(value: unknown): string[] {
   if (!isObject(value) || typeof value.by !== 'string') return [];
-  const { by, winner_priority: winner, loser_priority: loser } = value;
-  const priorities =
-    typeof winner === 'number' && typeof loser === 'number' ? `, priority ${winner} against ${loser}` : '';
+  const { by, strengths } = value;
+  const priorities = typeof strengths === 'string' ? `, priority ${strengths}` : '';
   return [
     `${textOr(value.resource, 'Its resource')} is with ${by} ${textOr(value.goal, '')}${priorities}`.trim(),
   ];
