@@ -43,6 +43,20 @@ fn json_names_every_part_of_a_diagnostic() {
 }
 
 #[test]
+fn json_names_the_edits_of_a_fix_in_bytes() {
+    let desk = Desk::new();
+    desk.write("a.pdl", "; größe\n(primitive (index (a)) (on-start (prnt 1)))\n");
+    let lines = desk.apex(&["check", "--json", "a.pdl"]).complained(2, &[]).json_lines();
+    let fix = &lines[0]["fixes"][0];
+    assert_eq!(
+        (fix["title"].as_str(), fix["applicability"].as_str()),
+        (Some("replace `prnt` by `print`"), Some("safe"))
+    );
+    let edit = serde_json::json!({ "file": "a.pdl", "start": 44, "end": 48, "replacement": "print" });
+    assert_eq!(fix["edits"], serde_json::json!([edit]));
+}
+
+#[test]
 fn all_files_are_checked_even_after_a_bad_one() {
     let desk = Desk::with_greetings();
     desk.write("a.pdl", UNKNOWN_GOAL);

@@ -5,7 +5,7 @@ use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::loose;
 use crate::lower::{Callable, Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
-use crate::suggest::did_you_mean;
+use crate::suggest::renames;
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -347,13 +347,14 @@ fn unknown_form(lowering: &mut Lowering, form: &Datum) {
         Some(head) => {
             let message = format!("no top-level form is called `{head}`");
             let diagnostic = Diagnostic::error(codes::UNKNOWN_FORM, form.span, message);
-            match did_you_mean(head.printed(), FORMS.iter().copied()) {
-                Some(help) => diagnostic.help(help),
-                None if head.is("step") => {
-                    diagnostic.help("a step stands inside of a procedure: is a `)` too many before it?")
+            let span = form.head_span();
+            diagnostic.fixes_or_help(renames(span, head.printed(), FORMS.iter().copied()), || {
+                if head.is("step") {
+                    "a step stands inside of a procedure: is a `)` too many before it?".to_string()
+                } else {
+                    format!("top-level forms are {}", FORMS.join(" "))
                 }
-                None => diagnostic.help(format!("top-level forms are {}", FORMS.join(" "))),
-            }
+            })
         }
         None => Diagnostic::error(codes::UNKNOWN_FORM, form.span, "this is no top-level form")
             .help("a file is a sequence of forms such as `(procedure ..)`"),

@@ -1,5 +1,6 @@
 //! Messages for the authors of PDL: what is wrong, where, why, and what to do about it.
 
+use crate::fix::Fix;
 use apex_model::source::Place;
 
 /// How bad it is. Only errors keep a library from being flown.
@@ -75,14 +76,17 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// Why it is wrong, where that is not obvious.
     pub reason: Option<String>,
-    /// What to do; one suggestion each.
+    /// What to do, in words; one suggestion each.
     pub help: Vec<String>,
+    /// What to do, as edits; any one of them is enough. The likeliest stands first.
+    pub fixes: Vec<Fix>,
 }
 
 impl Diagnostic {
-    /// A message without labels, reason and help.
+    /// A message without labels, reason, help and fixes.
     pub(crate) fn new(severity: Severity, code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { code, severity, message: message.into(), span, labels: Vec::new(), reason: None, help: Vec::new() }
+        let (labels, help, fixes) = (Vec::new(), Vec::new(), Vec::new());
+        Diagnostic { code, severity, message: message.into(), span, labels, reason: None, help, fixes }
     }
 
     pub(crate) fn error(code: &'static str, span: Span, message: impl Into<String>) -> Diagnostic {
@@ -104,9 +108,19 @@ impl Diagnostic {
         self
     }
 
-    /// Adds `help` if there is one.
-    pub(crate) fn help_maybe(mut self, help: Option<String>) -> Diagnostic {
-        self.help.extend(help);
+    pub(crate) fn fix(mut self, fix: Fix) -> Diagnostic {
+        self.fixes.push(fix);
         self
+    }
+
+    /// Adds fixes, the likeliest first.
+    pub(crate) fn fixes(mut self, fixes: impl IntoIterator<Item = Fix>) -> Diagnostic {
+        self.fixes.extend(fixes);
+        self
+    }
+
+    /// Adds the fixes; without any, help in words.
+    pub(crate) fn fixes_or_help(self, fixes: Vec<Fix>, help: impl FnOnce() -> String) -> Diagnostic {
+        if fixes.is_empty() { self.help(help()) } else { self.fixes(fixes) }
     }
 }

@@ -1,6 +1,7 @@
 //! Messages as text for a terminal: file, line, column, the source line, reason and help.
 
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Applicability;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use apex_model::source::SourceFile;
 use std::collections::BTreeMap;
@@ -45,6 +46,13 @@ fn render_one(diagnostic: &Diagnostic, sources: &[SourceFile], renderer: &Render
     }
     for help in &diagnostic.help {
         group = group.element(Level::HELP.message(&**help));
+    }
+    for fix in &diagnostic.fixes {
+        let name = match fix.applicability {
+            Applicability::Safe => "fix",
+            Applicability::NeedsLook => "possible fix",
+        };
+        group = group.element(Level::HELP.with_name(name).message(&*fix.title));
     }
     renderer.render(&[group])
 }

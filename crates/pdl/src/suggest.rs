@@ -1,48 +1,143 @@
-//! "Did you mean": the nearest known name by edit distance.
+//! "Did you mean": known names near a misspelt one, and the fixes that put them in its place.
+//!
+//! The distance weighs slips by how easily they happen: two letters in the wrong order, a letter doubled, the key beside
+//! the right one, a hyphen for an underscore cost less than any other letter.
+
+use crate::diagnostic::Span;
+use crate::fix::Fix;
+use apex_model::quantity::{UNITS, Unit};
 
 /// Characters beyond which names are not compared: keeps a message cheap whatever the input.
 const NAME_CHARACTERS_MAX: usize = 64;
+/// Known names that are looked at for one misspelt name.
+const NAMES_MAX: usize = 5_000;
+/// Names suggested for one misspelt name.
+const SUGGESTIONS_MAX: usize = 3;
+/// What one ordinary edit costs.
+const EDIT: u32 = 10;
+/// A suggestion is certain only if the next one is farther by more than this.
+const MARGIN: u32 = 4;
+
+/// A known name and how far it is, in tenths of an ordinary edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Near<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) cost: u32,
+}
+
+/// Known names near enough to be meant by `name`, nearest first; equally near ones in the order given.
+pub(crate) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Near<'a>> {
+    let wanted: Vec<char> = name.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
+    if wanted.is_empty() || wanted.len() > NAME_CHARACTERS_MAX {
+        return Vec::new();
+    }
+    let allowed = (wanted.len() / 3).clamp(1, 4);
+    let mut found: Vec<Near<'a>> = Vec::new();
+    for candidate in known.into_iter().take(NAMES_MAX) {
+        let letters: Vec<char> = candidate.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
+        if letters == wanted || found.iter().any(|near| near.name == candidate) {
+            continue;
+        }
+        let limit = u32::try_from(allowed).unwrap_or(1) * EDIT;
+        let plain = (letters.len().abs_diff(wanted.len()) <= allowed).then(|| distance(&wanted, &letters));
+        let cost = plain.unwrap_or(u32::MAX).min(distance_by_words(&wanted, &letters).unwrap_or(u32::MAX));
+        if cost <= limit {
+            found.push(Near { name: candidate, cost });
+        }
+    }
+    found.sort_by_key(|near| near.cost);
+    found
+}
+
+/// Is the first of these names certainly meant? The others must be clearly farther, and a short name has so many
+/// neighbours that one edit proves nothing.
+pub(crate) fn is_certain(name: &str, found: &[Near<'_>]) -> bool {
+    let Some(first) = found.first() else { return false };
+    let alone = found.get(1).is_none_or(|second| second.cost > first.cost + MARGIN);
+    let letters = name.chars().count().max(first.name.chars().count());
+    let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+    alone
+        && letters >= 3
+        && digits(name) == digits(first.name)
+        && first.cost <= if letters >= 6 { 2 * EDIT } else { EDIT }
+}
 
 /// The known name nearest to `name`, if it is near enough to be meant. Ties go to the first.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let wanted: Vec<char> = name.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
-    if wanted.is_empty() || wanted.len() > NAME_CHARACTERS_MAX {
-        return None;
-    }
-    let allowed = (wanted.len() / 3).clamp(1, 4);
-    let mut best: Option<(usize, &str)> = None;
-    for candidate in known {
-        let letters: Vec<char> = candidate.to_lowercase().chars().take(NAME_CHARACTERS_MAX + 1).collect();
-        if letters.len().abs_diff(wanted.len()) > allowed {
-            continue;
-        }
-        let distance = distance(&wanted, &letters);
-        if distance > 0 && distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
-            best = Some((distance, candidate));
-        }
-    }
-    best.map(|(_, candidate)| candidate)
+    near(name, known).first().map(|near| near.name)
 }
 
-/// `did you mean `x`?` for the nearest known name.
-pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    nearest(name, known).map(|found| format!("did you mean `{found}`?"))
+/// Fixes that put the nearest known names in place of `name`, which stands at `span`. The first is safe if it is certain.
+pub(crate) fn renames<'a>(span: Span, name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<Fix> {
+    renames_marked(span, name, known, str::to_string)
 }
 
-/// Edits (insert, delete, replace, swap of neighbours) that turn `a` into `b`.
-fn distance(a: &[char], b: &[char]) -> usize {
-    let mut before: Vec<usize> = Vec::new();
-    let mut above: Vec<usize> = (0..=b.len()).collect();
+/// As [`renames`] for names that are written with marks: `mark` makes `?x` of `x`, `+x+`, or `:x`.
+pub(crate) fn renames_marked<'a>(
+    span: Span,
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    mark: impl Fn(&str) -> String,
+) -> Vec<Fix> {
+    let found = near(name, known);
+    let certain = is_certain(name, &found);
+    let least = found.first().map_or(0, |near| near.cost);
+    let likely = found.iter().take_while(|near| if certain { near.cost == least } else { near.cost <= least + EDIT });
+    let fix = |near: &Near<'_>| {
+        let title = format!("replace `{}` by `{}`", mark(name), mark(near.name));
+        let fix = if certain { Fix::safe(title) } else { Fix::look(title) };
+        fix.replace(span, mark(near.name))
+    };
+    likely.take(SUGGESTIONS_MAX).map(fix).collect()
+}
+
+/// Fixes for a misspelt unit. Spellings of one unit do not compete with each other.
+pub(crate) fn unit_renames(span: Span, name: &str) -> Vec<Fix> {
+    let spelling = |unit: &'static Unit| {
+        let spellings = std::iter::once(unit.name).chain(unit.aliases.iter().copied());
+        near(name, spellings).first().copied()
+    };
+    let mut best: Vec<Near<'_>> = UNITS.iter().filter_map(spelling).collect();
+    best.sort_by_key(|near| near.cost);
+    renames(span, name, best.iter().map(|near| near.name))
+}
+
+/// Names of several words that differ in the order of the words, in the marks between them, or in both.
+fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
+    let is_mark = |c: &char| matches!(c, '-' | '_' | '/' | ' ');
+    let words = |name: &[char]| -> Vec<String> {
+        let mut words: Vec<String> = name.split(is_mark).map(|word| word.iter().collect()).collect();
+        words.sort();
+        words
+    };
+    let bare = |name: &[char]| -> String { name.iter().filter(|c| !is_mark(c)).collect() };
+    if bare(a) == bare(b) {
+        return Some(EDIT / 2);
+    }
+    let (words_a, words_b) = (words(a), words(b));
+    (words_a.len() > 1 && words_a == words_b).then_some(EDIT)
+}
+
+/// What it costs to turn `a` into `b` by inserting, deleting and replacing letters and swapping neighbours.
+fn distance(a: &[char], b: &[char]) -> u32 {
+    let mut before: Vec<u32> = Vec::new();
+    let mut above: Vec<u32> = vec![0];
+    for (j, y) in b.iter().enumerate() {
+        let left = above.last().copied().unwrap_or(0);
+        above.push(left + lone(*y, j.checked_sub(1).and_then(|j| b.get(j))));
+    }
     for (i, x) in a.iter().enumerate() {
-        let mut row = vec![i + 1];
+        let previous = i.checked_sub(1).and_then(|i| a.get(i));
+        let dropped = lone(*x, previous);
+        let mut row = vec![above.first().copied().unwrap_or(0) + dropped];
         for (j, y) in b.iter().enumerate() {
+            let other = j.checked_sub(1).and_then(|j| b.get(j));
             let up = above.get(j + 1).copied().unwrap_or(0);
             let diagonal = above.get(j).copied().unwrap_or(0);
             let left = row.last().copied().unwrap_or(0);
-            let mut cost = (up + 1).min(left + 1).min(diagonal + usize::from(x != y));
-            let swapped = i > 0 && j > 0 && a.get(i - 1) == Some(y) && b.get(j - 1) == Some(x);
-            if swapped && x != y {
-                cost = cost.min(before.get(j - 1).copied().unwrap_or(0) + 1);
+            let mut cost = (up + dropped).min(left + lone(*y, other)).min(diagonal + replaced(*x, *y));
+            if x != y && previous == Some(y) && other == Some(x) {
+                cost = cost.min(before.get(j.saturating_sub(1)).copied().unwrap_or(0) + EDIT - 3);
             }
             row.push(cost);
         }
@@ -51,9 +146,41 @@ fn distance(a: &[char], b: &[char]) -> usize {
     above.last().copied().unwrap_or(0)
 }
 
+/// What a letter too many or too few costs; `previous` is the letter before it in the name that has it.
+fn lone(letter: char, previous: Option<&char>) -> u32 {
+    if previous == Some(&letter) || matches!(letter, '-' | '_') { EDIT - 3 } else { EDIT }
+}
+
+fn replaced(x: char, y: char) -> u32 {
+    match (x, y) {
+        _ if x == y => 0,
+        ('-', '_') | ('_', '-') => EDIT / 2,
+        _ if are_neighbours(x, y) => EDIT - 2,
+        _ => EDIT,
+    }
+}
+
+/// Do the keys lie beside each other on a keyboard?
+fn are_neighbours(x: char, y: char) -> bool {
+    const ROWS: [&str; 4] = ["1234567890-", "qwertyuiop", "asdfghjkl", "zxcvbnm"];
+    let place = |key: char| {
+        ROWS.iter().enumerate().find_map(|(row, keys)| keys.chars().position(|each| each == key).map(|at| (row, at)))
+    };
+    match (place(x), place(y)) {
+        (Some((row_x, at_x)), Some((row_y, at_y))) if row_x == row_y => at_x.abs_diff(at_y) == 1,
+        (Some((row_x, at_x)), Some((row_y, at_y))) if row_x.abs_diff(row_y) == 1 => {
+            // Lower rows are shifted to the right by half a key.
+            let (upper, lower) = if row_x < row_y { (at_x, at_y) } else { (at_y, at_x) };
+            upper == lower || upper == lower + 1
+        }
+        _ => false,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fix::Applicability;
 
     #[test]
     fn near_names_are_found_and_far_ones_are_not() {
@@ -61,5 +188,30 @@ mod tests {
         assert_eq!(nearest("wiatfor", ["select", "waitfor"]), Some("waitfor"));
         assert_eq!(nearest("camera", ["waitfor", "select"]), None);
         assert_eq!(nearest("", ["a"]), None);
+    }
+
+    #[test]
+    fn marks_between_words_and_their_order_matter_little() {
+        assert_eq!(nearest("ground_speed", ["ground-speed", "wind-speed"]), Some("ground-speed"));
+        assert_eq!(nearest("groundspeed", ["ground-speed", "wind-speed"]), Some("ground-speed"));
+        assert_eq!(nearest("speed-ground", ["ground-speed", "wind-speed"]), Some("ground-speed"));
+        assert_eq!(nearest("targets", ["target"]), Some("target"));
+    }
+
+    #[test]
+    fn ties_and_short_names_are_not_certain() {
+        let first = |name: &str, known: &[&str]| {
+            renames(Span::default(), name, known.iter().copied()).first().map(|fix| fix.applicability)
+        };
+        assert_eq!(first("roll-anle", &["roll-angle", "pitch-angle"]), Some(Applicability::Safe));
+        assert_eq!(first("s5", &["s1", "s2"]), Some(Applicability::NeedsLook));
+        assert_eq!(first("fly-t", &["fly-to", "fly-at"]), Some(Applicability::NeedsLook));
+        assert_eq!(first("camera-3", &["camera-1"]), Some(Applicability::NeedsLook));
+    }
+
+    #[test]
+    fn the_key_beside_is_nearer_than_any_other() {
+        assert!(are_neighbours('g', 'h') && are_neighbours('g', 't') && !are_neighbours('a', 'l'));
+        assert_eq!(nearest("gly", ["sly", "fly"]), Some("fly"));
     }
 }

@@ -3,7 +3,7 @@
 use crate::options::CheckOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
-use apex_pdl::{Checked, Severity};
+use apex_pdl::{Checked, Fix, Severity, TextEdit};
 use std::io::IsTerminal;
 
 /// Checks each file by itself with what it requires.
@@ -43,18 +43,39 @@ fn counted(count: usize, noun: &str) -> String {
 
 fn print_json(checked: &Checked) -> Outcome {
     for each in &checked.diagnostics {
-        let file = usize::try_from(each.span.file).ok().and_then(|index| checked.library.sources.get(index));
         let line = serde_json::json!({
             "code": each.code,
             "severity": each.severity.word(),
             "message": each.message,
-            "file": file.map(|file| file.name.to_string()),
+            "file": file_name(checked, each.span.file),
             "line": each.span.line,
             "column": each.span.column,
             "reason": each.reason,
             "help": each.help,
+            "fixes": each.fixes.iter().map(|fix| fix_json(checked, fix)).collect::<Vec<_>>(),
         });
         output::print_line(line)?;
     }
     Ok(())
+}
+
+fn fix_json(checked: &Checked, fix: &Fix) -> serde_json::Value {
+    let edit = |edit: &TextEdit| {
+        serde_json::json!({
+            "file": file_name(checked, edit.file),
+            "start": edit.start,
+            "end": edit.end,
+            "replacement": edit.replacement,
+        })
+    };
+    serde_json::json!({
+        "title": fix.title,
+        "applicability": fix.applicability.word(),
+        "edits": fix.edits.iter().map(edit).collect::<Vec<_>>(),
+    })
+}
+
+fn file_name(checked: &Checked, file: u32) -> Option<String> {
+    let source = usize::try_from(file).ok().and_then(|index| checked.library.sources.get(index));
+    source.map(|source| source.name.to_string())
 }

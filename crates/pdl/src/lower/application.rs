@@ -5,7 +5,7 @@ use super::{Goal, Lowering};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::renames;
 use apex_model::expression::Template;
 use apex_model::library::{AgentDeclaration, Application, Library};
 use apex_model::symbol::Symbol;
@@ -65,10 +65,8 @@ impl Lowering {
             Some(name) if KINDS.contains(&name) => Some(Symbol::new(name)),
             other => {
                 let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, datum.span, "this is no type of application");
-                self.refuse(match other.and_then(|name| did_you_mean(name, KINDS.iter().copied())) {
-                    Some(help) => diagnostic.help(help),
-                    None => diagnostic.help("types are native-sim realtime foreign-sim"),
-                })
+                let fixes = renames(datum.span, other.unwrap_or_default(), KINDS.iter().copied());
+                self.refuse(diagnostic.fixes_or_help(fixes, || format!("types are {}", KINDS.join(" "))))
             }
         }
     }
@@ -94,7 +92,7 @@ impl Lowering {
     /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)])`
     pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
         let (before, options) = groups(form.tail());
-        let [Datum { kind: DatumKind::Symbol(name), span }] = before else {
+        let [named @ Datum { kind: DatumKind::Symbol(name), span }] = before else {
             return self.missing_part(form.span, "this agent has no name", "(agent NAME [:initial-task GOAL] ..)");
         };
         if library.agents.iter().any(|agent| agent.name == *name) {
@@ -105,11 +103,11 @@ impl Lowering {
         const KNOWN: &[&str] = &["initial-task", "use-bundles", "routers"];
         self.check_groups(&options, KNOWN, "`agent`")?;
         let task = self.optional(&options, "initial-task", |lowering, datum| lowering.initial_task(datum))?;
-        let (initial_task, goal_span) = match task {
-            Some((task, span)) => (task, span),
-            None => (Value::list([Value::symbol("do-domain")]), *span),
+        let (initial_task, source) = match task {
+            Some(source) => (source.to_value(), source),
+            None => (Value::list([Value::symbol("do-domain")]), named.clone()),
         };
-        self.goals.push(Goal { template: Template::Constant(initial_task.clone()), span: goal_span });
+        self.goals.push(Goal { template: Template::Constant(initial_task.clone()), source });
         Some(AgentDeclaration {
             name: name.clone(),
             initial_task,
@@ -119,7 +117,7 @@ impl Lowering {
         })
     }
 
-    fn initial_task(&mut self, datum: &Datum) -> Option<(Value, crate::diagnostic::Span)> {
+    fn initial_task(&mut self, datum: &Datum) -> Option<Datum> {
         let inner = match &datum.kind {
             DatumKind::Quote(inner) => inner,
             _ => datum,
@@ -130,7 +128,7 @@ impl Lowering {
                     .help("for example `:initial-task (fly mission)`");
             return self.refuse(diagnostic);
         }
-        Some((inner.to_value(), inner.span))
+        Some(inner.clone())
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Callable, Lowering};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::{renames, renames_marked};
 use apex_model::builtins::{SPECIAL_FORMS, built_in};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::quantity::Dimension;
@@ -193,11 +193,11 @@ impl Lowering {
             let Some((first, others)) = uses.split_first() else { continue };
             let mut diagnostic =
                 Diagnostic::new(severity, codes::UNKNOWN_FUNCTION, *first, format!("no function is called `{name}`"))
-                    .help_maybe(did_you_mean(name.printed(), self.names.operators()));
+                    .fixes(renames(*first, name.printed(), self.names.operators()));
             for other in others.iter().take(2) {
                 diagnostic = diagnostic.label(*other, "used here, too");
             }
-            if diagnostic.help.is_empty() {
+            if diagnostic.fixes.is_empty() {
                 diagnostic = diagnostic
                     .help(format!("define it: `(defun {name} ..)`, or declare a function of the host program: `(declare-function ({name} ..))`"))
                     .help("to mean a list of data, quote it: '(..)");
@@ -207,13 +207,11 @@ impl Lowering {
         let indexicals = std::mem::take(&mut self.unknown_indexicals);
         for (name, uses) in indexicals.iter().take(UNKNOWN_NAMES_MAX) {
             let Some((first, others)) = uses.split_first() else { continue };
-            let suggestion = did_you_mean(name.printed(), self.names.indexical_names());
+            let known = self.names.indexical_names();
+            let fixes = renames_marked(*first, name.printed(), known, |name| format!("+{name}+"));
             let message = format!("no indexical is called `+{name}+`");
             let mut diagnostic = Diagnostic::new(severity, codes::UNKNOWN_INDEXICAL, *first, message);
-            diagnostic = match suggestion {
-                Some(text) => diagnostic.help(text.replacen('`', "`+", 1).replacen("`?", "+`?", 1)),
-                None => diagnostic.help(format!("define it: `(defindexical +{name}+ EXPRESSION)`")),
-            };
+            diagnostic = diagnostic.fixes_or_help(fixes, || format!("define it: `(defindexical +{name}+ EXPRESSION)`"));
             for other in others.iter().take(2) {
                 diagnostic = diagnostic.label(*other, "used here, too");
             }

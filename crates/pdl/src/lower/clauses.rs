@@ -4,7 +4,7 @@ use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::Datum;
-use crate::suggest::did_you_mean;
+use crate::suggest::renames_marked;
 
 /// `:name value..`: a keyword with the data up to the next keyword.
 #[derive(Clone, Copy)]
@@ -49,10 +49,9 @@ impl Lowering {
                 let message = format!("{of} has no option `:{}`", group.name);
                 let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message);
                 let list = known.iter().map(|name| format!(":{name}")).collect::<Vec<_>>().join(" ");
-                self.report(match did_you_mean(group.name, known.iter().copied()) {
-                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
-                    None => diagnostic.help(format!("it knows {list}")),
-                });
+                let mark = |name: &str| format!(":{name}");
+                let fixes = renames_marked(group.span, group.name, known.iter().copied(), mark);
+                self.report(diagnostic.fixes_or_help(fixes, || format!("it knows {list}")));
             } else if let Some(earlier) = earlier {
                 fine = false;
                 self.report_twice(&format!("option `:{}`", group.name), earlier.span, group.span);

@@ -5,7 +5,7 @@ use super::constraint::relation_named;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::{renames, renames_marked};
 use apex_model::condition::{Condition, ConditionKind, Timing};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::symbol::Symbol;
@@ -141,11 +141,12 @@ impl Lowering {
                     datum.span,
                     format!("no condition is called `:{keyword}`"),
                 );
-                let suggestion = did_you_mean(keyword, CONDITION_KEYWORDS.iter().copied());
-                self.refuse(match suggestion {
-                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
-                    None => diagnostic.help(format!("conditions are :{}", CONDITION_KEYWORDS.join(" :"))),
-                })
+                let span = datum.head_span();
+                let mark = |name: &str| format!(":{name}");
+                let fixes = renames_marked(span, keyword, CONDITION_KEYWORDS.iter().copied(), mark);
+                self.refuse(
+                    diagnostic.fixes_or_help(fixes, || format!("conditions are :{}", CONDITION_KEYWORDS.join(" :"))),
+                )
             }
         }
     }
@@ -189,10 +190,10 @@ impl Lowering {
         let is_known = self.scope.tags.contains_key(name) || self.scope.is_bound_everywhere(name);
         if !is_known {
             let message = format!("no step of this procedure is tagged `{name}`");
-            let suggestion = did_you_mean(name.printed(), self.scope.tags.keys().map(Symbol::printed))
-                .map(|help| help.replacen('`', "`?", 1));
-            let mut diagnostic = Diagnostic::error(codes::UNKNOWN_TAG, span, message).help_maybe(suggestion);
-            if diagnostic.help.is_empty() {
+            let tags = self.scope.tags.keys().map(Symbol::printed);
+            let fixes = renames_marked(span, name.printed(), tags, |tag| format!("?{tag}"));
+            let mut diagnostic = Diagnostic::error(codes::UNKNOWN_TAG, span, message).fixes(fixes);
+            if diagnostic.fixes.is_empty() {
                 let tags: Vec<String> = self.scope.tags.keys().take(12).map(|tag| format!("`?{tag}`")).collect();
                 if !tags.is_empty() {
                     diagnostic = diagnostic.help(format!("its steps are {}", tags.join(" ")));
@@ -231,10 +232,8 @@ impl Lowering {
         {
             let diagnostic =
                 Diagnostic::error(codes::MALFORMED_CONDITION, state.span, format!("a task is never in state `{name}`"));
-            return self.refuse(match did_you_mean(name.printed(), STATES.iter().copied()) {
-                Some(help) => diagnostic.help(help),
-                None => diagnostic.help(format!("its states are {}", STATES.join(" "))),
-            });
+            let fixes = renames(state.span, name.printed(), STATES.iter().copied());
+            return self.refuse(diagnostic.fixes_or_help(fixes, || format!("its states are {}", STATES.join(" "))));
         }
         let task = Expr { kind, place: task.span.place() };
         Some(ConditionKind::TaskState { task, state: self.pattern(state)? })

@@ -7,12 +7,12 @@ use super::{Callable, Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::unit_renames;
 use apex_model::expression::Expr;
 use apex_model::library::{
     Function, HostDeclaration, Library, ResourceDeclaration, ResourceKind, SolverDeclaration, StateVariableDeclaration,
 };
-use apex_model::quantity::{Dimension, UNITS, unit_named};
+use apex_model::quantity::{Dimension, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
@@ -199,9 +199,8 @@ impl Lowering {
         if let Some(unit) = unit_named(name) {
             return Some(Some(Symbol::new(unit.name)));
         }
-        let known = UNITS.iter().flat_map(|unit| std::iter::once(unit.name).chain(unit.aliases.iter().copied()));
         let diagnostic = Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, format!("`{name}` is not a known unit"))
-            .help_maybe(did_you_mean(name, known));
+            .fixes(unit_renames(datum.span, name));
         self.refuse(diagnostic)
     }
 

@@ -6,7 +6,7 @@ use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::renames_marked;
 use apex_model::condition::{Condition, ConditionKind, Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
@@ -161,12 +161,15 @@ impl Lowering {
         {
             return Some((found, item.tail()));
         }
-        let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is no {what}"));
-        diagnostic = match name.and_then(|name| did_you_mean(name, known.iter().copied())) {
-            Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
-            None => diagnostic.help(format!("its shape is `(:NAME CONSTRAINT..)`; names are :{}", known.join(" :"))),
-        };
-        self.refuse(diagnostic)
+        let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, item.span, format!("this is no {what}"));
+        let span = item.head_span();
+        let mark = |name: &str| format!(":{name}");
+        let fixes = renames_marked(span, name.unwrap_or_default(), known.iter().copied(), mark);
+        self.refuse(
+            diagnostic.fixes_or_help(fixes, || {
+                format!("its shape is `(:NAME CONSTRAINT..)`; names are :{}", known.join(" :"))
+            }),
+        )
     }
 
     /// Constraints or the words `:increasing`, `:decreasing`, `:non-increasing`, `:non-decreasing`.

@@ -5,7 +5,6 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind, is_number_like_symbol, parse_unit_misspelt};
 use apex_model::expression::{Expr, ExprKind, Template};
-use apex_model::quantity::UNITS;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
@@ -123,11 +122,10 @@ impl Lowering {
             }
             DatumKind::Integer(_) | DatumKind::Real(_) if matches!(arguments, [unit] if unit.as_symbol().is_some()) => {
                 let word = arguments.first().and_then(Datum::as_symbol).map_or("", Symbol::printed);
-                let known =
-                    UNITS.iter().flat_map(|unit| std::iter::once(unit.name).chain(unit.aliases.iter().copied()));
+                let unit_span = arguments.first().map_or(datum.span, |unit| unit.span);
                 let diagnostic =
                     Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, format!("`{word}` is not a known unit"))
-                        .help_maybe(crate::suggest::did_you_mean(word, known))
+                        .fixes(crate::suggest::unit_renames(unit_span, word))
                         .help("to mean the list itself, quote it: '(..)");
                 self.refuse(diagnostic)
             }

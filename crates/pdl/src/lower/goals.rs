@@ -3,9 +3,10 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use crate::print::{pattern_text, template_text};
 use crate::read::Datum;
-use crate::suggest::did_you_mean;
+use crate::suggest::{nearest, renames};
 use apex_model::expression::Template;
 use apex_model::limits::MATCH_STEPS_MAX;
 use apex_model::pattern::Pattern;
@@ -16,7 +17,8 @@ use std::collections::BTreeMap;
 /// A goal that some step, hook or agent pursues.
 pub(crate) struct Goal {
     pub(crate) template: Template,
-    pub(crate) span: Span,
+    /// The text of the goal; of something that implies a goal, if it is written nowhere.
+    pub(crate) source: Datum,
 }
 
 /// A class of goals that something serves.
@@ -35,12 +37,13 @@ impl Lowering {
         if datum.as_list().is_none_or(<[Datum]>::is_empty) {
             let mut diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "an activity is a list");
             if let Some(name) = datum.as_symbol() {
-                diagnostic = diagnostic.help(format!("write `({name})`"));
+                let fix = Fix::safe(format!("write `({name})`"));
+                diagnostic = diagnostic.fix(fix.insert_before(datum.span, "(").insert_after(datum.span, ")"));
             }
             return self.refuse(diagnostic);
         }
         let template = self.template(datum)?;
-        self.goals.push(Goal { template: template.clone(), span: datum.span });
+        self.goals.push(Goal { template: template.clone(), source: datum.clone() });
         Some(template)
     }
 
@@ -57,14 +60,17 @@ impl Lowering {
                 continue;
             }
             let message = format!("no procedure, primitive or solver serves `{text}`");
-            let mut diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, goal.span, message);
+            let mut diagnostic = Diagnostic::new(severity, codes::UNSERVED_GOAL, goal.source.span, message);
             diagnostic = match index.nearest(&goal.template) {
                 Some(Near::Shape(other)) => diagnostic.help(format!(
                     "`{}` is defined at {}, but has another shape",
                     pattern_text(&other.pattern),
                     describe(other.span)
                 )),
-                Some(Near::Name(help)) => diagnostic.help(help),
+                Some(Near::Name(head)) => {
+                    let heads = index.by_head.keys().map(|head| head.printed());
+                    diagnostic.fixes(renames(goal.source.head_span(), head, heads))
+                }
                 None => diagnostic.help(format!("write a procedure for it: `(procedure (index {text}) ..)`")),
             };
             self.report(diagnostic);
@@ -88,7 +94,8 @@ struct GoalIndex<'s> {
 
 enum Near<'s> {
     Shape(&'s Served),
-    Name(String),
+    /// Goals that begin with another word are served; this is the word that begins this one.
+    Name(&'s str),
 }
 
 impl<'s> GoalIndex<'s> {
@@ -111,13 +118,13 @@ impl<'s> GoalIndex<'s> {
         candidates.into_iter().any(|served| may_match(view, &served.pattern, &mut { MATCH_STEPS_MAX }))
     }
 
-    fn nearest(&self, goal: &Template) -> Option<Near<'s>> {
+    fn nearest<'g: 's>(&self, goal: &'g Template) -> Option<Near<'s>> {
         let head = View::Template(goal).head()?;
         if let Some(same) = self.by_head.get(head).and_then(|list| list.first()) {
             return Some(Near::Shape(same));
         }
         let name = head.printed();
-        did_you_mean(name, self.by_head.keys().map(|head| head.printed())).map(Near::Name)
+        nearest(name, self.by_head.keys().map(|head| head.printed())).map(|_| Near::Name(name))
     }
 }
 

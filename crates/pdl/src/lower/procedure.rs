@@ -264,7 +264,7 @@ impl Lowering {
                 procedure.steps.push(terminate_step(&tag, place));
             }
             ProcedureKind::Concurrent if !ends && !has_terminate && !procedure.steps.is_empty() => {
-                let span = datum.as_list().and_then(<[Datum]>::first).map_or(datum.span, |head| head.span);
+                let span = datum.head_span();
                 let message = "this concurrent procedure has neither a terminate step nor an end-when clause";
                 let diagnostic = Diagnostic::new(Severity::Note, codes::NO_END, span, message)
                     .reason("it is complete when all of its steps that do not repeat have ended");

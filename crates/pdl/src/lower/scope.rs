@@ -6,7 +6,7 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::suggest::did_you_mean;
+use crate::suggest::renames_marked;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -97,9 +97,9 @@ impl Lowering {
                     .help(format!("hand it on as the step's value: `=> ?{name}`"));
             } else {
                 let visible = scope.binders.keys().filter(|key| scope.is_visible(key, *step)).map(Symbol::printed);
-                let suggestion = did_you_mean(name.printed(), visible).map(|text| text.replacen('`', "`?", 1));
+                let fixes = renames_marked(*span, name.printed(), visible, |name| format!("?{name}"));
                 let reason = "a variable gets its value from the index, a `=>`, a waitfor, a select or a forall";
-                diagnostic = diagnostic.reason(reason).help_maybe(suggestion);
+                diagnostic = diagnostic.reason(reason).fixes(fixes);
             }
             self.report(diagnostic);
         }

@@ -6,7 +6,7 @@ use super::clauses::groups;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::did_you_mean;
+use crate::suggest::renames;
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Repetition, Step};
 use apex_model::symbol::Symbol;
@@ -185,10 +185,9 @@ impl Lowering {
         };
         let message = format!("{of} has no clause `{name}`");
         let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, message);
-        self.report(match did_you_mean(name.printed(), known.iter().copied()) {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic.help(format!("its clauses are {}", known.join(" "))),
-        });
+        let span = clause.head_span();
+        let fixes = renames(span, name.printed(), known.iter().copied());
+        self.report(diagnostic.fixes_or_help(fixes, || format!("its clauses are {}", known.join(" "))));
     }
 
     pub(crate) fn only_expression(&mut self, clause: &Datum) -> Option<Expr> {

@@ -5,7 +5,7 @@ use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::Datum;
-use crate::suggest::did_you_mean;
+use crate::suggest::renames_marked;
 use apex_model::condition::{Constraint, Relation, Timing};
 
 const WORDS: &[&str] = &[
@@ -61,12 +61,12 @@ impl Lowering {
             _ => {
                 let diagnostic =
                     Diagnostic::error(codes::MALFORMED_CONDITION, item.span, "this is no timing constraint");
-                let suggestion = word.and_then(|word| did_you_mean(word, WORDS.iter().copied()));
-                return self.refuse(match suggestion {
-                    Some(help) => diagnostic.help(help.replacen('`', "`:", 1)),
-                    None => diagnostic
-                        .help("write `(:start CONSTRAINT..)`, `(:end CONSTRAINT..)` or `(:duration CONSTRAINT..)`"),
-                });
+                let span = item.head_span();
+                let mark = |name: &str| format!(":{name}");
+                let fixes = renames_marked(span, word.unwrap_or_default(), WORDS.iter().copied(), mark);
+                return self.refuse(diagnostic.fixes_or_help(fixes, || {
+                    "write `(:start CONSTRAINT..)`, `(:end CONSTRAINT..)` or `(:duration CONSTRAINT..)`".to_string()
+                }));
             }
         }
         Some(())

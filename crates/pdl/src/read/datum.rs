@@ -81,6 +81,11 @@ impl Datum {
         self.head().map_or("", Symbol::folded)
     }
 
+    /// Where the first item of a list stands; for anything else, where it stands itself.
+    pub(crate) fn head_span(&self) -> Span {
+        self.as_list().and_then(<[Datum]>::first).map_or(self.span, |first| first.span)
+    }
+
     /// The items after the first of a list.
     pub(crate) fn tail(&self) -> &[Datum] {
         self.as_list().and_then(|items| items.get(1..)).unwrap_or_default()

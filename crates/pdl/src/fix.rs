@@ -1,0 +1,74 @@
+//! Fixes: what to change in the texts so that a message goes away, as edits that a program can apply.
+
+use crate::diagnostic::Span;
+
+/// How sure it is that a fix does what the author meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Applicability {
+    /// Nothing else can have been meant: may be applied without asking.
+    Safe,
+    /// Probably meant, or one of several possibilities: the author decides.
+    NeedsLook,
+}
+
+impl Applicability {
+    /// The word shown to people and programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Applicability::Safe => "safe",
+            Applicability::NeedsLook => "needs a look",
+        }
+    }
+}
+
+/// Replaces a stretch of one source text by another text.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TextEdit {
+    /// Index into the sources of the library.
+    pub file: u32,
+    /// Byte offset of the first character that is replaced.
+    pub start: u32,
+    /// Byte offset after the last character that is replaced; equal to `start` where text is only inserted.
+    pub end: u32,
+    /// What stands there afterwards.
+    pub replacement: String,
+}
+
+/// A titled list of edits that belong together: all are made or none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What the edits do, in a few words: "replace `foo` by `bar`".
+    pub title: String,
+    /// How sure it is.
+    pub applicability: Applicability,
+    /// The edits; they do not overlap.
+    pub edits: Vec<TextEdit>,
+}
+
+impl Fix {
+    /// A fix that nobody needs to look at, still without edits.
+    pub(crate) fn safe(title: impl Into<String>) -> Fix {
+        Fix { title: title.into(), applicability: Applicability::Safe, edits: Vec::new() }
+    }
+
+    /// A fix that its author must look at, still without edits.
+    pub(crate) fn look(title: impl Into<String>) -> Fix {
+        Fix { title: title.into(), applicability: Applicability::NeedsLook, edits: Vec::new() }
+    }
+
+    /// Puts `text` in place of `span`.
+    pub(crate) fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {
+        self.edits.push(TextEdit { file: span.file, start: span.start, end: span.end, replacement: text.into() });
+        self
+    }
+
+    /// Puts `text` before `span`.
+    pub(crate) fn insert_before(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(Span { end: span.start, ..span }, text)
+    }
+
+    /// Puts `text` after `span`.
+    pub(crate) fn insert_after(self, span: Span, text: impl Into<String>) -> Fix {
+        self.replace(Span { start: span.end, ..span }, text)
+    }
+}
