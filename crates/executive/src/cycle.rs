@@ -48,6 +48,8 @@ pub(crate) struct Work {
     pub(crate) firings: Vec<Firing>,
     /// Enable: evidence for tasks about to be enabled.
     pub(crate) evidence: BTreeMap<TaskId, Vec<Evidence>>,
+    /// Enable: what freed a pending task last, where it was neither its waitfor nor the end of the step before it.
+    pub(crate) freed: BTreeMap<TaskId, Cause>,
     /// Enable: pending tasks that may be free now.
     pub(crate) ready: Vec<TaskId>,
     /// Choose: tasks that were enabled.
@@ -127,6 +129,12 @@ impl Cycle<'_> {
     pub(crate) fn trouble(&mut self, task: Option<TaskId>, message: String, place: Option<Place>) {
         let because = Because::new(Cause::ExpressionFailed { message: message.clone() }, place);
         self.decide(task, DecisionKind::Trouble { message }, because);
+    }
+
+    /// Writes a trouble that no expression made.
+    pub(crate) fn trouble_of(&mut self, task: Option<TaskId>, cause: Cause, place: Option<Place>) {
+        let message = cause.text();
+        self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));
     }
 
     /// The view of `task` at `level`.

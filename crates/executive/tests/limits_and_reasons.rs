@@ -141,7 +141,12 @@ fn every_waiting_task_says_for_what() {
     assert_eq!(only("holder").kind, ReasonKind::Time);
     let refused = only("claimant");
     assert_eq!((refused.kind, refused.text.as_str()), (ReasonKind::Resource, "tool"));
-    assert!(refused.now.unwrap().contains("T1 (holder) holds it and defends it with priority 3 + interrupt cost 0.1, against 0"));
+    assert!(
+        refused
+            .now
+            .unwrap()
+            .contains("T1 (holder) holds it and defends it with priority 3 + interrupt cost 0.1, against 0")
+    );
     assert_eq!(only("ready").kind, ReasonKind::Condition);
     let high = only("high");
     assert!(high.text.contains("altitude") && high.now.as_ref().unwrap().contains("40"), "{high:?}");

@@ -33,6 +33,8 @@ pub enum Effect {
         task: TaskId,
         /// The ground form, for example `(fly-to (34.7 -119.8 7010))`.
         form: Value,
+        /// Why, and which form of PDL said it.
+        because: Because,
     },
     /// The command's task ended or was interrupted before the answer: the vehicle should stop doing it.
     WithdrawCommand {

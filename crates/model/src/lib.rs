@@ -10,6 +10,8 @@ pub mod agent;
 pub mod because;
 pub mod bindings;
 pub mod builtins;
+pub mod cause;
+mod cause_words;
 pub mod clause;
 pub mod condition;
 pub mod controller;

@@ -77,6 +77,16 @@ pub enum RecordError {
         /// Ours.
         known: i64,
     },
+    /// The file was written by an earlier Apex, which told causes differently.
+    #[error("{} was written in version {found} of the record format; this Apex reads version {known}, in which causes are told differently. Use the Apex that wrote it, or fly again.", path.display())]
+    Older {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: i64,
+        /// Ours.
+        known: i64,
+    },
     /// Somebody else writes it now.
     #[error("{} is being written by another run. Wait for its end or choose another file name.", path.display())]
     Busy {

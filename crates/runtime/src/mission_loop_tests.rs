@@ -3,6 +3,7 @@
 use super::*;
 use crate::ports::SolverAnswer;
 use crate::samples;
+use apex_model::because::{Because, Cause};
 use apex_model::effect::{CommandId, SolveRequest, SolveRequestId};
 use apex_model::event::SolverReport;
 use apex_model::symbol::Symbol;
@@ -24,11 +25,17 @@ fn obey(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     effects
 }
 
+fn ran() -> Because {
+    Because::new(Cause::FormRan { clause: "on-start".into() }, None)
+}
+
 fn effect_of(form: &str) -> Option<Effect> {
     let task = TaskId(1);
     match form {
-        "(go)" => Some(Effect::Command { command: CommandId(1), task, form: samples::goal(&["go"]) }),
-        "(loop)" => Some(Effect::Command { command: CommandId(9), task, form: samples::goal(&["loop"]) }),
+        "(go)" => Some(Effect::Command { command: CommandId(1), task, form: samples::goal(&["go"]), because: ran() }),
+        "(loop)" => {
+            Some(Effect::Command { command: CommandId(9), task, form: samples::goal(&["loop"]), because: ran() })
+        }
         "(forget)" => Some(Effect::CancelSolve(SolveRequestId(1))),
         "(stop)" => Some(Effect::EndApplication { reason: "told to".into() }),
         "(plan)" => Some(Effect::Solve(SolveRequest {

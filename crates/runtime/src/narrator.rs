@@ -81,8 +81,10 @@ impl Narrator {
     pub fn tell(&mut self, effect: &Effect) -> Told {
         match effect {
             Effect::Decided(decision) => self.decided(decision),
-            Effect::Command { command, task, form } => {
-                self.said("command", Some(*task), form.to_string(), format!("command {}", command.0))
+            Effect::Command { command, task, form, because } => {
+                let mut told = self.said("command", Some(*task), form.to_string(), format!("command {}", command.0));
+                told.place = because.place.map(|place| self.place(place));
+                told
             }
             Effect::WithdrawCommand { command, reason } => {
                 self.said("withdraw", None, format!("command {}", command.0), reason.clone())

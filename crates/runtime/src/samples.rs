@@ -1,6 +1,6 @@
 //! Inputs and effects made by hand, for tests that need no executive.
 
-use apex_model::because::{Because, Cause, ConflictRule, Evidence, Strength};
+use apex_model::because::{Because, Cause, ConflictRule, Evidence, Share, Strength};
 use apex_model::effect::{CommandId, Decision, DecisionKind, Effect, Method, QuestionId, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, Event, EventKind, PlannedProcedure, SolverReport, StateVariable};
 use apex_model::expression::Template;
@@ -121,7 +121,8 @@ fn first_effects() -> Vec<Effect> {
 }
 
 fn second_effects() -> Vec<Effect> {
-    let granted = Cause::ResourcesGranted { resources: vec![Value::symbol("camera-1")] };
+    let granted =
+        Cause::ResourcesGranted { resources: vec![Share { resource: Value::symbol("camera-1"), amount: None }] };
     let evidence = Evidence::Sample {
         variable: "(roll-angle aircraft-1)".into(),
         value: quantity(7.25, "deg"),
@@ -160,7 +161,12 @@ fn second_effects() -> Vec<Effect> {
         transition(3, TaskState::Enabled, TaskState::Ongoing, granted),
         decided(1, added, Because::new(arrived, None)),
         decided(1, refused, Because::new(outranked, place(7))),
-        Effect::Command { command: CommandId(1), task: TaskId(3), form: goal(&["switch", "camera-1"]) },
+        Effect::Command {
+            command: CommandId(1),
+            task: TaskId(3),
+            form: goal(&["switch", "camera-1"]),
+            because: Because::new(Cause::FormRan { clause: "on-start".into() }, place(8)),
+        },
         Effect::Inform { task: TaskId(3), form: goal(&["powering", "camera-1"]) },
         Effect::Print { task: TaskId(3), text: "two\nlines".into() },
     ]
@@ -184,7 +190,7 @@ fn third_effects() -> Vec<Effect> {
         Effect::Decided(Decision { task: None, kind: trouble, because: Because::new(failure, None) }),
         transition(3, TaskState::Ongoing, TaskState::Terminated, failed),
         transition(3, TaskState::Terminated, TaskState::Pending, Cause::Repetition),
-        transition(1, TaskState::Enabled, TaskState::Terminated, Cause::StepsEnded),
+        transition(1, TaskState::Enabled, TaskState::Terminated, Cause::StepsEnded { last: Some(TaskId(3)) }),
         Effect::EndApplication { reason: "the root task ended".into() },
     ]
 }

@@ -9,7 +9,7 @@ use crate::cycle::Cycle;
 use crate::expression::evaluate;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::view::View;
-use apex_model::because::{Because, Cause};
+use apex_model::because::{Because, Cause, Evidence};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::Controller;
@@ -20,15 +20,29 @@ use apex_model::task::{StepRef, TaskId};
 use apex_model::value::Value;
 
 /// Binds `name` among the task's own variables.
-pub(crate) fn bind_locally(cycle: &mut Cycle<'_>, id: TaskId, name: &Symbol, value: Value, clause: &str, place: Place) {
+pub(crate) fn bind_locally(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    (name, value): (&Symbol, Value),
+    clause: &str,
+    place: Place,
+    evidence: Vec<Evidence>,
+) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.bindings.set(name.clone(), value.clone());
     }
-    decide(cycle, id, name, value, clause, place);
+    decide(cycle, id, (name, value), clause, place, evidence);
 }
 
-fn decide(cycle: &mut Cycle<'_>, id: TaskId, name: &Symbol, value: Value, clause: &str, place: Place) {
-    let because = Because::new(Cause::Binding { clause: clause.into() }, Some(place));
+fn decide(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    (name, value): (&Symbol, Value),
+    clause: &str,
+    place: Place,
+    evidence: Vec<Evidence>,
+) {
+    let because = Because { cause: Cause::Binding { clause: clause.into() }, place: Some(place), evidence };
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }
 
@@ -41,7 +55,7 @@ pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, P
     let Some(step) = handle.get() else { return Ok(()) };
     for (name, expr) in &step.select {
         let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| (error.message, error.place))?;
-        bind_locally(cycle, id, name, value, "select", expr.place);
+        bind_locally(cycle, id, (name, value), "select", expr.place, Vec::new());
     }
     Ok(())
 }
@@ -49,8 +63,8 @@ pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, P
 /// Binds the value of an ended step in the context of its procedure, and wakes steps that waited for it.
 ///
 /// # Errors
-/// A message when the value does not match the pattern after `=>`.
-pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result<(), (String, Place)> {
+/// The cause when the value does not match the pattern after `=>`.
+pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result<(), Because> {
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(step) = handle.get() else { return Ok(()) };
     let (Some(pattern), Some(parent)) = (&step.binds, cycle.task(id).and_then(|task| task.parent)) else {
@@ -60,18 +74,20 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
     let blank = View { agent: cycle.agent, task: TaskId(u64::MAX), level: Level::Procedure, now: cycle.now };
     let mut bindings = Bindings::new();
     let matched = match_pattern(pattern, value, &mut bindings, &blank, step.place)
-        .map_err(|error| (error.message, error.place))?;
+        .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))?;
     if !matched {
-        let message = format!("the result {value} does not fit the pattern after =>");
-        return Err((message, step.place));
+        return Err(Because::new(Cause::ResultDoesNotFit { value: value.clone() }, Some(step.place)));
     }
     for (name, value) in bindings.iter() {
         set_in_context(cycle, parent, name, value.clone());
-        decide(cycle, parent, name, value.clone(), "=>", step.place);
+        let evidence = vec![Evidence::TaskEnd { task: id, at: cycle.now }];
+        decide(cycle, parent, (name, value.clone()), "=>", step.place, evidence);
     }
     cycle.work.priorities_changed = true;
     let waiting = waiting_for(cycle, parent, &bindings);
-    instantiation::result_arrived(cycle, waiting);
+    if let Some((variable, _)) = bindings.iter().next() {
+        instantiation::result_arrived(cycle, waiting, variable);
+    }
     Ok(())
 }
 
@@ -101,18 +117,18 @@ pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Sym
     let own = matches!(task.controller.as_deref(), Some(Controller::Procedure(_) | Controller::Primitive(_)));
     if level == Level::Procedure && own {
         set_in_context(cycle, id, name, value.clone());
-        decide(cycle, id, name, value, "setq", place);
+        decide(cycle, id, (name, value), "setq", place, Vec::new());
     } else if task.bindings.get(name).is_some() {
-        bind_locally(cycle, id, name, value, "setq", place);
+        bind_locally(cycle, id, (name, value), "setq", place, Vec::new());
     } else if let Some(parent) = procedure_above(cycle, id) {
         set_in_context(cycle, parent, name, value.clone());
-        decide(cycle, parent, name, value, "setq", place);
+        decide(cycle, parent, (name, value), "setq", place, Vec::new());
         let mut bindings = Bindings::new();
         bindings.set(name.clone(), Value::nil());
         let waiting = waiting_for(cycle, parent, &bindings);
-        instantiation::result_arrived(cycle, waiting);
+        instantiation::result_arrived(cycle, waiting, name);
     } else {
-        bind_locally(cycle, id, name, value, "setq", place);
+        bind_locally(cycle, id, (name, value), "setq", place, Vec::new());
     }
     cycle.work.priorities_changed = true;
 }

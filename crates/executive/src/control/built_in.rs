@@ -3,7 +3,7 @@
 //! Runs: act phase.  Reads: arguments.  Writes: tasks named by the arguments, effects.
 //! Bound: O(1) besides the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
-use crate::control::{hooks, interruption, repetition, resources, restart, selection, termination};
+use crate::control::{hooks, instantiation, interruption, repetition, resources, restart, selection, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::planner_invocation;
 use crate::expression::{evaluate, printed};
@@ -45,15 +45,15 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, which: BuiltInActivity) {
         return;
     };
     match carry_out(cycle, id, which, arguments) {
-        Ok(Some(value)) => done(cycle, id, value),
+        Ok(Some(value)) => done(cycle, id, instantiation::built_in_word(which), value),
         Ok(None) => {}
         Err(because) => termination::fail(cycle, id, because),
     }
 }
 
-fn done(cycle: &mut Cycle<'_>, id: TaskId, value: Value) {
+fn done(cycle: &mut Cycle<'_>, id: TaskId, activity: &str, value: Value) {
     if cycle.state(id) == TaskState::Ongoing {
-        let because = Because::new(Cause::CompletedAtOnce, cycle.place_of(id));
+        let because = Because::new(Cause::BuiltInDone { activity: activity.into() }, cycle.place_of(id));
         termination::end(cycle, id, Outcome::Success(value), because);
     }
 }
@@ -175,22 +175,21 @@ fn ask(cycle: &mut Cycle<'_>, id: TaskId, values: &[Value]) {
 pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: Option<&Value>) {
     let Some(id) = cycle.agent.questions.get(&question).copied() else {
         if answer.is_some() && question.0 >= cycle.agent.next.question {
-            cycle.trouble(None, format!("an answer came to question {}, which was never asked", question.0), None);
+            cycle.trouble_of(None, Cause::StrayAnswer { to: format!("question {}", question.0) }, None);
         }
         return;
     };
     let Some(Controller::Question(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref()) else {
         return;
     };
-    let (value, what) = match answer {
-        Some(value) => (value.clone(), format!("the operator answered {value}")),
+    let (value, cause) = match answer {
+        Some(answer) => (answer.clone(), Cause::OperatorAnswered { question, answer: answer.clone() }),
         None => {
             let default = controller.default.clone();
-            let what = format!("the operator's time is over and {default} is taken");
-            (default, what)
+            (default.clone(), Cause::OperatorSilent { question, default })
         }
     };
-    let because = Because::new(Cause::Operator { what }, cycle.place_of(id));
+    let because = Because::new(cause, cycle.place_of(id));
     termination::end(cycle, id, Outcome::Success(value), because);
 }
 
@@ -204,7 +203,7 @@ pub(crate) fn terminate(cycle: &mut Cycle<'_>, id: TaskId) {
         Err(because) => return termination::fail(cycle, id, because),
     };
     let (place, answered) = (cycle.place_of(id), cycle.task(id).and_then(|task| task.after_sequence));
-    done(cycle, id, Value::nil());
+    done(cycle, id, "terminate", Value::nil());
     let Some((target, outcome, explicit)) = target else { return };
     let because = Because::new(Cause::Activity { by: id, activity: "terminate".into() }, place);
     if explicit {

@@ -8,10 +8,10 @@ use crate::control::transition::{Trigger, transition};
 use crate::control::{competition, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
-use apex_model::because::{Because, Cause};
+use apex_model::because::{Because, Cause, Share};
 use apex_model::effect::DecisionKind;
 use apex_model::quantity::Dimension;
-use apex_model::resource::ResourceId;
+use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -91,6 +91,15 @@ fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
     cycle.agent.resources.get(id).map_or_else(Value::nil, |resource| resource.name.clone())
 }
 
+/// What is granted; all of a resource needs no amount.
+fn share(cycle: &Cycle<'_>, need: &Need) -> Share {
+    let Some(resource) = cycle.agent.resources.get(need.resource) else {
+        return Share { resource: Value::nil(), amount: None };
+    };
+    let part = need.amount < resource.total || resource.depletable;
+    Share { resource: resource.name.clone(), amount: part.then(|| amount(need.amount, resource.dimension)) }
+}
+
 fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
     Cause::Outranked {
         by: loss.winner,
@@ -114,7 +123,7 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
             cycle.agent.wakes.cancel(wake);
         }
     }
-    let resources = needs.iter().map(|need| resource_name(cycle, need.resource)).collect();
+    let resources = needs.iter().map(|need| share(cycle, need)).collect();
     let resumed = cycle.work.resumed.remove(&id).filter(|_| cycle.state(id) == TaskState::Interrupted);
     let because = resumed.unwrap_or_else(|| Because::new(Cause::ResourcesGranted { resources }, cycle.place_of(id)));
     if transition(cycle, id, Trigger::Granted, None, because) {

@@ -8,10 +8,12 @@ use crate::control::{binding, instantiation, interruption, monitoring_clauses, r
 use crate::cycle::{Cycle, Firing, in_order};
 use apex_model::because::{Because, Cause};
 use apex_model::clause::Clause;
+use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
 use apex_model::monitor::Satisfaction;
+use apex_model::procedure::ProcedureKind;
 use apex_model::source::Place;
-use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::task::{Origin, Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
 /// Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.
@@ -37,6 +39,7 @@ pub(crate) fn enable(cycle: &mut Cycle<'_>) {
         }
     }
     cycle.work.evidence.clear();
+    cycle.work.freed.clear();
     // A task whose suspension came true while it was pending does not begin.
     fire_all(cycle);
 }
@@ -97,7 +100,8 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
 /// The `waitfor` came true: what it bound is the task's own.
 fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfaction, place: Place) {
     for (name, value) in satisfaction.bindings.iter() {
-        binding::bind_locally(cycle, id, name, value.clone(), "waitfor", place);
+        let evidence = satisfaction.evidence.clone();
+        binding::bind_locally(cycle, id, (name, value.clone()), "waitfor", place, evidence);
     }
     cycle.work.evidence.insert(id, satisfaction.evidence);
     if let Some(task) = cycle.agent.task_mut(id) {
@@ -106,12 +110,36 @@ fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfact
     instantiation::offer(cycle, id);
 }
 
-fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {
-    let waited = cycle.step_of(id).and_then(|handle| handle.get().map(|step| !step.waitfor.is_empty()));
-    let evidence = cycle.work.evidence.remove(&id).unwrap_or_default();
-    let cause = if waited == Some(true) { Cause::PreconditionsSatisfied } else { Cause::NoPreconditions };
+/// What freed the pending task last: that is why it is enabled now and not before.
+fn freed(cycle: &mut Cycle<'_>, id: TaskId) -> Because {
     let place = cycle.place_of(id);
-    transition(cycle, id, Trigger::Satisfied, None, Because { cause, place, evidence });
+    if let Some(evidence) = cycle.work.evidence.remove(&id) {
+        return Because { cause: Cause::PreconditionsSatisfied, place, evidence };
+    }
+    let cause = cycle.work.freed.remove(&id).or_else(|| predecessor(cycle, id)).unwrap_or(Cause::NoPreconditions);
+    Because::new(cause, place)
+}
+
+/// The step before the task's in a sequence, which has ended now.
+fn predecessor(cycle: &Cycle<'_>, id: TaskId) -> Option<Cause> {
+    let task = cycle.task(id)?;
+    let Origin::Step(step) = task.origin else { return None };
+    if task.extras.as_ref().is_some_and(|extras| extras.ended_before.is_some()) {
+        return None;
+    }
+    let before = (step.step as usize).checked_sub(1)?;
+    if cycle.agent.procedure(step.procedure)?.kind != ProcedureKind::Sequential {
+        return None;
+    }
+    let Controller::Procedure(controller) = cycle.task(task.parent?)?.controller.as_deref()? else { return None };
+    let predecessor = controller.current.get(before).copied().flatten()?;
+    let ended = cycle.task(predecessor).filter(|each| each.is_terminated() && each.since == cycle.now);
+    ended.map(|_| Cause::PredecessorEnded { predecessor })
+}
+
+fn enable_task(cycle: &mut Cycle<'_>, id: TaskId) {
+    let because = freed(cycle, id);
+    transition(cycle, id, Trigger::Satisfied, None, because);
     repetition::respond(cycle, id);
     let bound = binding::select(cycle, id)
         .map_err(|(message, place)| Because::new(Cause::ExpressionFailed { message }, Some(place)));

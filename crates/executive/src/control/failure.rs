@@ -25,7 +25,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     if !handled {
         return false;
     }
-    let cut = Because::new(Cause::AncestorChanged { ancestor: id }, because.place);
+    let cut = Because::new(Cause::ParentFailed { parent: id }, because.place);
     termination::end_children(cycle, id, &cut);
     primitive::withdraw_commands(cycle, id, "its task failed");
     termination::dismantle(cycle, id, "its task failed");
@@ -36,12 +36,11 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         bindings: Bindings::new(),
         by_predecessor: false,
         after_sequence: None,
-        cause: because.cause.clone(),
+        cause: Cause::HandlesFailure { of: id },
     };
+    cycle.decide(Some(id), DecisionKind::Trouble { message: because.text(&cycle.library) }, because.clone());
     let Ok(handler) = instantiation::create(cycle, seed) else { return false };
-    let message = because.text(&cycle.library);
     let handling = Because::new(Cause::FailureHandled { by: handler }, because.place);
-    cycle.decide(Some(id), DecisionKind::Trouble { message }, handling.clone());
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::Handling(HandlingController { handler })));
     }
@@ -72,7 +71,7 @@ pub(crate) fn handled(cycle: &mut Cycle<'_>, id: TaskId, handler: TaskId, outcom
             termination::end(cycle, id, Outcome::Failure, because);
         }
         Outcome::Success(_) | Outcome::Cut => {
-            let because = Because::new(Cause::FailureHandled { by: handler }, place);
+            let because = Because::new(Cause::HandlerEnded { handler }, place);
             termination::end(cycle, id, outcome.clone(), because);
         }
     }

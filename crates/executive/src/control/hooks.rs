@@ -22,21 +22,31 @@ use apex_model::value::Value;
 pub(crate) struct Wants {
     /// `(complete [value])`.
     pub(crate) completed: Option<Value>,
-    /// `(command FORM)`s in order, with their timeouts.
-    pub(crate) commands: Vec<(Value, Option<Duration>)>,
+    /// `(command FORM)`s in order.
+    pub(crate) commands: Vec<Wanted>,
+}
+
+/// A command that a form wants sent.
+pub(crate) struct Wanted {
+    /// The ground form.
+    pub(crate) form: Value,
+    /// How long to wait for the answer; none is the default.
+    pub(crate) timeout: Option<Duration>,
+    /// The clause and the place of the form.
+    pub(crate) because: Because,
 }
 
 /// Runs a hook; its errors are troubles, its commands are sent without waiting for answers.
-pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: &[Expr]) {
+pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &str, forms: &[Expr]) {
     if forms.is_empty() {
         return;
     }
-    match run_forms(cycle, id, level, forms) {
+    match run_forms(cycle, id, level, clause, forms) {
         Ok(wants) => {
-            for (form, _) in wants.commands {
+            for Wanted { form, because, .. } in wants.commands {
                 let command = CommandId(cycle.agent.next.command);
                 cycle.agent.next.command += 1;
-                cycle.effects.push(Effect::Command { command, task: id, form });
+                cycle.effects.push(Effect::Command { command, task: id, form, because });
             }
         }
         Err(because) => {
@@ -50,7 +60,13 @@ pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: &
 ///
 /// # Errors
 /// The cause when a form cannot be evaluated; what the forms before it wanted is done.
-pub(crate) fn run_forms(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: &[Expr]) -> Result<Wants, Because> {
+pub(crate) fn run_forms(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    clause: &str,
+    forms: &[Expr],
+) -> Result<Wants, Because> {
     if forms.is_empty() {
         return Ok(Wants::default());
     }
@@ -64,7 +80,10 @@ pub(crate) fn run_forms(cycle: &mut Cycle<'_>, id: TaskId, level: Level, forms: 
         match action {
             Action::Inform(form) => inform(cycle, id, form),
             Action::Print(text) => cycle.effects.push(Effect::Print { task: id, text }),
-            Action::Command { form, timeout } => wants.commands.push((form, timeout)),
+            Action::Command { form, timeout, place } => {
+                let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
+                wants.commands.push(Wanted { form, timeout, because });
+            }
             Action::Publish(variable, value) => cycle.work.said.push(Said::Measurement(variable, value)),
             Action::Complete(value) => wants.completed = Some(value),
             Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),

@@ -212,7 +212,7 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
 }
 
 /// A result arrived in the context of `parent`: steps that waited for it get their monitors.
-pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>) {
+pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>, variable: &Symbol) {
     for id in waiting {
         let held = cycle.task(id).is_some_and(|task| task.held_back.by_result && task.state == TaskState::Pending);
         if !held || awaited(cycle, id).is_some() {
@@ -222,7 +222,12 @@ pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>) {
             task.held_back.by_result = false;
         }
         match watch_preconditions(cycle, id) {
-            Ok(()) => offer(cycle, id),
+            Ok(()) => {
+                if cycle.task(id).is_some_and(|task| task.held_back.is_free()) {
+                    cycle.work.freed.insert(id, Cause::ResultArrived { variable: variable.clone() });
+                }
+                offer(cycle, id);
+            }
             Err((message, place)) => {
                 termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));
             }

@@ -31,7 +31,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     resources::release(cycle, id, resources::Release::Unused);
     primitive::pause(cycle, id);
     transition(cycle, id, trigger, None, because);
-    run_hooks(cycle, id, |hooks| &hooks.on_suspend);
+    run_hooks(cycle, id, "on-suspend", |hooks| &hooks.on_suspend);
     // What the task shared with others may decide differently now that it does not count among the ancestors.
     cycle.work.priorities_changed = true;
 }
@@ -40,6 +40,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
 pub(crate) fn run_hooks(
     cycle: &mut Cycle<'_>,
     id: TaskId,
+    clause: &str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
     let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| match &selection.way {
@@ -49,25 +50,26 @@ pub(crate) fn run_hooks(
     });
     let (procedure, primitive) = way.unwrap_or_default();
     if let Some(procedure) = procedure {
-        hooks::run_hook(cycle, id, Level::Procedure, which(&procedure.hooks));
+        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
     }
     if let Some(primitive) = primitive {
-        hooks::run_hook(cycle, id, Level::Procedure, which(&primitive.hooks));
+        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&primitive.hooks));
     }
-    run_step_hook(cycle, id, which);
+    run_step_hook(cycle, id, clause, which);
 }
 
 /// Runs a hook of the task's step.
 pub(crate) fn run_step_hook(
     cycle: &mut Cycle<'_>,
     id: TaskId,
+    clause: &str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     if let Some(handle) = cycle.step_of(id).filter(|_| is_step)
         && let Some(step) = handle.get()
     {
-        hooks::run_hook(cycle, id, Level::Step, which(&step.hooks));
+        hooks::run_hook(cycle, id, Level::Step, clause, which(&step.hooks));
     }
 }
 
@@ -95,7 +97,7 @@ pub(crate) fn suspend(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
         if each == id {
             stop(cycle, id, Trigger::Suspended, because.clone());
         } else {
-            let cause = Cause::AncestorChanged { ancestor: id };
+            let cause = Cause::AncestorSuspended { ancestor: id };
             stop(cycle, each, Trigger::Suspended, Because::new(cause, because.place));
         }
         withdraw_claims(cycle, each);
@@ -120,7 +122,7 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     }
     task.suspended = false;
     for each in reclaim(cycle, id) {
-        let cause = if each == id { because.cause.clone() } else { Cause::AncestorChanged { ancestor: id } };
+        let cause = if each == id { because.cause.clone() } else { Cause::AncestorResumed { ancestor: id } };
         let evidence = if each == id { because.evidence.clone() } else { Vec::new() };
         cycle.work.resumed.insert(each, Because { cause, place: because.place, evidence });
     }

@@ -6,6 +6,7 @@
 use crate::control::{built_in, interruption, primitive, procedure, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::{plan_adoption, planner_invocation};
+use apex_model::because::Cause;
 use apex_model::controller::{Controller, Way};
 use apex_model::task::{TaskId, TaskState};
 
@@ -26,7 +27,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
 }
 
 fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
-    interruption::run_step_hook(cycle, id, |hooks| &hooks.on_start);
+    interruption::run_step_hook(cycle, id, "on-start", |hooks| &hooks.on_start);
     if let Err(because) = interruption::watch_step_restart(cycle, id) {
         return termination::fail(cycle, id, because);
     }
@@ -34,7 +35,9 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
         return;
     }
     match take_way(cycle, id) {
-        Some(Way::Procedure(reference, context)) => procedure::start(cycle, id, reference, context),
+        Some(Way::Procedure(reference, context)) => {
+            procedure::start(cycle, id, reference, context, Cause::ParentStarted { parent: id });
+        }
         Some(Way::Primitive(index, context)) => primitive::start(cycle, id, index, context),
         Some(Way::Items(items)) => procedure::start_items(cycle, id, &items),
         Some(Way::BuiltIn(which)) => built_in::start(cycle, id, which),
@@ -62,17 +65,17 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
     match controller {
         Controller::Primitive(_) => {
             primitive::resume(cycle, id);
-            interruption::run_step_hook(cycle, id, |hooks| &hooks.on_resume);
+            interruption::run_step_hook(cycle, id, "on-resume", |hooks| &hooks.on_resume);
         }
         Controller::Planning(_) => {
-            interruption::run_hooks(cycle, id, |hooks| &hooks.on_resume);
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume);
             plan_adoption::pursue_arrived(cycle, id);
         }
         Controller::Procedure(_)
         | Controller::Items(_)
         | Controller::Question(_)
         | Controller::Handling(_)
-        | Controller::BuiltIn => interruption::run_hooks(cycle, id, |hooks| &hooks.on_resume),
+        | Controller::BuiltIn => interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume),
     }
     interruption::offer_children(cycle, id);
     cycle.work.priorities_changed = true;

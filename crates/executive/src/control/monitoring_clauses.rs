@@ -193,7 +193,12 @@ fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> O
                 .or(newest)
         }
         Evidence::Sample { at, .. } | Evidence::Run { end: at, .. } if *at == cycle.now => newest,
-        Evidence::Sample { .. } | Evidence::Run { .. } | Evidence::TaskEnd { .. } => None,
+        Evidence::Sample { .. }
+        | Evidence::Run { .. }
+        | Evidence::TaskState { .. }
+        | Evidence::TaskEnd { .. }
+        | Evidence::Instant { .. }
+        | Evidence::Absence { .. } => None,
     };
     satisfaction.evidence.iter().filter_map(arrival).max()
 }

@@ -3,7 +3,8 @@
 //! Runs: act phase, on answers and wakes, at interruptions.  Reads: Primitive.  Writes: PrimitiveController, wakes, commands.
 //! Bound: O(1) per call besides the evaluation of its forms.  PDL: section 5.  Paper: section III, primitive actions.
 
-use crate::control::{hooks, termination};
+use crate::control::hooks::{self, Wanted};
+use crate::control::termination;
 use crate::cycle::Cycle;
 use crate::expression::evaluate;
 use apex_model::because::{Because, Cause};
@@ -53,12 +54,12 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, primitive: &Primitive) -> Result<(),
             controller.locals.set(name.clone(), value);
         }
     }
-    let wants = hooks::run_forms(cycle, id, Level::Procedure, &primitive.hooks.on_start)?;
+    let wants = hooks::run_forms(cycle, id, Level::Procedure, "on-start", &primitive.hooks.on_start)?;
     if cycle.state(id) != TaskState::Ongoing {
         return Ok(());
     }
-    for (form, timeout) in wants.commands {
-        send(cycle, id, form, timeout);
+    for Wanted { form, timeout, because } in wants.commands {
+        send(cycle, id, form, timeout, because);
     }
     let duration = match &primitive.duration {
         Some(expr) => Some(span(cycle, id, expr)?),
@@ -129,7 +130,7 @@ fn run_clock(cycle: &mut Cycle<'_>, id: TaskId) {
 }
 
 /// Sends a command for the primitive; its answer is awaited.
-fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration>) {
+fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration>, because: Because) {
     let default = Duration(COMMAND_TIMEOUT_DEFAULT_S.saturating_mul(NANOSECONDS_PER_SECOND));
     let patience = timeout.unwrap_or(default);
     let command = CommandId(cycle.agent.next.command);
@@ -142,14 +143,14 @@ fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration
         state.commands.push(command);
         state.commanded = true;
     }
-    cycle.effects.push(Effect::Command { command, task: id, form });
+    cycle.effects.push(Effect::Command { command, task: id, form, because });
 }
 
 /// Completes the primitive: `on-completion`, then its value, then its end.
 pub(crate) fn complete(cycle: &mut Cycle<'_>, id: TaskId, cause: Cause, value: Option<Value>) {
     let Some(primitive) = template(cycle, id) else { return };
     let place = Some(primitive.place);
-    hooks::run_hook(cycle, id, Level::Procedure, &primitive.on_completion);
+    hooks::run_hook(cycle, id, Level::Procedure, "on-completion", &primitive.on_completion);
     let value = match &primitive.returns {
         Some(expr) => match value_of(cycle, id, expr) {
             Ok(value) => value,
@@ -176,12 +177,12 @@ pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
     state.update = None;
     let interval = state.update_interval.unwrap_or_default();
     let Some((_, forms)) = &primitive.update else { return };
-    let wants = match hooks::run_forms(cycle, id, Level::Procedure, forms) {
+    let wants = match hooks::run_forms(cycle, id, Level::Procedure, "update", forms) {
         Ok(wants) => wants,
         Err(because) => return termination::fail(cycle, id, because),
     };
-    for (form, timeout) in wants.commands {
-        send(cycle, id, form, timeout);
+    for Wanted { form, timeout, because } in wants.commands {
+        send(cycle, id, form, timeout, because);
     }
     if let Some(value) = wants.completed {
         return complete(cycle, id, Cause::CompletedByForm, Some(value));
@@ -196,27 +197,33 @@ pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// The vehicle answered a command.
 pub(crate) fn answered(cycle: &mut Cycle<'_>, command: CommandId, answer: &Result<Value, String>) {
-    let Some(open) = cycle.agent.commands.remove(&command) else {
+    if !cycle.agent.commands.contains_key(&command) {
         // A late answer to a withdrawn command says nothing new; one to a command never sent is strange.
         if command.0 >= cycle.agent.next.command {
-            cycle.trouble(None, format!("an answer came for command {}, which was never sent", command.0), None);
+            cycle.trouble_of(None, Cause::StrayAnswer { to: format!("command {}", command.0) }, None);
         }
         return;
-    };
+    }
+    let answer = answer.as_ref().map_err(|reason| Cause::CommandFailed { command, reason: reason.clone() });
+    settle(cycle, command, answer.cloned());
+}
+
+/// A command has its answer, or has failed.
+fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause>) {
+    let Some(open) = cycle.agent.commands.remove(&command) else { return };
     cycle.agent.wakes.cancel(open.timeout);
     let id = open.task;
     let Some(state) = controller(cycle, id) else { return };
     state.commands.retain(|each| *each != command);
     match answer {
         Ok(value) => {
-            state.answer = Some(value.clone());
+            state.answer = Some(value);
             if state.commands.is_empty() && state.duration.is_none() {
                 complete(cycle, id, Cause::CommandAcknowledged { command }, None);
             }
         }
-        Err(reason) => {
+        Err(cause) => {
             let place = template(cycle, id).map(|primitive| primitive.place);
-            let cause = Cause::CommandFailed { command, reason: reason.clone() };
             termination::fail(cycle, id, Because::new(cause, place));
         }
     }
@@ -225,9 +232,9 @@ pub(crate) fn answered(cycle: &mut Cycle<'_>, command: CommandId, answer: &Resul
 /// The time for an answer is over: the command has failed, and the vehicle should stop doing it.
 pub(crate) fn timed_out(cycle: &mut Cycle<'_>, command: CommandId) {
     let Some(open) = cycle.agent.commands.get(&command) else { return };
-    let reason = format!("no answer within {}", open.patience);
-    cycle.effects.push(Effect::WithdrawCommand { command, reason: reason.clone() });
-    answered(cycle, command, &Err(reason));
+    let patience = open.patience;
+    cycle.effects.push(Effect::WithdrawCommand { command, reason: format!("no answer within {patience}") });
+    settle(cycle, command, Err(Cause::CommandTimedOut { command, patience }));
 }
 
 /// Takes back the commands that have no answer yet. Returns their forms and timeouts.
@@ -265,7 +272,7 @@ pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
 /// Lets the primitive go on: its clock runs, `on-resume` runs, and commands are sent again unless it sent others.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(primitive) = template(cycle, id) else { return };
-    let wants = match hooks::run_forms(cycle, id, Level::Procedure, &primitive.hooks.on_resume) {
+    let wants = match hooks::run_forms(cycle, id, Level::Procedure, "on-resume", &primitive.hooks.on_resume) {
         Ok(wants) => wants,
         Err(because) => return termination::fail(cycle, id, because),
     };
@@ -279,11 +286,12 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
     }
     if wants.commands.is_empty() {
         for (form, patience) in again {
-            send(cycle, id, form, Some(patience));
+            let because = Because::new(Cause::SentAgain, Some(primitive.place));
+            send(cycle, id, form, Some(patience), because);
         }
     }
-    for (form, timeout) in wants.commands {
-        send(cycle, id, form, timeout);
+    for Wanted { form, timeout, because } in wants.commands {
+        send(cycle, id, form, timeout, because);
     }
     run_clock(cycle, id);
 }

@@ -24,7 +24,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Begins an instance of the procedure as the task's controller.
-pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, context: Bindings) {
+pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, context: Bindings, cause: Cause) {
     let Some(procedure) = cycle.agent.procedure(reference).cloned() else { return };
     if let ProcedureRef::Generated(number) = reference
         && let Some(generated) = cycle.agent.generated.get_mut(number)
@@ -44,12 +44,12 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
         task.controller = Some(Box::new(Controller::Procedure(controller)));
     }
     open_logs(cycle, id, &procedure);
-    hooks::run_hook(cycle, id, Level::Procedure, &procedure.hooks.on_start);
+    hooks::run_hook(cycle, id, Level::Procedure, "on-start", &procedure.hooks.on_start);
     if let Err(because) = interruption::watch_procedure(cycle, id, &procedure.transitions) {
         termination::fail(cycle, id, because);
         return;
     }
-    instantiate_steps(cycle, id, reference, &procedure);
+    instantiate_steps(cycle, id, reference, &procedure, cause);
 }
 
 fn open_logs(cycle: &mut Cycle<'_>, id: TaskId, procedure: &Procedure) {
@@ -90,7 +90,7 @@ fn state_variable(value: &Value) -> Option<StateVariable> {
 }
 
 /// Makes the tasks of all steps, then arms them: tags may stand in the conditions of earlier steps.
-fn instantiate_steps(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, procedure: &Procedure) {
+fn instantiate_steps(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, procedure: &Procedure, cause: Cause) {
     let index = cycle.agent.procedure_index(reference).cloned();
     let mut created = Vec::with_capacity(procedure.steps.len());
     for step in 0..procedure.steps.len() {
@@ -101,7 +101,7 @@ fn instantiate_steps(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef,
             bindings: Bindings::new(),
             by_predecessor: procedure.kind == ProcedureKind::Sequential && step > 0,
             after_sequence: None,
-            cause: Cause::ParentStarted { parent: id },
+            cause: cause.clone(),
         };
         let child = match instantiation::create(cycle, seed) {
             Ok(child) => child,
@@ -115,7 +115,7 @@ fn instantiate_steps(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef,
     for child in created {
         instantiation::arm(cycle, child);
     }
-    complete_when_done(cycle, id);
+    complete_when_done(cycle, id, None);
 }
 
 /// Makes `child` a child of the procedure that `parent` runs.
@@ -151,11 +151,11 @@ pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
         }
         instantiation::offer(cycle, next);
     }
-    complete_when_done(cycle, id);
+    complete_when_done(cycle, id, Some(child));
 }
 
 /// Ends the procedure when nothing is left that its end waits for; a repeatable plan begins again instead.
-fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId) {
+fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId, last: Option<TaskId>) {
     if !matches!(cycle.state(id), TaskState::Ongoing | TaskState::Interrupted) {
         return;
     }
@@ -173,7 +173,7 @@ fn complete_when_done(cycle: &mut Cycle<'_>, id: TaskId) {
     {
         return begin_again(cycle, id, reference, now);
     }
-    let because = Because::new(Cause::StepsEnded, cycle.place_of(id));
+    let because = Because::new(Cause::StepsEnded { last }, cycle.place_of(id));
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
 }
 
@@ -192,13 +192,14 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
         let cause = Cause::LimitReached { limit: "REPETITIONS_PER_INSTANT_MAX".into(), value };
         return termination::fail(cycle, id, Because::new(cause, Some(procedure.place)));
     }
-    let ended = Because::new(Cause::Repetition, Some(procedure.place));
+    let cause = Cause::PlanBegunAgain { parent: id };
+    let ended = Because::new(cause.clone(), Some(procedure.place));
     termination::end_children(cycle, id, &ended);
     if let Some(Controller::Procedure(controller)) = self::controller(cycle, id) {
         controller.children.clear();
         controller.current = vec![None; procedure.steps.len()];
     }
-    instantiate_steps(cycle, id, reference, &procedure);
+    instantiate_steps(cycle, id, reference, &procedure, cause);
 }
 
 /// Makes one child per item of a `forall`; an empty list is done at once.
@@ -216,7 +217,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
         if let Some(name) = &name {
             bindings.set(name.clone(), item.clone());
         }
-        let cause = Cause::ParentStarted { parent: id };
+        let cause = Cause::ItemOf { parent: id };
         let origin = Origin::Item(step_ref);
         let seed = Seed { parent: Some(id), origin, bindings, by_predecessor: false, after_sequence: None, cause };
         match instantiation::create(cycle, seed) {
@@ -236,7 +237,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
         instantiation::arm(cycle, child);
     }
     if items.is_empty() {
-        items_done(cycle, id, 0);
+        items_done(cycle, id, 0, None);
     }
 }
 
@@ -248,12 +249,12 @@ pub(crate) fn item_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let (open, items) = (controller.open, controller.items);
     cycle.agent.tasks.remove(child.0);
     if open == 0 {
-        items_done(cycle, id, items);
+        items_done(cycle, id, items, Some(child));
     }
 }
 
-fn items_done(cycle: &mut Cycle<'_>, id: TaskId, items: u64) {
-    let because = Because::new(Cause::ItemsEnded { items }, cycle.place_of(id));
+fn items_done(cycle: &mut Cycle<'_>, id: TaskId, items: u64, last: Option<TaskId>) {
+    let because = Because::new(Cause::ItemsEnded { items, last }, cycle.place_of(id));
     termination::end(cycle, id, Outcome::Success(Value::nil()), because);
 }
 

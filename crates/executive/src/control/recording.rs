@@ -7,6 +7,7 @@ use crate::control::{built_in, monitoring_clauses, primitive, repetition, termin
 use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
 use crate::monitoring;
+use apex_model::because::Cause;
 use apex_model::event::{Event, EventKind, StateVariable};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -63,7 +64,7 @@ fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at:
     let recording = monitoring::record_sample(&mut cycle.agent.histories, &cycle.library, variable, value, at, number);
     cycle.work.stimuli.extend(recording.stimulus);
     if let Some(message) = recording.trouble {
-        cycle.trouble(None, message, None);
+        cycle.trouble_of(None, Cause::InputRefused { message }, None);
     }
 }
 

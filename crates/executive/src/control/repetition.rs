@@ -124,7 +124,12 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, clause: &Repetition) {
             task.extras_mut().wake = Some(wake);
         }
     }
-    if skip { instantiation::offer(cycle, id) } else { instantiation::arm(cycle, id) }
+    if skip {
+        cycle.work.freed.insert(id, Cause::RepeatedEnabled);
+        instantiation::offer(cycle, id);
+    } else {
+        instantiation::arm(cycle, id);
+    }
 }
 
 fn span(cycle: &mut Cycle<'_>, id: TaskId, expr: &Expr) -> Option<Duration> {
@@ -144,6 +149,9 @@ pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.held_back.by_interval = false;
         task.extras_mut().wake = None;
+    }
+    if cycle.task(id).is_some_and(|task| task.held_back.is_free()) {
+        cycle.work.freed.insert(id, Cause::IntervalElapsed);
     }
     instantiation::offer(cycle, id);
 }
@@ -205,7 +213,7 @@ pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
         bindings: Bindings::new(),
         by_predecessor: false,
         after_sequence: answered,
-        cause: Cause::Repetition,
+        cause: Cause::Responding { answered: id },
     };
     let fresh = match instantiation::create(cycle, seed) {
         Ok(fresh) => fresh,

@@ -19,7 +19,7 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
         termination::fail(cycle, id, Because::new(cause, because.place));
         return;
     }
-    let cut = Because::new(Cause::AncestorChanged { ancestor: id }, because.place);
+    let cut = Because::new(Cause::ParentRestarted { parent: id }, because.place);
     termination::end_children(cycle, id, &cut);
     termination::dismantle(cycle, id, "its task starts over");
     resources::release(cycle, id, resources::Release::Unused);
@@ -37,5 +37,6 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
             extras.held.clear();
         }
     }
+    cycle.work.freed.insert(id, Cause::StartsOver);
     cycle.work.ready.push(id);
 }

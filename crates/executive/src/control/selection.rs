@@ -107,11 +107,11 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
     match goal {
         Ok(goal) => method_for(cycle, id, goal),
         Err(goal) => {
-            let way = match step.map(|step| activity_of(origin, step)) {
-                Some(Activity::BuiltIn(which, _)) => Way::BuiltIn(*which),
-                _ => Way::Terminate,
+            let (way, word) = match step.map(|step| activity_of(origin, step)) {
+                Some(Activity::BuiltIn(which, _)) => (Way::BuiltIn(*which), instantiation::built_in_word(*which)),
+                _ => (Way::Terminate, "terminate"),
             };
-            let cause = Cause::MostSpecific { candidates: 1 };
+            let cause = Cause::BuiltIn { activity: word.into() };
             Ok(Choice { goal, way, method: Method::BuiltIn, alternatives: Vec::new(), cause })
         }
     }
@@ -151,7 +151,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> 
         way: Way::Items(items.to_vec()),
         method: Method::BuiltIn,
         alternatives: Vec::new(),
-        cause: Cause::MostSpecific { candidates: 1 },
+        cause: Cause::ForAll { items: items.len() as u64 },
     })
 }
 

@@ -24,13 +24,13 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     monitoring_clauses::unwatch(cycle, id, |_, _| true);
     let (mut outcome, mut because) = (outcome, because);
     if let Outcome::Success(value) = &outcome
-        && let Err((message, place)) = binding::result(cycle, id, &value.clone())
+        && let Err(unfit) = binding::result(cycle, id, &value.clone())
     {
         outcome = Outcome::Failure;
-        because = Because::new(Cause::ExpressionFailed { message }, Some(place));
+        because = unfit;
     }
     if cycle.task(id).is_some_and(|task| task.started_at.is_some()) {
-        interruption::run_hooks(cycle, id, |hooks| &hooks.on_end);
+        interruption::run_hooks(cycle, id, "on-end", |hooks| &hooks.on_end);
     }
     if cycle.state(id) == TaskState::Terminated {
         return;
@@ -180,7 +180,7 @@ pub(crate) fn end_application(cycle: &mut Cycle<'_>, by: TaskId, reason: Option<
     let place = cycle.place_of(by);
     let root = cycle.agent.tasks.iter().next().map(|(_, task)| task.id);
     if let Some(root) = root {
-        end(cycle, root, Outcome::Cut, Because::new(Cause::ApplicationEnded, place));
+        end(cycle, root, Outcome::Cut, Because::new(Cause::ApplicationEnded { by }, place));
     }
     cycle.work.ended.clear();
     cycle.effects.push(Effect::EndApplication { reason: words });

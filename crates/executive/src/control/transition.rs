@@ -5,7 +5,7 @@
 
 use crate::cycle::Cycle;
 use crate::monitoring::Stimulus;
-use apex_model::because::Because;
+use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Duration;
@@ -85,8 +85,8 @@ pub(crate) fn transition(
     let from = task.state;
     let Ok(to) = successor(from, trigger) else {
         debug_assert!(false, "{id}: {trigger:?} in state {from}");
-        let message = format!("{id} is {from} and cannot take {trigger:?}: this is a fault of the executive");
-        cycle.trouble(Some(id), message, because.place);
+        let message = format!("{id} is {from} and cannot take {trigger:?}");
+        cycle.trouble_of(Some(id), Cause::ExecutiveFault { message }, because.place);
         return false;
     };
     let stretch = now - task.since;

@@ -24,7 +24,7 @@ use std::sync::Arc;
 pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &SolverReport) {
     let Some(id) = cycle.agent.requests.remove(&request) else {
         if request.0 >= cycle.agent.next.request {
-            cycle.trouble(None, format!("an answer came to solver request {}, which was never made", request.0), None);
+            cycle.trouble_of(None, Cause::StrayAnswer { to: format!("solver request {}", request.0) }, None);
         }
         return;
     };
@@ -75,7 +75,7 @@ pub(crate) fn pursue_arrived(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(Controller::Planning(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref())
         && let Some(reference) = controller.arrived
     {
-        procedure::start(cycle, id, reference, Bindings::new());
+        procedure::start(cycle, id, reference, Bindings::new(), Cause::PlanPursued { parent: id });
     }
 }
 

@@ -101,7 +101,7 @@ fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
         bindings: Bindings::new(),
         by_predecessor: false,
         after_sequence: None,
-        cause: Cause::NoProcedureMatched,
+        cause: Cause::Meanwhile { parent: id },
     };
     let Ok(child) = instantiation::create(cycle, seed) else { return };
     if let Some(Controller::Planning(controller)) =

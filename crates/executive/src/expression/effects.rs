@@ -11,9 +11,10 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
     let action = match (name, arguments) {
         ("inform", [form]) => Ok(Action::Inform(form.clone())),
         ("print", values) => strings::bounded(printed(values)).map(|_| Action::Print(printed(values))),
-        ("command", [form]) => Ok(Action::Command { form: form.clone(), timeout: None }),
+        ("command", [form]) => Ok(Action::Command { form: form.clone(), timeout: None, place }),
         ("command", [form, Value::Symbol(keyword), timeout]) if keyword.is(":timeout") => {
-            arithmetic::duration(timeout).map(|timeout| Action::Command { form: form.clone(), timeout: Some(timeout) })
+            let command = |timeout| Action::Command { form: form.clone(), timeout: Some(timeout), place };
+            arithmetic::duration(timeout).map(command)
         }
         ("publish", [form, value]) => state_variable(form).map(|variable| Action::Publish(variable, value.clone())),
         ("complete", []) => Ok(Action::Complete(Value::nil())),

@@ -271,7 +271,7 @@ impl<'a> Evaluator<'a> {
         }
         if surroundings.library().host_functions.get(function).is_some_and(|declared| declared.command) {
             let form = Value::list(std::iter::once(Value::Symbol(function.clone())).chain(arguments.iter().cloned()));
-            return effects::act(self, name, Action::Command { form, timeout: None }, place);
+            return effects::act(self, name, Action::Command { form, timeout: None, place }, place);
         }
         match surroundings.host().get(function) {
             Some(host) => host(arguments).map_err(|message| error(place, format!("({function} ..): {message}"))),

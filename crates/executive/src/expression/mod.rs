@@ -53,6 +53,8 @@ pub(crate) enum Action {
         form: Value,
         /// How long to wait for the answer; none is the default.
         timeout: Option<Duration>,
+        /// Where it stands.
+        place: Place,
     },
     /// `(publish (ATTR OBJ) value)`.
     Publish(StateVariable, Value),

@@ -335,7 +335,11 @@ fn hooks_collect_actions_and_conditions_may_not_act() {
         [
             Action::SetTaskVariable(Symbol::new("x"), Value::Integer(6)),
             Action::Print("x is 6".into()),
-            Action::Command { form: Value::list([Value::symbol("fly-to"), Value::Integer(1)]), timeout: None },
+            Action::Command {
+                form: Value::list([Value::symbol("fly-to"), Value::Integer(1)]),
+                timeout: None,
+                place: Place::default()
+            },
             Action::Publish(StateVariable::new(Symbol::new("altitude"), Value::symbol("uav")), Value::Integer(4)),
             Action::Complete(Value::symbol("done")),
         ]

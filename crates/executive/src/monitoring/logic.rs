@@ -7,7 +7,7 @@
 //! PDL: `:and`, `:or`, `:not`, `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
-use super::time_conditions::delays;
+use super::time_conditions::{Kind, delays};
 use super::{Asking, Truth, episode, measurement, task_state, time_conditions};
 use crate::expression::{WithBindings, evaluate};
 use apex_model::because::Evidence;
@@ -67,9 +67,12 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
         PartKind::Event(leaf) => leaf.settled.clone(),
         PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
         PartKind::TaskState(leaf) => leaf.settled.clone(),
-        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => time_conditions::result(leaf).into_iter().collect(),
+        PartKind::Timestamp(leaf) => {
+            time_conditions::result(leaf, Kind::Timestamp, site.window.start).into_iter().collect()
+        }
+        PartKind::Delay(leaf) => time_conditions::result(leaf, Kind::Delay, site.window.start).into_iter().collect(),
         PartKind::Not(inner) => match truth(inner, asking) {
-            Truth::False => vec![nothing_until(asking.now)],
+            Truth::False => vec![nothing_until(inner, asking.now)],
             Truth::True | Truth::Unknown => Vec::new(),
         },
         PartKind::And(composite) => Combination::new(part, composite, false).run(asking),
@@ -85,8 +88,13 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
     results
 }
 
-fn nothing_until(now: Time) -> Satisfaction {
-    Satisfaction { interval: (now, now), recognised_at: now, bindings: Bindings::new(), evidence: Vec::new() }
+fn nothing_until(inner: &Part, now: Time) -> Satisfaction {
+    let evidence = vec![absence(inner, now)];
+    Satisfaction { interval: (now, now), recognised_at: now, bindings: Bindings::new(), evidence }
+}
+
+fn absence(inner: &Part, at: Time) -> Evidence {
+    Evidence::Absence { what: super::unmet::text(inner), at }
 }
 
 fn alternatives(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
@@ -157,6 +165,7 @@ impl<'a> Combination<'a> {
     fn run(mut self, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
         let mut steps = Vec::new();
         let mut nots = Vec::new();
+        let mut absent = Vec::new();
         let mut delay = None;
         for part in &self.composite.parts {
             match &part.kind {
@@ -167,9 +176,15 @@ impl<'a> Combination<'a> {
                         return Vec::new();
                     }
                 },
-                PartKind::Not(inner) if !self.ordered && self.composite.combines => nots.push(results(inner, asking)),
+                PartKind::Not(inner) if !self.ordered && self.composite.combines => {
+                    absent.push(absence(inner, asking.now));
+                    nots.push(results(inner, asking));
+                }
                 PartKind::Not(inner) if !self.ordered => match truth(inner, asking) {
-                    Truth::False => nots.push(Vec::new()),
+                    Truth::False => {
+                        absent.push(absence(inner, asking.now));
+                        nots.push(Vec::new());
+                    }
                     Truth::True | Truth::Unknown => return Vec::new(),
                 },
                 _ => steps.push(Step { results: results(part, asking), delay: delay.take() }),
@@ -180,7 +195,7 @@ impl<'a> Combination<'a> {
             end: self.part.window.start,
             recognised_at: self.part.window.start,
             bindings: Bindings::new(),
-            evidence: Vec::new(),
+            evidence: absent,
         };
         self.extend(&steps, &nots, delay, start, asking);
         self.found.sort_by_key(|result| result.recognised_at);
@@ -258,6 +273,7 @@ impl<'a> Combination<'a> {
                 asking.wake_at(over);
                 return;
             }
+            partial.evidence.push(Evidence::Instant { since: Some(partial.end), at: over });
         }
         if self.found.len() < MONITOR_RESULTS_MAX {
             let Partial { recognised_at, bindings, evidence, .. } = partial;

@@ -96,7 +96,7 @@ fn note(
     let (mut bindings, value) = (Bindings::new(), Value::symbol(word));
     match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
         Ok(true) => {
-            let evidence = vec![Evidence::Sample { variable: format!("(state {task})"), value, at }];
+            let evidence = vec![Evidence::TaskState { task, state: value, at }];
             remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
         }
         Ok(false) => {}

@@ -10,6 +10,7 @@
 use super::Site;
 use crate::expression::arithmetic::{duration, instant};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::expression::Expr;
 use apex_model::monitor::{Satisfaction, TimePart};
@@ -80,9 +81,11 @@ pub(super) fn delays(
 }
 
 /// The result, once the instant was reached.
-pub(super) fn result(part: &TimePart) -> Option<Satisfaction> {
+pub(super) fn result(part: &TimePart, kind: Kind, start: Time) -> Option<Satisfaction> {
     let at = part.reached?;
-    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence: Vec::new() })
+    let since = matches!(kind, Kind::Delay).then_some(start);
+    let evidence = vec![Evidence::Instant { since, at }];
+    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
 /// When the instant comes.

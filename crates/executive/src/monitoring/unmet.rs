@@ -61,7 +61,7 @@ fn several(part: &Part, composite: &Composite, asking: &mut Asking<'_>, list: &m
 }
 
 /// The PDL text of a part.
-fn text(part: &Part) -> String {
+pub(super) fn text(part: &Part) -> String {
     let several = |name: &str, composite: &Composite| {
         format!("({name} {})", composite.parts.iter().map(text).collect::<Vec<_>>().join(" "))
     };

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the latest that it reads.
-pub const SCHEMA_VERSION: i64 = 1;
+pub const SCHEMA_VERSION: i64 = 2;
 
 /// How long to wait for another program that holds the file.
 const BUSY_PATIENCE: Duration = Duration::from_secs(2);
@@ -148,6 +148,9 @@ pub(super) fn open(path: &Path) -> Result<Connection, RecordError> {
     }
     if found < 1 {
         return Err(RecordError::NotARecord { path: path.to_path_buf(), found: "it is empty".into() });
+    }
+    if found < SCHEMA_VERSION {
+        return Err(RecordError::Older { path: path.to_path_buf(), found, known: SCHEMA_VERSION });
     }
     Ok(connection)
 }

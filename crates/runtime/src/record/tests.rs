@@ -109,7 +109,7 @@ fn effect_rows_say_what_the_reference_promises() {
         "transition|3|enabled|ongoing||(power-up camera-1)|it was granted camera-1|camera.pdl:4:3",
         "procedure-added|1||||3 targets, value 12|two-opt answered request 1|",
         "refused|1||||flight-path|T3 outranks it on flight-path (priority 7 > 3 + interrupt cost 0.1)|camera.pdl:7:3",
-        "command|3||||(switch camera-1)|command 1|",
+        "command|3||||(switch camera-1)|command 1|camera.pdl:8:3",
         "inform|3||||(powering camera-1)||",
         "print|3|||||two\nlines|",
         "withdraw|||||command 2|its task ended|",
@@ -118,7 +118,7 @@ fn effect_rows_say_what_the_reference_promises() {
         "trouble|||||division by zero|an expression failed: division by zero|",
         "transition|3|ongoing|terminated|success|(power-up camera-1)|command 1 failed: icing|camera.pdl:4:3",
         "transition|3|terminated|pending||(power-up camera-1)|its step repeats|camera.pdl:4:3",
-        "transition|1|enabled|terminated|success|(fly mission)|all of its steps have ended|camera.pdl:4:3",
+        "transition|1|enabled|terminated|success|(fly mission)|all of its steps have ended, T3 as the last|camera.pdl:4:3",
         "end-application||||||the root task ended|",
     ];
     assert_eq!(rows, expected);

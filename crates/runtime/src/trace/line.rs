@@ -1,6 +1,6 @@
 //! One line of a trace. Keys and words are an interface: programs read them.
 
-use crate::narrator::{Narrator, Told};
+use crate::narrator::{Narrator, Told, cause_text};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Event, EventKind, SolverReport};
 use apex_model::task::{TaskId, TaskState};
@@ -119,7 +119,8 @@ impl Line {
                 line.cause.clone_from(&told.text);
                 line.decided(&decision.kind, told, narrator);
             }
-            Effect::Command { command, .. } => {
+            Effect::Command { command, because, .. } => {
+                line.cause = cause_text(because);
                 line.words = format!("command {} {}", command.0, told.subject);
                 line.field("command", command.0.to_string()).text_field("form", &told.subject);
             }

@@ -1,0 +1,296 @@
+//! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test holds the two together.
+
+use crate::because::{ConflictRule, Share, Strength};
+use crate::effect::{CommandId, QuestionId, SolveRequestId};
+use crate::symbol::Symbol;
+use crate::task::TaskId;
+use crate::time::Duration;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Causes of decisions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Cause {
+    /// The agent started with this goal.
+    InitialTask,
+    /// The parent became ongoing, and its procedure has this step.
+    ParentStarted {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// The parent's plan arrived while the parent was ongoing, and has this step.
+    PlanPursued {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// The parent's plan is a cycle, and begins again.
+    PlanBegunAgain {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// The parent's `forall` has this item.
+    ItemOf {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// This is done while the parent's plan is awaited.
+    Meanwhile {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// This is the `on-failure` of a task that failed.
+    HandlesFailure {
+        /// The task that failed.
+        of: TaskId,
+    },
+    /// A `responding` step answered an event, and waits for the next one with a new task.
+    Responding {
+        /// The task that answers the event.
+        answered: TaskId,
+    },
+    /// The step repeats: its task ended, and is pending again.
+    Repetition,
+    /// There is nothing to wait for.
+    NoPreconditions,
+    /// The preconditions hold.
+    PreconditionsSatisfied,
+    /// The step before it in a sequence ended.
+    PredecessorEnded {
+        /// That step's task.
+        predecessor: TaskId,
+    },
+    /// The result of another step, which it uses, is there.
+    ResultArrived {
+        /// The variable, without `?`.
+        variable: Symbol,
+    },
+    /// Its `:with-min-interval` is over.
+    IntervalElapsed,
+    /// It was made to start over, and its preconditions held already.
+    StartsOver,
+    /// It repeats with `:enabled`: its preconditions are not asked again.
+    RepeatedEnabled,
+    /// A clause's condition holds (`end-when`, `restart-when`, `suspend-when`, ..).
+    ConditionSatisfied {
+        /// The clause's name.
+        clause: String,
+    },
+    /// All resources were granted, or none is needed.
+    ResourcesGranted {
+        /// What it got.
+        resources: Vec<Share>,
+    },
+    /// A conflict over a resource was lost.
+    Outranked {
+        /// The winner.
+        by: TaskId,
+        /// The resource.
+        resource: Value,
+        /// The rule that decided.
+        rule: ConflictRule,
+        /// What the winner brought.
+        winner: Strength,
+        /// What the loser brought.
+        loser: Strength,
+    },
+    /// The resource can never give what is needed: it has less, or less of it is left.
+    ResourceExhausted {
+        /// The resource.
+        resource: Value,
+        /// The amount needed, with its unit.
+        needed: Value,
+        /// What there is, with its unit.
+        left: Value,
+    },
+    /// An ancestor was suspended with everything below it.
+    AncestorSuspended {
+        /// The ancestor.
+        ancestor: TaskId,
+    },
+    /// The suspension of an ancestor was lifted.
+    AncestorResumed {
+        /// The ancestor.
+        ancestor: TaskId,
+    },
+    /// A built-in activity of another task did it: `terminate`, `suspend`, `resume`, `reset`.
+    Activity {
+        /// The task that did it.
+        by: TaskId,
+        /// The activity's name.
+        activity: String,
+    },
+    /// All steps have ended.
+    StepsEnded {
+        /// The last that ended; none when there are no steps.
+        last: Option<TaskId>,
+    },
+    /// All tasks made by `forall` have ended, or the list was empty.
+    ItemsEnded {
+        /// How many items.
+        items: u64,
+        /// The last that ended; none when the list was empty.
+        last: Option<TaskId>,
+    },
+    /// A built-in activity is done as soon as it begins.
+    BuiltInDone {
+        /// The activity's name.
+        activity: String,
+    },
+    /// A primitive with nothing to wait for was complete at once.
+    CompletedAtOnce,
+    /// A primitive's `(complete)` form.
+    CompletedByForm,
+    /// A primitive's duration is over.
+    DurationElapsed {
+        /// The time worked, without suspensions.
+        duration: Duration,
+    },
+    /// The vehicle acknowledged the command.
+    CommandAcknowledged {
+        /// The command.
+        command: CommandId,
+    },
+    /// The vehicle refused the command, or failed to do it.
+    CommandFailed {
+        /// The command.
+        command: CommandId,
+        /// The vehicle's reason.
+        reason: String,
+    },
+    /// The vehicle did not answer the command in time.
+    CommandTimedOut {
+        /// The command.
+        command: CommandId,
+        /// How long its answer was waited for.
+        patience: Duration,
+    },
+    /// The parent ended.
+    ParentEnded {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// The parent starts over.
+    ParentRestarted {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// The parent failed, and its `on-failure` takes the place of what it was doing.
+    ParentFailed {
+        /// The parent.
+        parent: TaskId,
+    },
+    /// A child failed and nothing handles it.
+    ChildFailed {
+        /// The child.
+        child: TaskId,
+    },
+    /// The failure of this task is handled by another one, which is its work now.
+    FailureHandled {
+        /// The task that handles it.
+        by: TaskId,
+    },
+    /// The task that handled the failure of this one ended, and this one ends likewise.
+    HandlerEnded {
+        /// The task that handled it.
+        handler: TaskId,
+    },
+    /// The most specific match.
+    MostSpecific {
+        /// How many matched.
+        candidates: u64,
+    },
+    /// The activity is built in: there is nothing to choose.
+    BuiltIn {
+        /// The activity's name.
+        activity: String,
+    },
+    /// The step has a `forall`: its work is one task for each item.
+    ForAll {
+        /// How many items.
+        items: u64,
+    },
+    /// No procedure or primitive matched, and a solver serves the goal.
+    NoProcedureMatched,
+    /// A solver's plan arrived.
+    PlanArrived {
+        /// The request.
+        request: SolveRequestId,
+        /// The solver.
+        solver: Symbol,
+    },
+    /// Nothing in the library and no solver serves the goal.
+    NoMethod {
+        /// The goal.
+        goal: Value,
+    },
+    /// A solver failed to plan for the goal.
+    SolverFailed {
+        /// The request.
+        request: SolveRequestId,
+        /// The solver's reason.
+        reason: String,
+    },
+    /// A `waitfor`, `select`, `=>` or `setq` bound a variable.
+    Binding {
+        /// The clause's name.
+        clause: String,
+    },
+    /// A form of this clause sent the command.
+    FormRan {
+        /// `on-start`, `update`, `on-resume`, ..
+        clause: String,
+    },
+    /// The command was taken back at an interruption, and is sent again.
+    SentAgain,
+    /// An expression could not be evaluated.
+    ExpressionFailed {
+        /// What went wrong.
+        message: String,
+    },
+    /// A step's value does not fit the pattern after `=>`.
+    ResultDoesNotFit {
+        /// The value.
+        value: Value,
+    },
+    /// A sample or a message could not be recorded as it came.
+    InputRefused {
+        /// What is wrong with it.
+        message: String,
+    },
+    /// An answer came to something that was never asked.
+    StrayAnswer {
+        /// `command 7`, `solver request 2`, `question 1`.
+        to: String,
+    },
+    /// A limit of the executive was reached.
+    LimitReached {
+        /// The limit's name in `limits.rs`.
+        limit: String,
+        /// Its value.
+        value: u64,
+    },
+    /// The operator answered.
+    OperatorAnswered {
+        /// The question.
+        question: QuestionId,
+        /// The answer.
+        answer: Value,
+    },
+    /// The operator's time was over, and the default was taken.
+    OperatorSilent {
+        /// The question.
+        question: QuestionId,
+        /// The default.
+        default: Value,
+    },
+    /// `(end-application)`.
+    ApplicationEnded {
+        /// The task that said it.
+        by: TaskId,
+    },
+    /// The executive contradicts itself: a bug of Apex, never of a program.
+    ExecutiveFault {
+        /// What happened.
+        message: String,
+    },
+}

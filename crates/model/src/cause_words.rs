@@ -1,0 +1,129 @@
+//! Causes in words, and the name of each kind: made here and nowhere else, so that the trace, `apex why`, Sherpa and
+//! Python say the same.
+
+use crate::because::{ConflictRule, Share, Strength};
+use crate::cause::Cause;
+use crate::task::TaskId;
+use crate::value::Value;
+
+impl Cause {
+    /// The name of its kind, for programs: `resources-granted`.
+    pub fn kind(&self) -> String {
+        let debug = format!("{self:?}");
+        let mut kind = String::new();
+        for character in debug.chars().take_while(char::is_ascii_alphanumeric) {
+            if character.is_ascii_uppercase() && !kind.is_empty() {
+                kind.push('-');
+            }
+            kind.push(character.to_ascii_lowercase());
+        }
+        kind
+    }
+
+    /// The cause in words, after "because".
+    pub fn text(&self) -> String {
+        match self {
+            Cause::InitialTask => "it is the agent's initial task".into(),
+            Cause::ParentStarted { parent } => format!("{parent} started and has this step"),
+            Cause::PlanPursued { parent } => format!("{parent} pursues the plan that arrived, which has this step"),
+            Cause::PlanBegunAgain { parent } => format!("the plan of {parent} is a cycle and begins again"),
+            Cause::ItemOf { parent } => format!("{parent} started and has this item in its forall"),
+            Cause::Meanwhile { parent } => format!("this is done while {parent} waits for its plan"),
+            Cause::HandlesFailure { of } => format!("{of} failed and this is its on-failure"),
+            Cause::Responding { answered } => {
+                format!("{answered} answers the event before, and this waits for the next")
+            }
+            Cause::Repetition => "its step repeats".into(),
+            Cause::NoPreconditions => "there is nothing to wait for".into(),
+            Cause::PreconditionsSatisfied => "its preconditions hold".into(),
+            Cause::PredecessorEnded { predecessor } => format!("{predecessor}, the step before it, ended"),
+            Cause::ResultArrived { variable } => format!("the value of ?{variable} is there"),
+            Cause::IntervalElapsed => "its least interval is over".into(),
+            Cause::StartsOver => "it starts over, and its preconditions held before".into(),
+            Cause::RepeatedEnabled => "it repeats :enabled".into(),
+            Cause::ConditionSatisfied { clause } => format!("the condition of {clause} holds"),
+            Cause::ResourcesGranted { resources } => granted_text(resources),
+            Cause::Outranked { by, resource, rule, winner, loser } => {
+                outranked_text(*by, resource, *rule, *winner, *loser)
+            }
+            Cause::ResourceExhausted { resource, needed, left } => {
+                format!("{resource} can never give the {needed} that it needs: there is {left}")
+            }
+            Cause::AncestorSuspended { ancestor } => format!("{ancestor} above it was suspended"),
+            Cause::AncestorResumed { ancestor } => format!("{ancestor} above it was resumed"),
+            Cause::Activity { by, activity } => format!("{by} did ({activity})"),
+            Cause::StepsEnded { last: Some(last) } => format!("all of its steps have ended, {last} as the last"),
+            Cause::StepsEnded { last: None } => "it has no steps".into(),
+            Cause::BuiltInDone { activity } => format!("({activity} ..) is done at once"),
+            Cause::CompletedAtOnce => "its primitive takes no time".into(),
+            Cause::CompletedByForm => "its primitive said (complete)".into(),
+            Cause::DurationElapsed { duration } => format!("its duration of {duration} is over"),
+            _ => self.text_of_the_rest(),
+        }
+    }
+
+    /// Ends from outside, choices, bindings, troubles.
+    fn text_of_the_rest(&self) -> String {
+        match self {
+            Cause::ItemsEnded { items, last } => items_text(*items, *last),
+            Cause::CommandAcknowledged { command } => format!("the vehicle finished command {}", command.0),
+            Cause::CommandFailed { command, reason } => format!("command {} failed: {reason}", command.0),
+            Cause::CommandTimedOut { command, patience } => {
+                format!("command {} failed: no answer within {patience}", command.0)
+            }
+            Cause::ParentEnded { parent } => format!("{parent} above it ended"),
+            Cause::ParentRestarted { parent } => format!("{parent} above it starts over"),
+            Cause::ParentFailed { parent } => format!("{parent} above it failed, and its on-failure takes over"),
+            Cause::ChildFailed { child } => format!("its subtask {child} failed and nothing handles that"),
+            Cause::FailureHandled { by } => format!("{by} handles its failure"),
+            Cause::HandlerEnded { handler } => format!("{handler} handled its failure and ended"),
+            Cause::MostSpecific { candidates: 1 } => "it is the only match".into(),
+            Cause::MostSpecific { candidates } => format!("it is the most specific of {candidates} matches"),
+            Cause::BuiltIn { activity } => format!("({activity} ..) is built in"),
+            Cause::ForAll { items } => format!("its forall has {items} items"),
+            Cause::NoProcedureMatched => "no procedure or primitive matches, and a solver serves the goal".into(),
+            Cause::PlanArrived { request, solver } => format!("{solver} answered request {}", request.0),
+            Cause::NoMethod { goal } => format!("no procedure, primitive or solver serves {goal}"),
+            Cause::SolverFailed { request, reason } => format!("solver request {} failed: {reason}", request.0),
+            Cause::Binding { clause } => format!("{clause} gave it"),
+            Cause::FormRan { clause } => format!("a form of its {clause} said so"),
+            Cause::SentAgain => "it was taken back at the interruption, and the task goes on".into(),
+            Cause::ExpressionFailed { message } => format!("an expression failed: {message}"),
+            Cause::ResultDoesNotFit { value } => format!("the result {value} does not fit the pattern after =>"),
+            Cause::InputRefused { message } => message.clone(),
+            Cause::StrayAnswer { to } => format!("an answer came to {to}, which was never asked"),
+            Cause::LimitReached { limit, value } => format!("the limit {limit} = {value} was reached"),
+            Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),
+            Cause::OperatorSilent { default, .. } => format!("the operator's time is over and {default} is taken"),
+            Cause::ApplicationEnded { by } => format!("{by} ended the application"),
+            Cause::ExecutiveFault { message } => format!("{message}: this is a fault of the executive"),
+            // The others have their words above.
+            _ => String::new(),
+        }
+    }
+}
+
+fn granted_text(shares: &[Share]) -> String {
+    match shares {
+        [] => "it needs no resources".into(),
+        some => format!("it was granted {}", some.iter().map(Share::text).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+fn items_text(items: u64, last: Option<TaskId>) -> String {
+    match last {
+        None => "its forall list is empty".into(),
+        Some(last) => format!("all {items} items of its forall have ended, {last} as the last"),
+    }
+}
+
+fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Strength, loser: Strength) -> String {
+    match rule {
+        ConflictRule::Rank => format!("{by} comes first on {resource} (rank {winner} before {loser})"),
+        ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),
+        ConflictRule::Incumbent => format!("{by} holds {resource} and defends it (priority {winner} against {loser})"),
+        ConflictRule::WrittenOrder => format!("{by} is written first and takes {resource} (both priority {winner})"),
+        ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
+        ConflictRule::Capacity => format!("not enough of {resource} is left, {by} has it"),
+    }
+}
