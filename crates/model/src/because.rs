@@ -110,6 +110,36 @@ pub enum ConflictRule {
     Capacity,
 }
 
+/// What a task brings to a conflict: its priority (or rank), and its interrupt cost where it defends what it holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Strength {
+    /// Priority, or rank where ranks decide.
+    pub priority: f64,
+    /// Interrupt cost; 0 for who does not hold the resource, and where ranks decide.
+    pub interrupt_cost: f64,
+}
+
+impl Strength {
+    /// Of a task that claims.
+    pub fn claiming(priority: f64) -> Strength {
+        Strength { priority, interrupt_cost: 0.0 }
+    }
+
+    /// What is compared.
+    pub fn total(self) -> f64 {
+        self.priority + self.interrupt_cost
+    }
+}
+
+impl std::fmt::Display for Strength {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.interrupt_cost {
+            0.0 => write!(f, "{}", self.priority),
+            cost => write!(f, "{} + interrupt cost {cost}", self.priority),
+        }
+    }
+}
+
 impl Because {
     /// A cause with a place and no evidence.
     pub fn new(cause: Cause, place: Option<Place>) -> Because {
