@@ -8,5 +8,6 @@ pub mod diff;
 pub mod page;
 pub mod projection;
 pub mod question;
+pub mod reasons;
 pub mod scenario;
 pub mod verdict;

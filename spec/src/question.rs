@@ -19,7 +19,7 @@ pub fn answer(scenario: &Scenario, question: &str) -> Result<String, String> {
     let told = |error: apex_runtime::error::RecordError| error.to_string();
     let mut recorder = Recorder::create(&path, &program.0, RecordOptions::default()).map_err(told)?;
     recorder.program(&program.0).map_err(told)?;
-    let end = scenario::run_observed(scenario, &program, &mut recorder)?.map_err(|error| error.to_string())?;
+    let end = scenario::run_observed(scenario, &program, &mut [&mut recorder])?.map_err(|error| error.to_string())?;
     recorder.finish(end.at, &end.reason.text()).map_err(told)?;
     let reader = RecordReader::open(&path).map_err(told)?;
     let why = explain::why(&reader, task.trim(), at, &|_| Ok(program.clone())).map_err(told)?;

@@ -1,6 +1,7 @@
 //! One program with its inputs, checked and run without a vehicle.
 
 use crate::projection::Teller;
+use crate::reasons::Asker;
 use apex_executive::load;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::Place;
@@ -35,14 +36,19 @@ pub struct Scenario {
 /// The run of the scenario with everything it told.
 ///
 /// # Errors
-/// The checker's messages, a bad input line or a bad option. A run that breaks tells so in its last line.
+/// The checker's messages, a bad input line or a bad option; a task that could not say what it waited for. A run that
+/// breaks tells so in its last line.
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     let (_, kinds) = read_options(&scenario.options)?;
     let mut teller = Teller::new(&kinds)?;
-    let line = match run_observed(scenario, &program(&scenario.pdl)?, &mut teller)? {
+    let mut asker = Asker::default();
+    let line = match run_observed(scenario, &program(&scenario.pdl)?, &mut [&mut teller, &mut asker])? {
         Ok(end) => last_line(&end),
         Err(error) => format!("error: {error}"),
     };
+    if !asker.missing().is_empty() {
+        return Err(format!("a task cannot say what it waits for:\n    {}", asker.missing().join("\n    ")));
+    }
     teller.tell(line);
     Ok(teller)
 }
@@ -60,14 +66,14 @@ pub fn program(pdl: &str) -> Result<Program, String> {
     Ok((Arc::new(checked.library), declaration, apex_geo::functions::host_functions()))
 }
 
-/// Runs `program` with the scenario's inputs and options; `observer` sees everything. Within: how the run ended.
+/// Runs `program` with the scenario's inputs and options; `observers` see everything. Within: how the run ended.
 ///
 /// # Errors
 /// A bad input line or a bad option, or an agent that cannot be made.
 pub fn run_observed(
     scenario: &Scenario,
     program: &Program,
-    observer: &mut dyn Observer,
+    observers: &mut [&mut dyn Observer],
 ) -> Result<Result<RunEnd, RunError>, String> {
     let (until, _) = read_options(&scenario.options)?;
     let inputs =
@@ -76,7 +82,7 @@ pub fn run_observed(
     let (library, declaration, host) = program.clone();
     let mut agent = load(library, &declaration, host)?;
     let options = FlyOptions { until, inputs, ..FlyOptions::default() };
-    Ok(apex_runtime::program::run(&mut agent, &mut [observer], options))
+    Ok(apex_runtime::program::run(&mut agent, observers, options))
 }
 
 /// Checks a page's program; shipped libraries are found.

@@ -1,0 +1,113 @@
+//! Whoever waits must be able to say for what: asked of every task after every step of every run.
+//!
+//! The list of reasons is compared with what the agent's own state says holds the task back, so that a list that is
+//! there but not complete is found too.
+
+use apex_executive::explanation::{Reason, ReasonKind, waiting};
+use apex_model::agent::Agent;
+use apex_model::effect::Effect;
+use apex_model::event::Batch;
+use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::time::Time;
+use apex_runtime::ports::Observer;
+
+/// Asks every living task what it waits for; keeps the answers that are empty or not complete.
+#[derive(Debug, Default)]
+pub struct Asker {
+    missing: Vec<String>,
+}
+
+impl Asker {
+    /// What was missing, one line a task and instant.
+    pub fn missing(&self) -> &[String] {
+        &self.missing
+    }
+
+    fn ask(&mut self, agent: &Agent, task: &Task, now: Time) {
+        let reasons = waiting(agent, task.id);
+        let mut miss = |what: String| {
+            let name = agent.tag(task);
+            self.missing.push(format!("{now} {} ({name}) is {}: {what}", task.id, task.state));
+        };
+        if reasons.is_empty() {
+            miss("it does not say what it waits for".into());
+        }
+        if let Some(mute) = reasons.iter().find(|reason| reason.text.trim().is_empty()) {
+            miss(format!("a reason of kind {:?} has no words", mute.kind));
+        }
+        for kind in expected(agent, task) {
+            if !reasons.iter().any(|reason| reason.kind == kind) {
+                miss(format!("no reason of kind {kind:?} among {}", told(&reasons)));
+            }
+        }
+    }
+}
+
+fn told(reasons: &[Reason]) -> String {
+    let words: Vec<String> = reasons.iter().map(|reason| format!("`{}`", reason.text)).collect();
+    if words.is_empty() { "none".into() } else { words.join(", ") }
+}
+
+/// The kinds of reasons that the task's own state calls for.
+fn expected(agent: &Agent, task: &Task) -> Vec<ReasonKind> {
+    let mut kinds = Vec::new();
+    match task.state {
+        TaskState::Pending => {
+            let held = &task.held_back;
+            let flags = [
+                (held.by_predecessor, ReasonKind::Predecessor),
+                (held.by_result, ReasonKind::Result),
+                (held.by_condition, ReasonKind::Condition),
+                (held.by_interval, ReasonKind::Time),
+            ];
+            kinds.extend(flags.into_iter().filter(|(holds, _)| *holds).map(|(_, kind)| kind));
+        }
+        TaskState::Enabled | TaskState::Interrupted => {
+            let needs = task.selection.iter().flat_map(|selection| &selection.needs);
+            let taken = needs.filter_map(|need| agent.resources.get(need.resource)).any(|resource| {
+                let used: f64 = resource.holders.iter().map(|holding| holding.amount).sum();
+                used >= resource.total && resource.holders.iter().all(|holding| !is_family(agent, holding.task, task))
+            });
+            if taken {
+                kinds.push(ReasonKind::Resource);
+            }
+        }
+        TaskState::Ongoing | TaskState::Terminated => {}
+    }
+    if task.suspended {
+        kinds.push(ReasonKind::Suspended);
+    }
+    kinds
+}
+
+/// Is the holder an ancestor of the task, or the other way round? They share what they hold.
+fn is_family(agent: &Agent, holder: TaskId, task: &Task) -> bool {
+    is_above(agent, holder, task.id) || is_above(agent, task.id, holder)
+}
+
+fn is_above(agent: &Agent, upper: TaskId, lower: TaskId) -> bool {
+    let mut next = Some(lower);
+    while let Some(id) = next {
+        if id == upper {
+            return true;
+        }
+        next = agent.task(id).and_then(|task| task.parent);
+    }
+    false
+}
+
+impl Observer for Asker {
+    fn observe(&mut self, _: &Batch, _: &[Effect]) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
+        if agent.is_finished() {
+            return Ok(());
+        }
+        for (_, task) in agent.tasks.iter().filter(|(_, task)| !task.is_terminated()) {
+            self.ask(agent, task, now);
+        }
+        Ok(())
+    }
+}
