@@ -3,6 +3,7 @@
 //! [`load`] makes an agent, [`step`] advances it. Nothing else changes an agent; [`explanation`] reads it.
 //! The executive knows no syntax, no clock, no I/O and no randomness: the same inputs give the same effects.
 
+mod constants;
 mod control;
 mod cycle;
 mod deliberation;
@@ -25,7 +26,8 @@ use std::sync::Arc;
 /// Makes the agent described by `declaration`. Its root task is created by the first [`step`].
 ///
 /// # Errors
-/// A message for people when the library cannot be executed: it declares a host function that the host did not register.
+/// A message for people when the library cannot be executed: it declares a host function that the host did not register,
+/// or a constant that cannot be computed.
 pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFunctions) -> Result<Agent, String> {
     for (name, function) in &library.host_functions {
         if !function.command && host.get(name).is_none() {
@@ -43,5 +45,6 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
     };
     monitoring::prepare(&mut agent.histories, &library);
     agent.attach(library, host);
+    constants::compute(&mut agent)?;
     Ok(agent)
 }

@@ -33,6 +33,8 @@ pub enum ExprKind {
     Local(Symbol),
     /// `+name+`, stored without the plus signs; evaluated anew at each use.
     Indexical(Symbol),
+    /// A `defconstant` whose value is computed, by its name as written; literal ones are a [`ExprKind::Constant`].
+    Named(Symbol),
     /// A call of a built-in, `defun` or host function.
     Call {
         /// The function's name.
@@ -61,8 +63,8 @@ pub enum ExprKind {
     },
     /// `(lambda (parameter..) body..)`.
     Lambda {
-        /// Parameter names.
-        parameters: Vec<Symbol>,
+        /// The parameters.
+        parameters: Parameters,
         /// The body.
         body: Vec<Expr>,
     },
@@ -83,6 +85,40 @@ pub enum ExprKind {
     Template(Box<Template>),
 }
 
+/// The parameters of a function: `(a b &optional c (d 2) &rest others)`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Parameters {
+    /// Those that every call gives a value, in order.
+    pub required: Vec<Symbol>,
+    /// `&optional` ones with what they are where a call leaves them out; without an expression that is nil. The
+    /// expression sees the parameters before it.
+    pub optional: Vec<(Symbol, Option<Expr>)>,
+    /// `&rest`: the list of all further arguments.
+    pub rest: Option<Symbol>,
+}
+
+impl Parameters {
+    /// Parameters that every call gives a value, and no others.
+    pub fn fixed(names: impl IntoIterator<Item = Symbol>) -> Parameters {
+        Parameters { required: names.into_iter().collect(), ..Parameters::default() }
+    }
+
+    /// All names in order of writing.
+    pub fn names(&self) -> impl Iterator<Item = &Symbol> {
+        self.required.iter().chain(self.optional.iter().map(|(name, _)| name)).chain(&self.rest)
+    }
+
+    /// The least number of arguments.
+    pub fn arguments_min(&self) -> usize {
+        self.required.len()
+    }
+
+    /// The greatest number of arguments; none is unlimited.
+    pub fn arguments_max(&self) -> Option<usize> {
+        self.rest.is_none().then_some(self.required.len() + self.optional.len())
+    }
+}
+
 /// A datum with holes: activities, quasi-quoted forms, event forms to send.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Template {
@@ -99,8 +135,8 @@ pub enum Template {
 /// A function value with what it captured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Closure {
-    /// Parameter names.
-    pub parameters: Vec<Symbol>,
+    /// The parameters.
+    pub parameters: Parameters,
     /// The body.
     pub body: Vec<Expr>,
     /// Captured local variables.

@@ -1,6 +1,6 @@
 //! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
 
-use crate::expression::{Expr, Template};
+use crate::expression::{Expr, Parameters, Template};
 use crate::pattern::Pattern;
 use crate::procedure::{Primitive, Procedure};
 use crate::quantity::Dimension;
@@ -28,6 +28,8 @@ pub struct Library {
     pub resources: BTreeMap<Symbol, ResourceDeclaration>,
     /// `(defindexical +name+ EXPR)`, by name without the plus signs.
     pub indexicals: BTreeMap<Symbol, Expr>,
+    /// `(defconstant name EXPR)` whose value is computed, by the name as written. Loading an agent computes them.
+    pub constants: BTreeMap<Symbol, Expr>,
     /// `(defun name (parameter..) body..)`.
     pub functions: BTreeMap<Symbol, Function>,
     /// Declared host functions (`(declare-function ..)`).
@@ -52,8 +54,8 @@ impl Library {
 /// `(defun ..)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Function {
-    /// Parameter names.
-    pub parameters: Vec<Symbol>,
+    /// The parameters.
+    pub parameters: Parameters,
     /// The body.
     pub body: Vec<Expr>,
     /// Calls nothing that publishes, prints, assigns task variables or commands.

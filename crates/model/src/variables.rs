@@ -14,13 +14,16 @@ type Sink<'a> = &'a mut dyn FnMut(&Symbol);
 /// Variables of an expression.
 pub fn of_expr(expr: &Expr, sink: Sink<'_>) {
     match &expr.kind {
-        ExprKind::Constant(_) | ExprKind::Local(_) | ExprKind::Indexical(_) | ExprKind::FunctionName(_) => {}
+        ExprKind::Constant(_) | ExprKind::Local(_) | ExprKind::Indexical(_) | ExprKind::Named(_) | ExprKind::FunctionName(_) => {}
         ExprKind::Variable { name, .. } => sink(name),
         ExprKind::Call { arguments: parts, .. }
         | ExprKind::And(parts)
         | ExprKind::Or(parts)
-        | ExprKind::Sequence(parts)
-        | ExprKind::Lambda { body: parts, .. } => of_exprs(parts, sink),
+        | ExprKind::Sequence(parts) => of_exprs(parts, sink),
+        ExprKind::Lambda { parameters, body } => {
+            parameters.optional.iter().filter_map(|(_, default)| default.as_ref()).for_each(|each| of_expr(each, sink));
+            of_exprs(body, sink);
+        }
         ExprKind::If(test, then, otherwise) => {
             of_expr(test, sink);
             of_expr(then, sink);

@@ -209,7 +209,8 @@ impl Loader {
         for form in files.iter().flatten() {
             refused |= lowering.collect(form, &mut self.library).is_none();
         }
-        lower_functions(&mut lowering, &files, &mut self.library);
+        let callers = lower_functions(&mut lowering, &files, &mut self.library);
+        lowering.computed_constants(files.iter().flatten(), &callers, &mut self.library);
         for file in &files {
             self.lower_file(&mut lowering, file);
         }
@@ -262,8 +263,12 @@ impl Loader {
     }
 }
 
-/// Lowers all functions, then settles which of them have effects through what they call.
-fn lower_functions(lowering: &mut Lowering, files: &[Vec<Datum>], library: &mut Library) {
+/// Lowers all functions, then settles which of them have effects through what they call. Yields the callers of each.
+fn lower_functions(
+    lowering: &mut Lowering,
+    files: &[Vec<Datum>],
+    library: &mut Library,
+) -> BTreeMap<Symbol, Vec<Symbol>> {
     let mut callers: BTreeMap<Symbol, Vec<Symbol>> = BTreeMap::new();
     let mut impure: Vec<Symbol> = Vec::new();
     for form in files.iter().flatten().filter(|form| form.head_name() == "defun") {
@@ -290,6 +295,7 @@ fn lower_functions(lowering: &mut Lowering, files: &[Vec<Datum>], library: &mut 
             }
         }
     }
+    callers
 }
 
 /// What a file requires, in order.

@@ -118,26 +118,31 @@ pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surround
         }
         Activity::BuiltIn(which, arguments) => {
             let arguments = arguments.iter().map(|argument| expression_as_known(argument, surroundings));
-            Value::list([Value::symbol(built_in_word(*which))].into_iter().chain(arguments))
+            let (words, keywords) = built_in_words(*which);
+            let plain = arguments.len() - keywords.len().min(arguments.len());
+            let options = keywords.iter().zip(arguments.clone().skip(plain)).filter(|(_, value)| value.is_true());
+            let options = options.flat_map(|(keyword, value)| [Value::symbol(keyword), value]);
+            let words = words.iter().map(|word| Value::symbol(word));
+            Value::list(words.chain(arguments.take(plain)).chain(options))
         }
     }
 }
 
-/// The built-in activity's name in PDL.
-pub(crate) fn built_in_word(which: BuiltInActivity) -> &'static str {
+/// The words that a built-in activity begins with in PDL, and the keywords of its last arguments.
+fn built_in_words(which: BuiltInActivity) -> (&'static [&'static str], &'static [&'static str]) {
     match which {
-        BuiltInActivity::Reset => "reset",
-        BuiltInActivity::Suspend => "suspend",
-        BuiltInActivity::Resume => "resume",
-        BuiltInActivity::Reprioritize => "reprioritize",
-        BuiltInActivity::Cogevent => "cogevent",
-        BuiltInActivity::Inform => "inform",
-        BuiltInActivity::HoldResource => "hold-resource",
-        BuiltInActivity::ReleaseResource => "release-resource",
-        BuiltInActivity::Print => "print",
-        BuiltInActivity::EndApplication => "end-application",
-        BuiltInActivity::AskOperator => "ask",
-        BuiltInActivity::Plan => "plan",
+        BuiltInActivity::Reset => (&["reset"], &[]),
+        BuiltInActivity::Suspend => (&["suspend"], &[]),
+        BuiltInActivity::Resume => (&["resume"], &[]),
+        BuiltInActivity::Reprioritize => (&["reprioritize"], &[]),
+        BuiltInActivity::Cogevent => (&["cogevent"], &[]),
+        BuiltInActivity::Inform => (&["inform"], &[]),
+        BuiltInActivity::HoldResource => (&["hold-resource"], &[]),
+        BuiltInActivity::ReleaseResource => (&["release-resource"], &[]),
+        BuiltInActivity::Print => (&["print"], &[]),
+        BuiltInActivity::EndApplication => (&["end-application"], &[]),
+        BuiltInActivity::AskOperator => (&["ask", "operator"], &[":options", ":by", ":default"]),
+        BuiltInActivity::Plan => (&["plan"], &[":with", ":budget"]),
     }
 }
 

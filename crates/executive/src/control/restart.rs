@@ -26,7 +26,10 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     monitoring_clauses::unwatch(cycle, id, |clause, level| !(clause == Clause::EndWhen && level == Level::Step));
     transition(cycle, id, Trigger::Restarted, None, because);
     let now = cycle.now;
+    let newest = cycle.agent.next.arrival.checked_sub(1);
     if let Some(task) = cycle.agent.task_mut(id) {
+        // What has come by now belongs to the work that is started over: it cannot start it over once more.
+        task.after_sequence = task.after_sequence.max(newest);
         task.suspended = false;
         task.started_at = None;
         task.created_at = now;

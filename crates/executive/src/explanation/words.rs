@@ -14,7 +14,7 @@ pub(crate) fn expression(expr: &Expr) -> String {
         ExprKind::Constant(value) => value.to_string(),
         ExprKind::Variable { name, must_be_bound: false } => format!("?{name}"),
         ExprKind::Variable { name, must_be_bound: true } => format!("<?{name}>"),
-        ExprKind::Local(name) => name.to_string(),
+        ExprKind::Local(name) | ExprKind::Named(name) => name.to_string(),
         ExprKind::Indexical(name) => format!("+{name}+"),
         ExprKind::Call { function, arguments } => list(function, arguments.iter().map(expression)),
         ExprKind::And(parts) => list("and", parts.iter().map(expression)),

@@ -6,7 +6,7 @@ use super::{
 };
 use apex_model::bindings::Bindings;
 use apex_model::builtins::built_in;
-use apex_model::expression::{Closure, Expr, ExprKind};
+use apex_model::expression::{Closure, Expr, ExprKind, Parameters};
 use apex_model::limits::{EVALUATION_DEPTH_MAX, EVALUATION_STEPS_MAX};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -95,6 +95,10 @@ impl<'a> Evaluator<'a> {
             ExprKind::Variable { name, .. } => self.variable(name, expr.place),
             ExprKind::Local(name) => self.local(name, expr.place),
             ExprKind::Indexical(name) => self.indexical(name, expr.place),
+            ExprKind::Named(name) => match self.surroundings.library().constants.get(name) {
+                Some(definition) => self.in_frame(Vec::new(), |evaluator| evaluator.value(definition)),
+                None => Err(error(expr.place, format!("the constant {name} is not defined"))),
+            },
             ExprKind::Call { function, arguments } => {
                 let values = arguments.iter().map(|argument| self.value(argument)).collect::<Result<Vec<_>, _>>()?;
                 self.call(function, &values, expr.place)
@@ -306,27 +310,37 @@ impl<'a> Evaluator<'a> {
     fn apply(
         &mut self,
         name: &str,
-        parameters: &[Symbol],
+        parameters: &Parameters,
         body: &[Expr],
         captured: &[(Symbol, Value)],
         arguments: &[Value],
         place: Place,
     ) -> Outcome {
-        let mut variables = captured.to_vec();
-        let split = parameters.iter().position(|parameter| parameter.is("&rest"));
-        let fixed = split.unwrap_or(parameters.len());
-        let fits = if split.is_some() { arguments.len() >= fixed } else { arguments.len() == fixed };
-        if !fits {
-            return Err(error(place, format!("{name} takes {fixed} arguments, {} are given", arguments.len())));
+        let (least, most) = (parameters.arguments_min(), parameters.arguments_max());
+        if arguments.len() < least || most.is_some_and(|most| arguments.len() > most) {
+            let wanted = match most {
+                Some(most) if most == least => format!("{least}"),
+                Some(most) => format!("{least} to {most}"),
+                None => format!("at least {least}"),
+            };
+            return Err(error(place, format!("{name} takes {wanted} arguments, {} are given", arguments.len())));
         }
-        variables.extend(parameters.iter().take(fixed).cloned().zip(arguments.iter().cloned()));
-        if split.is_some()
-            && let Some(rest) = parameters.get(fixed + 1)
-        {
-            variables.push((rest.clone(), Value::list(arguments.iter().skip(fixed).cloned())));
-        }
+        let given = parameters.required.iter().chain(parameters.optional.iter().map(|(name, _)| name));
+        let given = given.cloned().zip(arguments.iter().cloned());
+        let variables: Vec<(Symbol, Value)> = captured.iter().cloned().chain(given).collect();
         self.charge(variables.len() as u64, place)?;
-        self.in_frame(variables, |evaluator| evaluator.body(body))
+        self.in_frame(variables, |evaluator| {
+            let left_out = parameters.optional.iter().skip(arguments.len().saturating_sub(least));
+            for (name, default) in left_out {
+                let value = default.as_ref().map_or(Ok(Value::nil()), |default| evaluator.value(default))?;
+                evaluator.scope.push((name.clone(), value));
+            }
+            if let Some(name) = &parameters.rest {
+                let further = arguments.iter().skip(least + parameters.optional.len()).cloned();
+                evaluator.scope.push((name.clone(), Value::list(further)));
+            }
+            evaluator.body(body)
+        })
     }
 }
 

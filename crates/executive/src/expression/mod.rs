@@ -109,9 +109,17 @@ pub(crate) fn run(
     Evaluator::new(surroundings, Some(hook)).body(forms)
 }
 
-/// `values` as `(print ..)` shows them: strings without quotes, one blank between.
+/// `values` as `(print ..)` shows them: strings without quotes, one blank between, also where a string brings its own.
 pub(crate) fn printed(values: &[Value]) -> String {
-    values.iter().map(display).collect::<Vec<_>>().join(" ")
+    let mut text = String::new();
+    for value in values {
+        let part = display(value);
+        if !text.is_empty() && !text.ends_with(char::is_whitespace) && !part.starts_with(char::is_whitespace) {
+            text.push(' ');
+        }
+        text.push_str(&part);
+    }
+    text
 }
 
 /// A value as people read it: a string without its quotes. Ends with `..` where it is longer than a text may be.

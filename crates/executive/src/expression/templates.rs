@@ -95,7 +95,7 @@ fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -
             Value::list([Value::symbol("if"), as_known_within(test, surroundings, depth), Value::symbol("..")])
         }
         ExprKind::Template(template) => partially_within(template, surroundings, depth),
-        ExprKind::Variable { .. } | ExprKind::Indexical(_) | ExprKind::Local(_) => {
+        ExprKind::Variable { .. } | ExprKind::Indexical(_) | ExprKind::Named(_) | ExprKind::Local(_) => {
             Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
         }
         ExprKind::FunctionName(name) => Value::symbol(&format!("#'{name}")),
@@ -113,7 +113,7 @@ fn written(expr: &Expr) -> Value {
     match &expr.kind {
         ExprKind::Variable { name, .. } => Value::symbol(&format!("?{name}")),
         ExprKind::Indexical(name) => Value::symbol(&format!("+{name}+")),
-        ExprKind::Local(name) => Value::Symbol(name.clone()),
+        ExprKind::Local(name) | ExprKind::Named(name) => Value::Symbol(name.clone()),
         ExprKind::Call { function, .. } => Value::symbol(&format!(",({function} ..)")),
         _ => Value::symbol(",(..)"),
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::test_support::View;
 use apex_model::event::StateVariable;
-use apex_model::expression::ExprKind;
+use apex_model::expression::{ExprKind, Parameters};
 use apex_model::history::Sample;
 use apex_model::library::{Function, HostDeclaration};
 use apex_model::quantity::{Quantity, unit_named};
@@ -56,7 +56,7 @@ fn list(items: Vec<Expr>) -> Expr {
 }
 
 fn lambda(parameters: &[&str], body: Expr) -> Expr {
-    expr(ExprKind::Lambda { parameters: parameters.iter().map(|name| Symbol::new(name)).collect(), body: vec![body] })
+    expr(ExprKind::Lambda { parameters: Parameters::fixed(parameters.iter().map(|name| Symbol::new(name))), body: vec![body] })
 }
 
 fn shown(expr: Expr) -> String {
@@ -230,7 +230,7 @@ fn text_counts_characters_not_bytes() {
 fn recursion_and_loops_end_with_a_reason() {
     let mut view = View::default();
     let endless = Function {
-        parameters: vec![Symbol::new("n")],
+        parameters: Parameters::fixed([Symbol::new("n")]),
         body: vec![call("endless", vec![call("1+", vec![local("n")])])],
         pure: true,
         place: Place::default(),

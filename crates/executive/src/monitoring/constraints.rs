@@ -71,6 +71,9 @@ fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
             "pos-infinity" => true,
             _ => library.indexicals.get(name).is_some_and(|definition| never_changes(definition, library, depth)),
         },
+        ExprKind::Named(name) => {
+            library.constants.get(name).is_some_and(|definition| never_changes(definition, library, depth))
+        }
         ExprKind::Call { function, arguments } => {
             matches!(function.folded(), "+" | "-" | "*" | "/" | "quantity")
                 && arguments.iter().all(|argument| never_changes(argument, library, depth))

@@ -242,10 +242,17 @@ impl Survey<'_> {
                 bindings.iter().for_each(|(_, initial)| self.expr(initial));
                 self.exprs(body);
             }
-            ExprKind::Lambda { body, .. } => self.exprs(body),
+            ExprKind::Lambda { parameters, body } => {
+                self.all(parameters.optional.iter().filter_map(|(_, default)| default.as_ref()));
+                self.exprs(body);
+            }
             ExprKind::Assign { value, .. } => self.expr(value),
             ExprKind::Template(template) => self.template(template),
-            ExprKind::Constant(_) | ExprKind::Variable { .. } | ExprKind::Local(_) | ExprKind::Indexical(_) => {}
+            ExprKind::Constant(_)
+            | ExprKind::Variable { .. }
+            | ExprKind::Local(_)
+            | ExprKind::Indexical(_)
+            | ExprKind::Named(_) => {}
         }
     }
 

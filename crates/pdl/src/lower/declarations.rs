@@ -3,6 +3,7 @@
 //! `collect` runs over all files first, so that order of definition does not matter; bodies are lowered after.
 
 use super::clauses::{groups, values_of};
+use super::parameters::argument_counts;
 use super::{Callable, Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
@@ -46,7 +47,7 @@ impl Lowering {
     }
 
     /// Refuses a second definition of one name.
-    fn define(&mut self, name: &str, first: Option<Span>, second: Span) -> Option<()> {
+    pub(super) fn define(&mut self, name: &str, first: Option<Span>, second: Span) -> Option<()> {
         let Some(first) = first else { return Some(()) };
         let diagnostic = Diagnostic::error(codes::DUPLICATE_DEFINITION, second, format!("`{name}` is defined twice"))
             .label(first, "first defined here")
@@ -80,8 +81,8 @@ impl Lowering {
         let Some(symbol) = name.as_symbol() else {
             return self.missing_part(name.span, "a function's name is a symbol", "(defun NAME (PARAMETER..) FORM..)");
         };
-        let count = parameters.as_list().map_or(0, <[Datum]>::len);
-        let callable = Callable { min: count, max: Some(count), pure: true, place: Some(name.span) };
+        let (min, max) = argument_counts(parameters.as_list().unwrap_or_default());
+        let callable = Callable { min, max, pure: true, place: Some(name.span) };
         self.define_function(symbol, callable, name.span)
     }
 
@@ -124,37 +125,6 @@ impl Lowering {
             DatumKind::Symbol(name) if name.is("t") => Some(true),
             _ => self.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "write `t` or `nil` here")),
         }
-    }
-
-    fn collect_constant(&mut self, form: &Datum) -> Option<()> {
-        const SHAPE: &str = "(defconstant NAME LITERAL)";
-        let [name, value] = form.tail() else {
-            return self.missing_part(form.span, "this `defconstant` has the wrong parts", SHAPE);
-        };
-        let symbol = match &name.kind {
-            DatumKind::Symbol(symbol) => symbol.clone(),
-            DatumKind::Indexical(inner) => Symbol::new(&format!("+{inner}+")),
-            _ => return self.missing_part(name.span, "a constant's name is a symbol", SHAPE),
-        };
-        let first = self.names.constants.get(&symbol).map(|(_, span)| *span);
-        self.define(symbol.printed(), first, name.span)?;
-        let literal = match &value.kind {
-            DatumKind::Quote(inner) => inner.to_value(),
-            DatumKind::List(items) if items.first().is_some_and(|head| head.as_symbol().is_some()) => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, value.span, "a constant's value is a literal")
-                    .reason("constants are known before anything is computed")
-                    .help("use `defindexical` for a computed value, or quote a list: '(..)");
-                return self.refuse(diagnostic);
-            }
-            _ if value.has_holes() => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, value.span, "a constant's value is a literal")
-                    .help("use `defindexical` for a computed value");
-                return self.refuse(diagnostic);
-            }
-            _ => value.to_value(),
-        };
-        self.names.constants.insert(symbol, (literal, name.span));
-        Some(())
     }
 
     fn declare_state_variable(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
@@ -279,13 +249,12 @@ impl Lowering {
         self.scope = Scope::default();
         self.called.clear();
         self.had_effect = false;
-        let parameters = self.parameters(parameters)?;
         // A string before other forms describes the function.
         let body = match body {
             [Datum { kind: DatumKind::Text(_), .. }, rest @ ..] if !rest.is_empty() => rest,
             all => all,
         };
-        let body = self.with_locals(&parameters, |lowering| lowering.body(body))?;
+        let (parameters, body) = self.parameters_and_body(parameters, body)?;
         let function = Function { parameters, body, pure: !self.had_effect, place: form.span.place() };
         Some((name.clone(), function))
     }

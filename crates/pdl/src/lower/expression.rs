@@ -63,6 +63,10 @@ impl Lowering {
         if let Some((value, _)) = self.names.constants.get(name) {
             return ExprKind::Constant(value.clone());
         }
+        if self.names.computed.contains_key(name) {
+            self.constants_used.insert(name.clone());
+            return ExprKind::Named(name.clone());
+        }
         if is_number_like_symbol(name)
             && let Some((number, unit)) = parse_unit_misspelt(name)
         {
@@ -96,10 +100,15 @@ impl Lowering {
 
     /// `+name+`: a constant or an indexical.
     pub(crate) fn indexical(&mut self, name: &Symbol, span: Span) -> ExprKind {
-        if !self.names.constants.is_empty()
-            && let Some((value, _)) = self.names.constants.get(&Symbol::new(&format!("+{name}+")))
-        {
-            return ExprKind::Constant(value.clone());
+        if !self.names.constants.is_empty() || !self.names.computed.is_empty() {
+            let written = Symbol::new(&format!("+{name}+"));
+            if let Some((value, _)) = self.names.constants.get(&written) {
+                return ExprKind::Constant(value.clone());
+            }
+            if self.names.computed.contains_key(&written) {
+                self.constants_used.insert(written.clone());
+                return ExprKind::Named(written);
+            }
         }
         if !self.names.is_indexical(name) {
             self.unknown_indexicals.entry(name.clone()).or_default().push(span);

@@ -8,6 +8,7 @@ mod calls;
 mod clauses;
 mod compose;
 mod condition;
+mod constants;
 mod constraint;
 mod declarations;
 mod episode;
@@ -17,6 +18,7 @@ mod goals;
 mod indexes;
 mod measurement;
 mod names;
+mod parameters;
 mod pattern;
 mod primitive;
 mod procedure;
@@ -49,6 +51,8 @@ pub(crate) struct Lowering {
     pub(crate) fragment: bool,
     /// Messages so far.
     pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Computed constants met in the expression at hand.
+    pub(crate) constants_used: BTreeSet<Symbol>,
     /// Names of functions that nothing defines, with every use.
     pub(crate) unknown_functions: BTreeMap<Symbol, Vec<Span>>,
     /// Names of indexicals that nothing defines, with every use.
@@ -79,6 +83,7 @@ impl Lowering {
             names,
             fragment,
             diagnostics: Vec::new(),
+            constants_used: BTreeSet::new(),
             unknown_functions: BTreeMap::new(),
             unknown_indexicals: BTreeMap::new(),
             goals: Vec::new(),

@@ -26,6 +26,8 @@ pub(crate) struct Names {
     pub(crate) indexicals: BTreeMap<Symbol, Span>,
     /// Constants by name as written, plus signs included.
     pub(crate) constants: BTreeMap<Symbol, (Value, Span)>,
+    /// Constants that are computed, by name as written, plus signs included.
+    pub(crate) computed: BTreeMap<Symbol, Span>,
     /// State variables by attribute.
     pub(crate) state_variables: BTreeMap<Symbol, (StateVariableDeclaration, Span)>,
     /// Resources by name.
@@ -49,6 +51,12 @@ impl Names {
         builtins::SPECIAL_FORMS.binary_search(&name.folded()).is_ok()
             || builtins::built_in(name.folded()).is_some()
             || self.functions.contains_key(name)
+    }
+
+    /// Is `+name+` a constant rather than an indexical?
+    pub(crate) fn computed_or_literal(&self, name: &Symbol) -> bool {
+        let written = Symbol::new(&format!("+{name}+"));
+        self.constants.contains_key(&written) || self.computed.contains_key(&written)
     }
 
     /// Is `name` an indexical that every agent has, or one of the library?

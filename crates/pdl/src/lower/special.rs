@@ -44,8 +44,7 @@ impl Lowering {
             ("let", [bindings, body @ ..]) => self.let_form(false, bindings, body)?,
             ("let*", [bindings, body @ ..]) => self.let_form(true, bindings, body)?,
             ("lambda", [parameters, body @ ..]) => {
-                let parameters = self.parameters(parameters)?;
-                let body = self.with_locals(&parameters, |lowering| lowering.body(body))?;
+                let (parameters, body) = self.parameters_and_body(parameters, body)?;
                 ExprKind::Lambda { parameters, body }
             }
             ("setq", [place, value]) => {
@@ -162,37 +161,6 @@ impl Lowering {
                 self.refuse(diagnostic)
             }
         }
-    }
-
-    /// A list of parameter names.
-    pub(crate) fn parameters(&mut self, datum: &Datum) -> Option<Vec<Symbol>> {
-        let Some(items) = datum.as_list() else {
-            let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "parameters are a list of names")
-                .help("write `()` for none");
-            return self.refuse(diagnostic);
-        };
-        self.all(items, |lowering, item| match local_name(item) {
-            Some(name) if !name.folded().starts_with('&') => Some(name),
-            Some(name) => {
-                let message = format!("`{name}` is not known here: functions have a fixed number of parameters");
-                let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, message)
-                    .help("hand several values over as one list");
-                lowering.refuse(diagnostic)
-            }
-            None => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, item.span, "a parameter is a name");
-                lowering.refuse(diagnostic)
-            }
-        })
-    }
-
-    /// Runs `body` where `locals` are known.
-    pub(crate) fn with_locals<T>(&mut self, locals: &[Symbol], body: impl FnOnce(&mut Lowering) -> T) -> T {
-        let depth = self.scope.locals.len();
-        self.scope.locals.extend(locals.iter().cloned());
-        let result = body(self);
-        self.scope.locals.truncate(depth);
-        result
     }
 
     fn step_assign(&mut self, datum: &Datum, name: &Symbol, place: &Datum, by: Option<&Datum>) -> Option<Expr> {

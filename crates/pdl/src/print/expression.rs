@@ -2,7 +2,7 @@
 
 use super::value::{literal_text, value_text};
 use super::{joined, list_text};
-use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::expression::{Expr, ExprKind, Parameters, Template};
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -16,7 +16,7 @@ pub(crate) fn expression_text(expr: &Expr) -> String {
         ExprKind::Constant(value) => constant_text(value),
         ExprKind::Variable { name, must_be_bound: false } => format!("?{name}"),
         ExprKind::Variable { name, must_be_bound: true } => format!("<?{name}>"),
-        ExprKind::Local(name) => name.to_string(),
+        ExprKind::Local(name) | ExprKind::Named(name) => name.to_string(),
         ExprKind::Indexical(name) => format!("+{name}+"),
         ExprKind::Call { function, arguments } => call_text(function, arguments),
         ExprKind::If(test, then, otherwise) => {
@@ -45,8 +45,7 @@ pub(crate) fn expression_text(expr: &Expr) -> String {
             list_text(head, std::iter::once(bindings).chain(body.iter().map(expression_text)))
         }
         ExprKind::Lambda { parameters, body } => {
-            let parameters = list_text("", parameters.iter().map(Symbol::to_string));
-            list_text("lambda", std::iter::once(parameters).chain(body.iter().map(expression_text)))
+            list_text("lambda", std::iter::once(parameters_text(parameters)).chain(body.iter().map(expression_text)))
         }
         ExprKind::FunctionName(name) => format!("#'{name}"),
         ExprKind::Assign { name, of_task, value } => {
@@ -56,6 +55,20 @@ pub(crate) fn expression_text(expr: &Expr) -> String {
         ExprKind::Sequence(parts) => list_text("progn", parts.iter().map(expression_text)),
         ExprKind::Template(template) => format!("`{}", template_text(template)),
     }
+}
+
+/// The parameters of a function as text.
+fn parameters_text(parameters: &Parameters) -> String {
+    let mut words: Vec<String> = parameters.required.iter().map(Symbol::to_string).collect();
+    if !parameters.optional.is_empty() {
+        words.push("&optional".to_string());
+    }
+    words.extend(parameters.optional.iter().map(|(name, default)| match default {
+        Some(default) => format!("({name} {})", expression_text(default)),
+        None => name.to_string(),
+    }));
+    words.extend(parameters.rest.iter().flat_map(|name| ["&rest".to_string(), name.to_string()]));
+    list_text("", words.into_iter())
 }
 
 fn call_text(function: &Symbol, arguments: &[Expr]) -> String {
