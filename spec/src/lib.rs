@@ -5,6 +5,7 @@
 //! ([`question`]). See `README.md` for the blocks.
 
 pub mod diff;
+pub mod outside;
 pub mod page;
 pub mod projection;
 pub mod question;

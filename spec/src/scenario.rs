@@ -1,5 +1,6 @@
 //! One program with its inputs, checked and run without a vehicle.
 
+use crate::outside::{PagePlanner, PageVehicle, PlannerManner, VehicleManner};
 use crate::projection::Teller;
 use crate::reasons::Asker;
 use apex_executive::load;
@@ -11,7 +12,7 @@ use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
 use apex_runtime::error::RunError;
 use apex_runtime::input_lines::read_inputs;
-use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd};
+use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly};
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Program;
 use std::path::Path;
@@ -29,7 +30,7 @@ pub struct Scenario {
     pub pdl: String,
     /// Inputs as JSON lines.
     pub inputs: String,
-    /// `until 20s`, `show print ongoing`.
+    /// `until 20s`, `show print ongoing`, `vehicle silent`, `planner fails after 3s no idea`.
     pub options: String,
 }
 
@@ -39,8 +40,7 @@ pub struct Scenario {
 /// The checker's messages, a bad input line or a bad option; a task that could not say what it waited for. A run that
 /// breaks tells so in its last line.
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
-    let (_, kinds) = read_options(&scenario.options)?;
-    let mut teller = Teller::new(&kinds)?;
+    let mut teller = Teller::new(&read_options(&scenario.options)?.kinds)?;
     let mut asker = Asker::default();
     let line = match run_observed(scenario, &program(&scenario.pdl)?, &mut [&mut teller, &mut asker])? {
         Ok(end) => last_line(&end),
@@ -75,14 +75,15 @@ pub fn run_observed(
     program: &Program,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Result<RunEnd, RunError>, String> {
-    let (until, _) = read_options(&scenario.options)?;
+    let Options { until, vehicle, planner, .. } = read_options(&scenario.options)?;
     let inputs =
         read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
             .map_err(|error| error.to_string())?;
     let (library, declaration, host) = program.clone();
     let mut agent = load(library, &declaration, host)?;
     let options = FlyOptions { until, inputs, ..FlyOptions::default() };
-    Ok(apex_runtime::program::run(&mut agent, observers, options))
+    let (mut vehicle, mut planner) = (PageVehicle::new(vehicle), PagePlanner(planner));
+    Ok(fly(&mut agent, &mut vehicle, &mut planner, observers, options))
 }
 
 /// Checks a page's program; shipped libraries are found.
@@ -127,16 +128,30 @@ fn agent_of(library: &Library) -> AgentDeclaration {
     })
 }
 
-fn read_options(options: &str) -> Result<(Time, Vec<String>), String> {
-    let (mut until, mut kinds) = (UNTIL_DEFAULT, Vec::new());
-    for line in options.lines().filter(|line| !line.trim().is_empty()) {
+/// What the `options` block says.
+struct Options {
+    until: Time,
+    kinds: Vec<String>,
+    vehicle: VehicleManner,
+    planner: PlannerManner,
+}
+
+fn read_options(text: &str) -> Result<Options, String> {
+    let (vehicle, planner) = (VehicleManner::default(), PlannerManner::default());
+    let mut options = Options { until: UNTIL_DEFAULT, kinds: Vec::new(), vehicle, planner };
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
         match line.split_whitespace().collect::<Vec<_>>().as_slice() {
-            ["until", time] => until = read_time(time)?,
-            ["show", some @ ..] => kinds.extend(some.iter().map(ToString::to_string)),
-            _ => return Err(format!("option `{line}` is not known; there are `until TIME` and `show KIND..`")),
+            ["until", time] => options.until = read_time(time)?,
+            ["show", some @ ..] => options.kinds.extend(some.iter().map(ToString::to_string)),
+            ["vehicle", manner @ ..] => options.vehicle = VehicleManner::read(manner)?,
+            ["planner", manner @ ..] => options.planner = PlannerManner::read(manner)?,
+            _ => {
+                let known = "`until TIME`, `show KIND..`, `vehicle MANNER..` and `planner MANNER..`";
+                return Err(format!("option `{line}` is not known; there are {known}"));
+            }
         }
     }
-    Ok((until, kinds))
+    Ok(options)
 }
 
 /// An instant such as `20s` or `P1M30S`.

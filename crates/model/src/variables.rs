@@ -14,7 +14,11 @@ type Sink<'a> = &'a mut dyn FnMut(&Symbol);
 /// Variables of an expression.
 pub fn of_expr(expr: &Expr, sink: Sink<'_>) {
     match &expr.kind {
-        ExprKind::Constant(_) | ExprKind::Local(_) | ExprKind::Indexical(_) | ExprKind::Named(_) | ExprKind::FunctionName(_) => {}
+        ExprKind::Constant(_)
+        | ExprKind::Local(_)
+        | ExprKind::Indexical(_)
+        | ExprKind::Named(_)
+        | ExprKind::FunctionName(_) => {}
         ExprKind::Variable { name, .. } => sink(name),
         ExprKind::Call { arguments: parts, .. }
         | ExprKind::And(parts)

@@ -69,7 +69,8 @@ fn substring(text: &Value, start: &Value, end: Option<&Value>) -> Outcome {
 }
 
 /// The text of a control string: `~a` as people read it, `~s` as PDL reads it back, `~d` an integer, `~f` a real,
-/// `~,Nf` with N decimals, `~%` a new line, `~~` a tilde; a number before the letter is the least width.
+/// `~,Nf` with N decimals, `~%` a new line, `~~` a tilde; a number before the letter is the least width, filled up on the
+/// right of words and on the left of numbers.
 fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
     let mut text = String::new();
     let mut arguments = arguments.iter();
@@ -96,7 +97,11 @@ fn format(control: &str, arguments: &[Value]) -> Result<String, String> {
                     .ok_or_else(|| format!("the control string {control:?} wants more arguments than there are"))?;
                 let (width, decimals) = widths(&parameters)?;
                 let part = directive(letter, argument, decimals)?;
-                text.push_str(&format!("{part:>width$}"));
+                // Words are filled up on the right, numbers on the left, so that columns read well.
+                match letter {
+                    'a' | 's' => text.push_str(&format!("{part:<width$}")),
+                    _ => text.push_str(&format!("{part:>width$}")),
+                }
             }
             other => return Err(format!("~{other} is not a directive of format; there are ~a ~s ~d ~f ~,2f ~% ~~")),
         }

@@ -56,7 +56,10 @@ fn list(items: Vec<Expr>) -> Expr {
 }
 
 fn lambda(parameters: &[&str], body: Expr) -> Expr {
-    expr(ExprKind::Lambda { parameters: Parameters::fixed(parameters.iter().map(|name| Symbol::new(name))), body: vec![body] })
+    expr(ExprKind::Lambda {
+        parameters: Parameters::fixed(parameters.iter().map(|name| Symbol::new(name))),
+        body: vec![body],
+    })
 }
 
 fn shown(expr: Expr) -> String {

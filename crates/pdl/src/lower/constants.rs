@@ -83,9 +83,10 @@ impl Lowering {
         self.constants_used.clear();
         if let Some(found) = indexical_in(value).filter(|(name, _)| !self.names.computed_or_literal(name)) {
             let (name, span) = found;
-            let diagnostic = Diagnostic::error(codes::MALFORMED, span, format!("`+{name}+` may not stand in a constant"))
-                .reason("a constant has one value; an indexical is evaluated anew at each use")
-                .help("use `defindexical` for a value that changes");
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED, span, format!("`+{name}+` may not stand in a constant"))
+                    .reason("a constant has one value; an indexical is evaluated anew at each use")
+                    .help("use `defindexical` for a value that changes");
             return self.refuse(diagnostic);
         }
         let expr = self.pure_expression(value, "a constant")?;
@@ -111,7 +112,9 @@ impl Lowering {
             }
             if seen.contains(name) {
                 let message = format!("the constant `{name}` is computed from itself");
-                self.report(Diagnostic::error(codes::MALFORMED, *span, message).help("give one of them a literal value"));
+                self.report(
+                    Diagnostic::error(codes::MALFORMED, *span, message).help("give one of them a literal value"),
+                );
             }
         }
     }

@@ -1,0 +1,150 @@
+//! What stands around a page's agent: a vehicle that answers commands, and a planner, both as the page's options say.
+
+use crate::scenario::read_time;
+use apex_model::effect::{CommandId, SolveRequest};
+use apex_model::event::{EventKind, PlannedProcedure};
+use apex_model::expression::Template;
+use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_runtime::ports::{Deliberator, Input, SolverAnswer, Vehicle};
+
+/// How the vehicle answers commands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum VehicleManner {
+    /// Acknowledges each one at once.
+    #[default]
+    Prompt,
+    /// Acknowledges each one after so long.
+    Slow(Duration),
+    /// Refuses each one, with this reason.
+    Refuses(String),
+    /// Never answers: a lost link.
+    Silent,
+}
+
+/// How the planner answers requests.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum PlannerManner {
+    /// No planner is at hand.
+    #[default]
+    Absent,
+    /// Answers each request after so long with these activities.
+    Plans(Duration, Vec<Value>),
+    /// Gives up after so long, with this reason.
+    Fails(Duration, String),
+}
+
+impl VehicleManner {
+    /// Reads `silent`, `answers after 3s`, `refuses REASON..`.
+    ///
+    /// # Errors
+    /// The manners that there are.
+    pub fn read(words: &[&str]) -> Result<VehicleManner, String> {
+        match words {
+            ["silent"] => Ok(VehicleManner::Silent),
+            ["answers", "after", time] => Ok(VehicleManner::Slow(read_time(time)? - Time::ZERO)),
+            ["refuses", reason @ ..] if !reason.is_empty() => Ok(VehicleManner::Refuses(reason.join(" "))),
+            _ => Err("a vehicle is `silent`, `answers after TIME` or `refuses REASON..`".into()),
+        }
+    }
+}
+
+impl PlannerManner {
+    /// Reads `plans after 3s (ACTIVITY) (ACTIVITY)..`, `fails after 3s REASON..`.
+    ///
+    /// # Errors
+    /// The manners that there are, or why an activity cannot be read.
+    pub fn read(words: &[&str]) -> Result<PlannerManner, String> {
+        match words {
+            ["plans", "after", time, activities @ ..] => {
+                let text = format!("({})", activities.join(" "));
+                let list = apex_pdl::read_value(&text).map_err(|error| format!("{text}: {error:?}"))?;
+                let activities = list.as_list().unwrap_or_default().to_vec();
+                Ok(PlannerManner::Plans(read_time(time)? - Time::ZERO, activities))
+            }
+            ["fails", "after", time, reason @ ..] if !reason.is_empty() => {
+                Ok(PlannerManner::Fails(read_time(time)? - Time::ZERO, reason.join(" ")))
+            }
+            _ => Err("a planner `plans after TIME (ACTIVITY)..` or `fails after TIME REASON..`".into()),
+        }
+    }
+}
+
+/// Stands in for a vehicle.
+#[derive(Debug, Default)]
+pub struct PageVehicle {
+    manner: VehicleManner,
+    answers: Vec<(CommandId, Input)>,
+}
+
+impl PageVehicle {
+    /// A vehicle of this manner.
+    pub fn new(manner: VehicleManner) -> PageVehicle {
+        PageVehicle { manner, answers: Vec::new() }
+    }
+}
+
+impl Vehicle for PageVehicle {
+    fn next_report(&self) -> Option<Time> {
+        self.answers.iter().map(|(_, input)| input.at).min()
+    }
+
+    fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
+        let (due, later) = std::mem::take(&mut self.answers).into_iter().partition(|(_, input)| input.at <= to);
+        self.answers = later;
+        let due: Vec<(CommandId, Input)> = due;
+        inputs.extend(due.into_iter().map(|(_, input)| input));
+        Ok(())
+    }
+
+    fn command(&mut self, command: CommandId, _: &Value, at: Time) {
+        let (at, answer) = match &self.manner {
+            VehicleManner::Prompt => (at, Ok(Value::nil())),
+            VehicleManner::Slow(time) => (at + *time, Ok(Value::nil())),
+            VehicleManner::Refuses(reason) => (at, Err(reason.clone())),
+            VehicleManner::Silent => return,
+        };
+        self.answers.push((command, Input { at, kind: EventKind::CommandAcknowledged(command, answer) }));
+    }
+
+    fn withdraw(&mut self, command: CommandId, _: Time) {
+        self.answers.retain(|(pending, _)| *pending != command);
+    }
+}
+
+/// Stands in for planners.
+#[derive(Debug, Default)]
+pub struct PagePlanner(pub PlannerManner);
+
+impl Deliberator for PagePlanner {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+        match &self.0 {
+            PlannerManner::Absent => {
+                let reason = format!("no planner is at hand for {}", request.goal);
+                SolverAnswer { result: Err(reason), charged: Duration::ZERO }
+            }
+            PlannerManner::Plans(charged, activities) => {
+                SolverAnswer { result: Ok(plan(request, activities)), charged: *charged }
+            }
+            PlannerManner::Fails(charged, reason) => SolverAnswer { result: Err(reason.clone()), charged: *charged },
+        }
+    }
+}
+
+fn plan(request: &SolveRequest, activities: &[Value]) -> PlannedProcedure {
+    let tag = |number: usize| Symbol::new(&format!("p{}", number + 1));
+    let steps: Vec<(Symbol, Template)> =
+        activities.iter().enumerate().map(|(number, goal)| (tag(number), Template::Constant(goal.clone()))).collect();
+    let lines: String =
+        activities.iter().enumerate().map(|(n, goal)| format!("\n  (step {} {goal})", tag(n))).collect();
+    let text = format!("(procedure :sequential (index {}){lines})\n", request.goal);
+    PlannedProcedure {
+        solver: request.solver.clone(),
+        summary: format!("{} activities", activities.len()),
+        steps,
+        repeat: false,
+        source: SourceFile { name: "<plan>".into(), text: text.into() },
+    }
+}
