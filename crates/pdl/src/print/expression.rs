@@ -68,7 +68,7 @@ fn parameters_text(parameters: &Parameters) -> String {
         None => name.to_string(),
     }));
     words.extend(parameters.rest.iter().flat_map(|name| ["&rest".to_string(), name.to_string()]));
-    list_text("", words.into_iter())
+    list_text("", words)
 }
 
 fn call_text(function: &Symbol, arguments: &[Expr]) -> String {
