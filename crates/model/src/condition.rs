@@ -24,7 +24,7 @@ pub struct Condition {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ConditionKind {
     /// One sample of a state variable.
-    Measurement(MeasurementCondition),
+    Measurement(Box<MeasurementCondition>),
     /// A run of samples of a state variable.
     Episode(Box<EpisodeCondition>),
     /// All parts hold; constraints over the parts' tags.

@@ -157,7 +157,7 @@ impl ProcedureIndex {
 /// A step that repeats without bound, or responds again and again, never ends by itself.
 fn ends_by_itself(step: &Step) -> bool {
     let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
-    step.responding.is_none() && step.repeating.as_ref().is_none_or(bounded)
+    step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)
 }
 
 fn conjunction(conditions: &[Condition], place: Place) -> Option<Arc<Condition>> {
@@ -184,7 +184,7 @@ fn results(step: &Step) -> BTreeSet<Symbol> {
 
 fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool) -> Vec<Symbol> {
     let mut own: BTreeSet<Symbol> = step.select.iter().map(|(name, _)| name.clone()).collect();
-    own.extend(step.forall.iter().map(|(name, _)| name.clone()));
+    own.extend(step.forall.iter().map(|forall| forall.0.clone()));
     let mut awaited = Vec::new();
     let mut sink = |name: &Symbol| {
         if !own.contains(name) && !awaited.contains(name) && produced_elsewhere(name) {
@@ -194,6 +194,6 @@ fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool) -> Vec<Symb
     step.waitfor.iter().for_each(|condition| variables::of_condition(condition, &mut sink));
     variables::of_activity(&step.activity, &mut sink);
     step.select.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
-    step.forall.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
+    step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut sink));
     awaited
 }

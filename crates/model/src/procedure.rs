@@ -78,15 +78,15 @@ pub struct LogPolicy {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transitions {
     /// `end-when`, `(terminate (when C))`.
-    pub end_when: Option<Condition>,
+    pub end_when: Option<Box<Condition>>,
     /// `restart-when`.
-    pub restart_when: Option<Condition>,
+    pub restart_when: Option<Box<Condition>>,
     /// `resume-when`.
-    pub resume_when: Option<Condition>,
+    pub resume_when: Option<Box<Condition>>,
     /// `suspend-when C [until C]`.
-    pub suspend_when: Option<Condition>,
+    pub suspend_when: Option<Box<Condition>>,
     /// The `until` of `suspend-when`.
-    pub suspend_until: Option<Condition>,
+    pub suspend_until: Option<Box<Condition>>,
 }
 
 /// Forms run at moments of a task's life, in order.
@@ -102,7 +102,7 @@ pub struct Hooks {
     pub on_resume: Vec<Expr>,
 }
 
-/// One step of a procedure: the template of a task.
+/// One step of a procedure: the template of a task. What few steps have is boxed: a program may have a hundred thousand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Its name; also the variable `?tag` that holds its task.
@@ -110,23 +110,23 @@ pub struct Step {
     /// What is to be achieved.
     pub activity: Activity,
     /// `=> ?v`: what the task's value is bound to in the parent's context.
-    pub binds: Option<Pattern>,
+    pub binds: Option<Box<Pattern>>,
     /// Preconditions; empty means none. All must hold.
     pub waitfor: Vec<Condition>,
     /// `select` clauses in order.
     pub select: Vec<(Symbol, Expr)>,
     /// `forall ?x in LIST`.
-    pub forall: Option<(Symbol, Expr)>,
+    pub forall: Option<Box<(Symbol, Expr)>>,
     /// Priority clauses; the task takes the greatest.
     pub priority: Vec<PriorityClause>,
     /// `rank`.
-    pub rank: Option<Expr>,
+    pub rank: Option<Box<Expr>>,
     /// `interrupt-cost`.
-    pub interrupt_cost: Option<Expr>,
+    pub interrupt_cost: Option<Box<Expr>>,
     /// `repeating`.
-    pub repeating: Option<Repetition>,
+    pub repeating: Option<Box<Repetition>>,
     /// `responding`.
-    pub responding: Option<Repetition>,
+    pub responding: Option<Box<Repetition>>,
     /// + Resources of the step itself.
     pub profile: Vec<ResourceNeed>,
     /// Transition clauses at step level.
@@ -134,7 +134,7 @@ pub struct Step {
     /// Hooks at step level.
     pub hooks: Hooks,
     /// + Goal to pursue if the step fails.
-    pub on_failure: Option<Activity>,
+    pub on_failure: Option<Box<Activity>>,
     /// Where it stands.
     pub place: Place,
 }
@@ -171,11 +171,11 @@ pub enum Activity {
     /// `(terminate [task] [outcome] [>> value])`; without a task it ends the procedure.
     Terminate {
         /// The task; none is the step's parent.
-        task: Option<Expr>,
+        task: Option<Box<Expr>>,
         /// The outcome; none is success.
-        outcome: Option<Expr>,
+        outcome: Option<Box<Expr>>,
         /// The value handed to the parent.
-        value: Option<Expr>,
+        value: Option<Box<Expr>>,
     },
     /// Another built-in activity; its arguments are expressions.
     BuiltIn(BuiltInActivity, Vec<Expr>),

@@ -94,7 +94,7 @@ fn the_camera_procedure_means_what_the_paper_says() {
     let library = loads("camera.pdl", include_str!("listings/camera.pdl")).library;
     let procedure = &library.procedures[0];
     assert_eq!(procedure.steps.len(), 4);
-    assert_eq!(procedure.steps[0].binds, Some(Pattern::Variable("loc".into())));
+    assert_eq!(procedure.steps[0].binds.as_deref(), Some(&Pattern::Variable("loc".into())));
     let Activity::Goal(goal) = &procedure.steps[0].activity else { panic!("s1 pursues a goal") };
     assert!(!format!("{goal:?}").contains("=>"));
     let ConditionKind::And(parts, _) = &procedure.steps[2].waitfor[0].kind else { panic!("s3 waits for two things") };

@@ -13,6 +13,7 @@ use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
 use apex_model::effect::DecisionKind;
+use apex_model::expression::Expr;
 use apex_model::limits::{TASK_DEPTH_MAX, TASKS_MAX};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Activity, BuiltInActivity};
@@ -110,9 +111,9 @@ pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surround
     match activity {
         Activity::Goal(template) => instantiate_partially(template, surroundings),
         Activity::Terminate { task, outcome, value } => {
-            let known = |expr| expression_as_known(expr, surroundings);
-            let words =
-                [Value::symbol("terminate")].into_iter().chain([task, outcome].into_iter().flatten().map(known));
+            let known = |expr: &Expr| expression_as_known(expr, surroundings);
+            let parts = [task, outcome].into_iter().flatten().map(|expr| known(expr));
+            let words = [Value::symbol("terminate")].into_iter().chain(parts);
             let value = value.iter().flat_map(|value| [Value::symbol(">>"), known(value)]);
             Value::list(words.chain(value))
         }

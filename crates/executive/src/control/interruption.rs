@@ -152,10 +152,10 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
 /// The cause when an expression of a condition cannot be evaluated.
 pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Transitions) -> Result<(), Because> {
     let level = Level::Procedure;
-    watch(cycle, id, Clause::EndWhen, level, clauses.end_when.as_ref())?;
-    watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_ref())?;
-    watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_ref())?;
-    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_ref())?;
+    watch(cycle, id, Clause::EndWhen, level, clauses.end_when.as_deref())?;
+    watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_deref())?;
+    watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_deref())?;
+    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_deref())?;
     Ok(())
 }
 
@@ -170,8 +170,8 @@ pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result
     if cycle.state(id) == TaskState::Pending && !all_known(cycle, id, &clauses) || has_suspension(cycle, id) {
         return Ok(());
     }
-    watch(cycle, id, Clause::ResumeWhen, Level::Step, clauses.resume_when.as_ref())?;
-    if let Some(monitor) = watch(cycle, id, Clause::SuspendWhen, Level::Step, clauses.suspend_when.as_ref())? {
+    watch(cycle, id, Clause::ResumeWhen, Level::Step, clauses.resume_when.as_deref())?;
+    if let Some(monitor) = watch(cycle, id, Clause::SuspendWhen, Level::Step, clauses.suspend_when.as_deref())? {
         monitoring_clauses::judge(cycle, monitor);
     }
     Ok(())
@@ -202,7 +202,7 @@ fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
 /// The cause when an expression of the condition cannot be evaluated.
 pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
     let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
-    watch(cycle, id, Clause::RestartWhen, Level::Step, clauses.restart_when.as_ref())?;
+    watch(cycle, id, Clause::RestartWhen, Level::Step, clauses.restart_when.as_deref())?;
     Ok(())
 }
 

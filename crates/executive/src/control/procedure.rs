@@ -205,7 +205,7 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
 /// Makes one child per item of a `forall`; an empty list is done at once.
 pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     let Some(step_ref) = cycle.task(id).and_then(|task| task.step()) else { return };
-    let name = cycle.step_of(id).and_then(|handle| handle.get()?.forall.as_ref().map(|(name, _)| name.clone()));
+    let name = cycle.step_of(id).and_then(|handle| handle.get()?.forall.as_ref().map(|forall| forall.0.clone()));
     let count = items.len() as u64;
     let controller = ItemsController { children: BTreeSet::new(), open: count, items: count };
     if let Some(task) = cycle.agent.task_mut(id) {

@@ -85,7 +85,7 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
     let step = handle.as_ref().and_then(|handle| handle.get());
     let goal = match (origin, step) {
         (Some(Origin::Step(_)), Some(step)) => {
-            if let Some((_, list)) = &step.forall {
+            if let Some((_, list)) = step.forall.as_deref() {
                 return items(cycle, id, list);
             }
             activity_goal(cycle, id, &step.activity)?
@@ -308,7 +308,7 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         && let Some(step) = handle.get()
     {
         profile(cycle, id, Level::Step, &step.profile, &mut details.needs)?;
-        if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_ref())? {
+        if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_deref())? {
             details.interrupt_cost = Some(own);
         }
         for (message, place) in priority::troubles(cycle, id, &step.priority) {

@@ -68,15 +68,15 @@ impl Survey<'_> {
         self.activity(&step.activity);
         step.on_failure.iter().for_each(|activity| self.activity(activity));
         step.waitfor.iter().for_each(|condition| self.condition(condition));
-        step.select.iter().chain(&step.forall).for_each(|(_, expr)| self.expr(expr));
+        step.select.iter().chain(step.forall.as_deref()).for_each(|(_, expr)| self.expr(expr));
         for clause in &step.priority {
             match clause {
                 PriorityClause::Number(number) => self.expr(number),
                 PriorityClause::UrgencyImportance(urgency, importance) => self.all([urgency, importance]),
             }
         }
-        self.all(step.rank.iter().chain(&step.interrupt_cost));
-        for repetition in step.repeating.iter().chain(&step.responding) {
+        self.all(step.rank.as_deref().into_iter().chain(step.interrupt_cost.as_deref()));
+        for repetition in step.repeating.as_deref().into_iter().chain(step.responding.as_deref()) {
             let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _ } = repetition;
             self.all(while_true.iter().chain(until).chain(enabled).chain(recovery).chain(minimum_interval));
         }
@@ -91,7 +91,9 @@ impl Survey<'_> {
     fn activity(&mut self, activity: &Activity) {
         match activity {
             Activity::Goal(template) => self.template(template),
-            Activity::Terminate { task, outcome, value } => self.all(task.iter().chain(outcome).chain(value)),
+            Activity::Terminate { task, outcome, value } => {
+                self.all([task, outcome, value].into_iter().flatten().map(AsRef::as_ref))
+            }
             Activity::BuiltIn(_, arguments) => self.exprs(arguments),
         }
     }

@@ -58,7 +58,8 @@ impl Lowering {
             let task = task.map(|task| lowering.task_expression(task));
             let outcome = outcome.map(|outcome| lowering.expression(outcome));
             let value = value.map(|value| lowering.expression(value));
-            Some(Activity::Terminate { task: swap(task)?, outcome: swap(outcome)?, value: swap(value)? })
+            let boxed = |part: Option<Option<Expr>>| swap(part).map(|part| part.map(Box::new));
+            Some(Activity::Terminate { task: boxed(task)?, outcome: boxed(outcome)?, value: boxed(value)? })
         })
     }
 

@@ -17,13 +17,13 @@ impl Lowering {
     /// `(ATTR OBJ REL VAL [+/- E])`, a relation being present.
     pub(crate) fn short_measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<ConditionKind> {
         let (variable, value) = self.variable_with_value(datum, items)?;
-        Some(ConditionKind::Measurement(MeasurementCondition {
+        Some(ConditionKind::Measurement(Box::new(MeasurementCondition {
             variable,
             value,
             object: Vec::new(),
             timestamp: Vec::new(),
             estimation: None,
-        }))
+        })))
     }
 
     /// `ATTR OBJ.. [REL VAL [+/- E]]..`
@@ -95,7 +95,8 @@ impl Lowering {
         value.extend(more?);
         let measurement =
             MeasurementCondition { variable, value, object: object?, timestamp: timestamp?, estimation: estimation? };
-        let condition = Condition { tag, kind: ConditionKind::Measurement(measurement), place: datum.span.place() };
+        let condition =
+            Condition { tag, kind: ConditionKind::Measurement(Box::new(measurement)), place: datum.span.place() };
         self.probing(condition, &options)
     }
 

@@ -39,7 +39,7 @@ impl Lowering {
             "resume" | "resume-when" => &mut transitions.resume_when,
             _ => &mut transitions.suspend_when,
         };
-        if slot.replace(condition).is_some() {
+        if slot.replace(Box::new(condition)).is_some() {
             let diagnostic = Diagnostic::error(
                 codes::CLAUSE_TWICE,
                 clause.span,
@@ -50,7 +50,7 @@ impl Lowering {
             return self.refuse(diagnostic);
         }
         if let Some(until) = until {
-            transitions.suspend_until = Some(self.clause_condition(name, until, clause)?);
+            transitions.suspend_until = Some(Box::new(self.clause_condition(name, until, clause)?));
         }
         Some(())
     }

@@ -100,7 +100,7 @@ impl Lowering {
             complete &= self.step_clause(clause, &mut step).is_some();
         }
         step.activity = lowered?;
-        step.binds = swap(binds)?;
+        step.binds = swap(binds)?.map(Box::new);
         complete.then_some(())?;
         self.check_repetition(source, &step)?;
         self.check_step_support(&step, source.span)?;
@@ -128,16 +128,16 @@ impl Lowering {
                 }
             }
             "select" => step.select.push(self.select(clause)?),
-            "forall" => step.forall = Some(self.forall(clause)?),
+            "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
             "priority" => step.priority.push(self.priority(clause)?),
-            "rank" => step.rank = Some(self.only_expression(clause)?),
-            "interrupt-cost" => step.interrupt_cost = Some(self.only_expression(clause)?),
-            "repeating" => step.repeating = Some(self.repetition(clause, true)?),
-            "responding" => step.responding = Some(self.repetition(clause, false)?),
+            "rank" => step.rank = Some(Box::new(self.only_expression(clause)?)),
+            "interrupt-cost" => step.interrupt_cost = Some(Box::new(self.only_expression(clause)?)),
+            "repeating" => step.repeating = Some(Box::new(self.repetition(clause, true)?)),
+            "responding" => step.responding = Some(Box::new(self.repetition(clause, false)?)),
             "profile" => step.profile.extend(self.profile(clause)?),
             "on-failure" => {
                 let datum = self.only("on-failure", items, clause.span)?;
-                step.on_failure = Some(self.pure("an activity", |lowering| lowering.activity(datum))?);
+                step.on_failure = Some(Box::new(self.pure("an activity", |lowering| lowering.activity(datum))?));
             }
             "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut step.hooks)?,
             name if STEP_CLAUSES.contains(&name) => self.transition(clause, &mut step.transitions)?,

@@ -110,12 +110,12 @@ fn transitions_text(transitions: &Transitions) -> [String; 4] {
         (Some(when), Some(until)) => {
             format!("(suspend-when {} until {})", condition_text(when), condition_text(until))
         }
-        (when, _) => condition_clause("suspend-when", when.as_ref()),
+        (when, _) => condition_clause("suspend-when", when.as_deref()),
     };
     [
-        condition_clause("end-when", transitions.end_when.as_ref()),
-        condition_clause("restart-when", transitions.restart_when.as_ref()),
-        condition_clause("resume-when", transitions.resume_when.as_ref()),
+        condition_clause("end-when", transitions.end_when.as_deref()),
+        condition_clause("restart-when", transitions.restart_when.as_deref()),
+        condition_clause("resume-when", transitions.resume_when.as_deref()),
         suspend,
     ]
 }
@@ -140,15 +140,17 @@ fn step_text(step: &Step) -> String {
         parts.push(list_text("waitfor", step.waitfor.iter().map(condition_text)));
     }
     parts.extend(step.select.iter().map(|(name, value)| format!("(select ?{name} {})", expression_text(value))));
-    parts.extend(step.forall.iter().map(|(name, list)| format!("(forall ?{name} in {})", expression_text(list))));
+    if let Some((name, list)) = step.forall.as_deref() {
+        parts.push(format!("(forall ?{name} in {})", expression_text(list)));
+    }
     parts.extend(step.priority.iter().map(|priority| match priority {
         PriorityClause::Number(number) => format!("(priority {})", expression_text(number)),
         PriorityClause::UrgencyImportance(urgency, importance) => {
             format!("(priority :urgency {} :importance {})", expression_text(urgency), expression_text(importance))
         }
     }));
-    parts.push(clause("rank", step.rank.as_ref()));
-    parts.push(clause("interrupt-cost", step.interrupt_cost.as_ref()));
+    parts.push(clause("rank", step.rank.as_deref()));
+    parts.push(clause("interrupt-cost", step.interrupt_cost.as_deref()));
     parts.extend(step.repeating.iter().map(|repetition| repetition_text("repeating", repetition)));
     parts.extend(step.responding.iter().map(|repetition| repetition_text("responding", repetition)));
     parts.push(profile_text(&step.profile));
@@ -182,7 +184,7 @@ fn activity_text(activity: &Activity) -> String {
         Activity::Goal(template) => template_text(template),
         Activity::Terminate { task, outcome, value } => {
             let value = value.as_ref().map_or(String::new(), |value| format!(">> {}", expression_text(value)));
-            let text = |expr: &Option<Expr>| expr.as_ref().map_or(String::new(), expression_text);
+            let text = |expr: &Option<Box<Expr>>| expr.as_deref().map_or(String::new(), expression_text);
             list_text("terminate", [text(task), text(outcome), value])
         }
         Activity::BuiltIn(which, arguments) => built_in_text(*which, arguments),

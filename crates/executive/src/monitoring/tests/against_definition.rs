@@ -241,7 +241,7 @@ proptest! {
 
     #[test]
     fn measurements_agree_with_the_definition(trace in traces(), limit in 0..10_i64, start in 0..20_i64) {
-        let wanted = condition(ConditionKind::Measurement(measurement(uav("a"), vec![compare(Relation::Greater, int(limit))])));
+        let wanted = condition(ConditionKind::Measurement(Box::new(measurement(uav("a"), vec![compare(Relation::Greater, int(limit))]))));
         // Half of the trace is history when the monitor is made.
         let (past, future): (Trace, Trace) = trace.iter().partition(|(at, _)| *at <= start);
         let mut world = World::new(&wanted);

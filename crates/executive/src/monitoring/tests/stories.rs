@@ -13,7 +13,7 @@ fn equals(attribute: &str, value: i64) -> MeasurementCondition {
 
 #[test]
 fn delays_inside_order_give_the_manuals_instants() {
-    let is = |value: i64| condition(ConditionKind::Measurement(equals("t", value)));
+    let is = |value: i64| condition(ConditionKind::Measurement(Box::new(equals("t", value))));
     let lasting = |value: i64| {
         let duration = vec![compare(Relation::GreaterOrEqual, span(10 * SECOND))];
         let value = vec![compare(Relation::Equal, int(value))];
@@ -85,17 +85,20 @@ fn a_question_about_a_forgotten_past_is_unknown_never_false() {
     view.now = Time(9);
     let mut past = equals("a", 3);
     past.timestamp = vec![compare(Relation::Less, call("start-of", vec![constant(Value::Time(Time(9)))]))];
-    let mut world = World::in_view(&condition(ConditionKind::Measurement(past.clone())), view);
+    let mut world = World::in_view(&condition(ConditionKind::Measurement(Box::new(past.clone()))), view);
     assert_eq!(world.ask(9), Verdict::Unknown);
     past.value = vec![compare(Relation::Equal, int(1))];
-    world.monitor = create(&condition(ConditionKind::Measurement(past)), Window::from(Time(9)), &world.view).unwrap();
+    world.monitor =
+        create(&condition(ConditionKind::Measurement(Box::new(past))), Window::from(Time(9)), &world.view).unwrap();
     assert_eq!(world.answer(9), Some((3, 3, 9)));
 }
 
 #[test]
 fn an_unbound_value_binds_and_a_bound_one_compares() {
-    let wanted =
-        condition(ConditionKind::Measurement(measurement(uav("location"), vec![Constraint::Matches(free("loc"))])));
+    let wanted = condition(ConditionKind::Measurement(Box::new(measurement(
+        uav("location"),
+        vec![Constraint::Matches(free("loc"))],
+    ))));
     let mut world = World::new(&wanted);
     world.sample("location", "uav", Value::symbol("fuel-bay"), 1);
     let Verdict::Satisfied(result) = world.ask(1) else { panic!() };
@@ -142,7 +145,7 @@ fn values_bound_within_an_episode_stay_the_same_or_begin_a_new_run() {
 fn persistence_carries_the_last_value_into_the_window_for_its_timeout() {
     let mut wanted = equals("a", 3);
     wanted.estimation = Some(Estimation::Persist(Some(span(10))));
-    let wanted = condition(ConditionKind::Measurement(wanted));
+    let wanted = condition(ConditionKind::Measurement(Box::new(wanted)));
     for (now, expected) in [(12, Some((2, 2, 12))), (13, None)] {
         let mut view = View { now: Time(now), ..View::default() };
         let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
@@ -182,7 +185,10 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     };
     view.library.state_variables.insert(Symbol::new("altitude"), declaration);
     let above = |right: Expr| {
-        condition(ConditionKind::Measurement(measurement(uav("altitude"), vec![compare(Relation::Greater, right)])))
+        condition(ConditionKind::Measurement(Box::new(measurement(
+            uav("altitude"),
+            vec![compare(Relation::Greater, right)],
+        ))))
     };
     let mut world = World::in_view(&above(call("+", vec![int(100), int(200)])), view);
     world.sample("altitude", "uav", Value::Integer(299), 1);
@@ -254,7 +260,7 @@ fn unmet_parts_say_what_is_known_and_since_when() {
     let held = episode(uav("b"), vec![compare(Relation::Greater, int(5))], Some(2 * SECOND), duration);
     let whole = condition(ConditionKind::And(
         vec![
-            condition(ConditionKind::Measurement(above)),
+            condition(ConditionKind::Measurement(Box::new(above))),
             condition(ConditionKind::Episode(Box::new(held))),
             condition(event(vec![word("ready"), free("who")])),
             condition(ConditionKind::TaskEnded(Symbol::new("s1"))),
@@ -300,7 +306,7 @@ fn interests_route_by_head_variable_and_task() {
         vec![
             condition(event(vec![word("Ready"), free("who")])),
             condition(event(vec![free("what"), free("who")])),
-            condition(ConditionKind::Measurement(equals("a", 1))),
+            condition(ConditionKind::Measurement(Box::new(equals("a", 1)))),
             condition(ConditionKind::TaskEnded(Symbol::new("unknown"))),
         ],
         vec![],
