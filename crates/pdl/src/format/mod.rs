@@ -19,7 +19,7 @@ pub fn format(text: &str) -> Result<String, Diagnostic> {
     let flaws = read_file(0, text).diagnostics;
     match flaws.into_iter().find(|each| each.severity == Severity::Error) {
         Some(flaw) => Err(flaw),
-        None => Ok(layout::lay_out(&items::entries(&parse(text).root))),
+        None => Ok(layout::lay_out(&items::entries(&parse(text)))),
     }
 }
 

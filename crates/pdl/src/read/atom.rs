@@ -4,39 +4,39 @@ use apex_model::quantity::{Dimension, Quantity, UNITS, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 
-/// What the text of an atom is.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Atom {
+/// What the text of an atom is. Names are parts of the text: the reader makes each symbol once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Atom<'t> {
     Integer(i64),
     Real(f64),
     Quantity(Quantity),
     Duration(Duration),
-    Symbol(Symbol),
-    Variable(Symbol),
-    Bound(Symbol),
+    Symbol(&'t str),
+    Variable(&'t str),
+    Bound(&'t str),
     Anonymous,
-    Indexical(Symbol),
+    Indexical(&'t str),
     /// A number that no real can hold.
     OutOfRange,
 }
 
 /// What `text` is. Every text is something: what is nothing else is a symbol.
-pub(crate) fn classify(text: &str) -> Atom {
+pub(crate) fn classify(text: &str) -> Atom<'_> {
     if text == "?" {
         return Atom::Anonymous;
     }
     if let Some(name) = text.strip_prefix('?') {
-        return Atom::Variable(Symbol::new(name));
+        return Atom::Variable(name);
     }
     if let Some(name) = text.strip_prefix("<?").and_then(|rest| rest.strip_suffix('>')).filter(|name| !name.is_empty())
     {
-        return Atom::Bound(Symbol::new(name));
+        return Atom::Bound(name);
     }
     if let Some(number) = number(text) {
         return number;
     }
     if let Some(name) = text.strip_prefix('+').and_then(|rest| rest.strip_suffix('+')).filter(|name| !name.is_empty()) {
-        return Atom::Indexical(Symbol::new(name));
+        return Atom::Indexical(name);
     }
     if let Some(duration) = duration(text) {
         return Atom::Duration(duration);
@@ -44,11 +44,11 @@ pub(crate) fn classify(text: &str) -> Atom {
     if let Some(level) = flight_level(text) {
         return Atom::Quantity(level);
     }
-    Atom::Symbol(Symbol::new(text))
+    Atom::Symbol(text)
 }
 
 /// A number, or a number with a known unit behind it.
-fn number(text: &str) -> Option<Atom> {
+fn number(text: &str) -> Option<Atom<'_>> {
     let length = number_length(text)?;
     let (digits, suffix) = text.split_at_checked(length)?;
     if suffix.is_empty() {
@@ -72,7 +72,7 @@ fn real(digits: &str) -> Option<f64> {
 }
 
 /// `number` of `unit`: a duration for units of time, else a quantity.
-fn measured(number: f64, unit: &'static Unit) -> Atom {
+fn measured(number: f64, unit: &'static Unit) -> Atom<'static> {
     if unit.dimension == Dimension::TIME {
         Atom::Duration(Duration::from_seconds(number * unit.factor))
     } else {
@@ -224,9 +224,9 @@ mod tests {
         for text in ["35kt", "400ft", "FL120", "2nm", "5deg", "900MHz", "21.5kg", "12V", "3deg/s"] {
             assert_eq!(printed(text), text);
         }
-        assert_eq!(classify("900MHzModem"), Atom::Symbol(Symbol::new("900MHzModem")));
-        assert_eq!(classify("1+"), Atom::Symbol(Symbol::new("1+")));
-        assert_eq!(classify("flare"), Atom::Symbol(Symbol::new("flare")));
+        assert_eq!(classify("900MHzModem"), Atom::Symbol("900MHzModem"));
+        assert_eq!(classify("1+"), Atom::Symbol("1+"));
+        assert_eq!(classify("flare"), Atom::Symbol("flare"));
     }
 
     #[test]
@@ -235,12 +235,12 @@ mod tests {
         assert_eq!(classify("+.5e1"), Atom::Real(5.0));
         assert_eq!(classify("1/4"), Atom::Real(0.25));
         assert_eq!(classify("1e999"), Atom::OutOfRange);
-        assert_eq!(classify("<?x>"), Atom::Bound(Symbol::new("x")));
+        assert_eq!(classify("<?x>"), Atom::Bound("x"));
         assert_eq!(classify("?"), Atom::Anonymous);
-        assert_eq!(classify("+now+"), Atom::Indexical(Symbol::new("now")));
-        assert_eq!(classify("+/-"), Atom::Symbol(Symbol::new("+/-")));
-        assert_eq!(classify("+"), Atom::Symbol(Symbol::new("+")));
-        assert_eq!(classify("-"), Atom::Symbol(Symbol::new("-")));
-        assert_eq!(classify("..."), Atom::Symbol(Symbol::new("...")));
+        assert_eq!(classify("+now+"), Atom::Indexical("now"));
+        assert_eq!(classify("+/-"), Atom::Symbol("+/-"));
+        assert_eq!(classify("+"), Atom::Symbol("+"));
+        assert_eq!(classify("-"), Atom::Symbol("-"));
+        assert_eq!(classify("..."), Atom::Symbol("..."));
     }
 }

@@ -1,13 +1,14 @@
-//! Walks the lossless tree in text order and builds data, counting lines and columns on the way.
+//! Builds data from the structure of a text.
 
 use super::{Atom, Datum, DatumKind, classify};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{Flaw, FlawKind, SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, parse};
+use crate::syntax::{Flaw, FlawKind, Position, Sink, SyntaxKind, parse_into};
 use apex_model::limits::{READ_DEPTH_MAX, SOURCE_BYTES_MAX};
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The data of one source text.
@@ -26,104 +27,124 @@ pub(crate) fn read_file(file: u32, text: &str) -> ReadFile {
         let diagnostic = Diagnostic::error(codes::TOO_LARGE, span, message).help("split it into several files");
         return ReadFile { data: Vec::new(), diagnostics: vec![diagnostic] };
     }
-    let parse = parse(text);
-    let mut reader = Reader { file, line: 1, column: 1, offset: 0, diagnostics: Vec::new() };
-    let data = reader.children(&parse.root);
-    let mut diagnostics: Vec<Diagnostic> = parse.flaws.iter().map(|flaw| describe(file, text, flaw)).collect();
-    diagnostics.append(&mut reader.diagnostics);
-    ReadFile { data, diagnostics }
+    let (reader, flaws) = parse_into(text, || Reader::new(file));
+    let mut diagnostics: Vec<Diagnostic> = flaws.iter().map(|flaw| describe(file, text, flaw)).collect();
+    diagnostics.extend(reader.diagnostics);
+    ReadFile { data: reader.data, diagnostics }
 }
 
-struct Reader {
+/// Builds data as the structure of a text is told.
+struct Reader<'t> {
     file: u32,
-    line: u32,
-    column: u32,
-    offset: u32,
+    data: Vec<Datum>,
+    open: Vec<Open>,
+    /// Where the last token ended, in bytes.
+    end: usize,
+    /// Each name of the text once: equal names then are equal at a glance.
+    symbols: HashMap<&'t str, Symbol>,
     diagnostics: Vec<Diagnostic>,
 }
 
-impl Reader {
-    fn here(&self) -> Span {
-        Span { file: self.file, start: self.offset, end: self.offset, line: self.line, column: self.column }
+/// A list or a prefixed datum whose end has not been seen.
+struct Open {
+    at: Position,
+    prefix: Option<SyntaxKind>,
+    items: Vec<Datum>,
+}
+
+impl<'t> Sink<'t> for Reader<'t> {
+    fn open(&mut self, _: SyntaxKind, at: Position) {
+        self.open.push(Open { at, prefix: None, items: Vec::new() });
     }
 
-    fn children(&mut self, node: &SyntaxNode) -> Vec<Datum> {
-        node.children_with_tokens().filter_map(|element| self.element(&element)).collect()
-    }
-
-    fn element(&mut self, element: &SyntaxElement) -> Option<Datum> {
-        match element {
-            SyntaxElement::Token(token) => self.token(token),
-            SyntaxElement::Node(node) if node.kind() == SyntaxKind::List => {
-                let start = self.here();
-                let items = self.children(node);
-                let span = Span { end: self.offset, ..start };
-                Some(Datum { kind: list_kind(items), span })
+    fn token(&mut self, kind: SyntaxKind, text: &'t str, at: Position) {
+        self.end = at.offset + text.len();
+        let kind = match kind {
+            SyntaxKind::Atom => self.atom(text, at),
+            SyntaxKind::Text => DatumKind::Text(unescape(text)),
+            SyntaxKind::Quote
+            | SyntaxKind::Backquote
+            | SyntaxKind::Comma
+            | SyntaxKind::CommaAt
+            | SyntaxKind::HashQuote => {
+                if let Some(open) = self.open.last_mut() {
+                    open.prefix = Some(kind);
+                }
+                return;
             }
-            SyntaxElement::Node(node) => self.prefixed(node),
+            _ => return,
+        };
+        self.push(kind, at);
+    }
+
+    fn close(&mut self) {
+        let Some(open) = self.open.pop() else { return };
+        let Some(prefix) = open.prefix else {
+            return self.push(list_kind(open.items), open.at);
+        };
+        // A prefix before nothing has been reported.
+        let Some(inner) = open.items.into_iter().next().map(Box::new) else { return };
+        let kind = match prefix {
+            SyntaxKind::Quote => DatumKind::Quote(inner),
+            SyntaxKind::Backquote => DatumKind::Quasi(inner),
+            SyntaxKind::Comma => DatumKind::Unquote(inner),
+            SyntaxKind::CommaAt => DatumKind::Splice(inner),
+            _ => DatumKind::Function(inner),
+        };
+        self.push(kind, open.at);
+    }
+}
+
+impl<'t> Reader<'t> {
+    fn new(file: u32) -> Reader<'t> {
+        Reader { file, data: Vec::new(), open: Vec::new(), end: 0, symbols: HashMap::new(), diagnostics: Vec::new() }
+    }
+
+    fn push(&mut self, kind: DatumKind, at: Position) {
+        let span = self.span(at);
+        self.open.last_mut().map_or(&mut self.data, |open| &mut open.items).push(Datum { kind, span });
+    }
+
+    /// From `at` to the end of the last token.
+    fn span(&self, at: Position) -> Span {
+        Span {
+            file: self.file,
+            start: size(at.offset),
+            end: size(self.end),
+            line: size(at.line),
+            column: size(at.column),
         }
     }
 
-    fn prefixed(&mut self, node: &SyntaxNode) -> Option<Datum> {
-        let prefix = node.first_token().map(|token| token.kind());
-        let start = self.here();
-        let inner = Box::new(self.children(node).into_iter().next()?);
-        let kind = match prefix {
-            Some(SyntaxKind::Quote) => DatumKind::Quote(inner),
-            Some(SyntaxKind::Backquote) => DatumKind::Quasi(inner),
-            Some(SyntaxKind::Comma) => DatumKind::Unquote(inner),
-            Some(SyntaxKind::CommaAt) => DatumKind::Splice(inner),
-            _ => DatumKind::Function(inner),
-        };
-        Some(Datum { kind, span: Span { end: self.offset, ..start } })
+    fn symbol(&mut self, name: &'t str) -> Symbol {
+        self.symbols.entry(name).or_insert_with(|| Symbol::new(name)).clone()
     }
 
-    fn token(&mut self, token: &SyntaxToken) -> Option<Datum> {
-        let start = self.here();
-        let text = token.text();
-        self.advance(text);
-        let span = Span { end: self.offset, ..start };
-        let kind = match token.kind() {
-            SyntaxKind::Text => DatumKind::Text(unescape(text)),
-            SyntaxKind::Atom => self.atom(text, span),
-            _ => return None,
-        };
-        Some(Datum { kind, span })
-    }
-
-    fn atom(&mut self, text: &str, span: Span) -> DatumKind {
+    fn atom(&mut self, text: &'t str, at: Position) -> DatumKind {
         match classify(text) {
             Atom::Integer(integer) => DatumKind::Integer(integer),
             Atom::Real(real) => DatumKind::Real(real),
             Atom::Quantity(quantity) => DatumKind::Quantity(quantity),
             Atom::Duration(duration) => DatumKind::Duration(duration),
-            Atom::Symbol(symbol) if symbol.is("nil") => DatumKind::List(Vec::new()),
-            Atom::Symbol(symbol) => DatumKind::Symbol(symbol),
-            Atom::Variable(name) => DatumKind::Variable(name),
-            Atom::Bound(name) => DatumKind::Bound(name),
+            Atom::Symbol(name) if name.eq_ignore_ascii_case("nil") => DatumKind::List(Vec::new()),
+            Atom::Symbol(name) => DatumKind::Symbol(self.symbol(name)),
+            Atom::Variable(name) => DatumKind::Variable(self.symbol(name)),
+            Atom::Bound(name) => DatumKind::Bound(self.symbol(name)),
             Atom::Anonymous => DatumKind::Anonymous,
-            Atom::Indexical(name) => DatumKind::Indexical(name),
+            Atom::Indexical(name) => DatumKind::Indexical(self.symbol(name)),
             Atom::OutOfRange => {
                 let message = format!("`{text}` is too large for a number");
                 let help = "write a smaller number, or the same quantity in a larger unit";
-                self.diagnostics.push(Diagnostic::error(codes::NUMBER_RANGE, span, message).help(help));
-                DatumKind::Symbol(Symbol::new(text))
+                self.diagnostics.push(Diagnostic::error(codes::NUMBER_RANGE, self.span(at), message).help(help));
+                DatumKind::Symbol(self.symbol(text))
             }
         }
     }
+}
 
-    fn advance(&mut self, text: &str) {
-        let size = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-        self.offset = self.offset.saturating_add(size(text.len()));
-        match text.rsplit_once('\n') {
-            Some((before, last_line)) => {
-                let lines = 1 + before.bytes().filter(|byte| *byte == b'\n').count();
-                self.line = self.line.saturating_add(size(lines));
-                self.column = size(1 + last_line.chars().count());
-            }
-            None => self.column = self.column.saturating_add(size(text.chars().count())),
-        }
-    }
+/// Places fit: a source text has at most `SOURCE_BYTES_MAX` bytes.
+fn size(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 /// A list of numbers each followed by a unit is a quantity or duration; any other list is a list.
@@ -184,7 +205,6 @@ fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
     let before = text.get(..start).unwrap_or(text);
     let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();
     let column = 1 + before.rsplit('\n').next().map_or(0, |last| last.chars().count());
-    let size = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     Span { file, start: size(start), end: size(end), line: size(line), column: size(column) }
 }
 

@@ -11,17 +11,16 @@ pub(super) struct Token<'t> {
 }
 
 /// The tokens of `text` in order; their texts joined are `text`.
-pub(super) fn tokens(text: &str) -> Vec<Token<'_>> {
+pub(super) fn tokens(text: &str) -> impl Iterator<Item = Token<'_>> {
     let mut rest = text;
-    let mut tokens = Vec::new();
-    while let Some(first) = rest.chars().next() {
+    std::iter::from_fn(move || {
+        let first = rest.chars().next()?;
         let (kind, length, unclosed) = first_token(rest, first);
         let length = length.clamp(first.len_utf8(), rest.len());
-        let Some((token, after)) = rest.split_at_checked(length) else { break };
-        tokens.push(Token { kind, text: token, unclosed });
+        let (token, after) = rest.split_at_checked(length)?;
         rest = after;
-    }
-    tokens
+        Some(Token { kind, text: token, unclosed })
+    })
 }
 
 /// Kind and length in bytes of the token that `rest` begins with.

@@ -1,8 +1,13 @@
-//! Text to lossless tree. Total: every text has a tree, the tree's text is the text, flaws are listed beside it.
+//! Text to structure. Total: every text has one, nothing of the text is lost, flaws are listed beside it.
+//!
+//! One walk over the text tells a [`Sink`] of its structure: the formatter keeps all of it as a lossless tree, the
+//! checker only its data, which is quicker.
 
 mod lexer;
+mod structure;
 mod tree;
 
+pub(crate) use structure::parse_into;
 pub(crate) use tree::parse;
 
 /// Kinds of tokens and nodes.
@@ -79,8 +84,28 @@ impl rowan::Language for Pdl {
 }
 
 pub(crate) type SyntaxNode = rowan::SyntaxNode<Pdl>;
-pub(crate) type SyntaxToken = rowan::SyntaxToken<Pdl>;
 pub(crate) type SyntaxElement = rowan::SyntaxElement<Pdl>;
+
+/// Where a token begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Position {
+    /// In bytes.
+    pub(crate) offset: usize,
+    /// From 1.
+    pub(crate) line: usize,
+    /// From 1, in characters.
+    pub(crate) column: usize,
+}
+
+/// Is told the structure of a text, in text order. Opens and closes are balanced.
+pub(crate) trait Sink<'t> {
+    /// A list or a prefixed datum begins.
+    fn open(&mut self, kind: SyntaxKind, at: Position);
+    /// The next token; their texts joined are the text.
+    fn token(&mut self, kind: SyntaxKind, text: &'t str, at: Position);
+    /// The innermost open list or prefixed datum has ended with the token before.
+    fn close(&mut self);
+}
 
 /// What is wrong with a text as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,10 +135,4 @@ pub(crate) struct Flaw {
     pub(crate) kind: FlawKind,
     pub(crate) start: usize,
     pub(crate) end: usize,
-}
-
-/// A tree and what is wrong with its text.
-pub(crate) struct Parse {
-    pub(crate) root: SyntaxNode,
-    pub(crate) flaws: Vec<Flaw>,
 }
