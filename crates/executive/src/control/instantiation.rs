@@ -129,6 +129,11 @@ pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surround
     }
 }
 
+/// The built-in activity's name in PDL.
+pub(crate) fn built_in_word(which: BuiltInActivity) -> &'static str {
+    built_in_words(which).0.first().copied().unwrap_or_default()
+}
+
 /// The words that a built-in activity begins with in PDL, and the keywords of its last arguments.
 fn built_in_words(which: BuiltInActivity) -> (&'static [&'static str], &'static [&'static str]) {
     match which {
