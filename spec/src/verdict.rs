@@ -75,7 +75,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
 
 /// Each block that is no part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
 /// of their kind; a new program starts without inputs and options.
-fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
+pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
     let mut scenario = Scenario::default();
     let mut found = Vec::new();
     for block in page::blocks(text) {
