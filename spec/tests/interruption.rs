@@ -1,7 +1,7 @@
 //! The interruption matrix: every cell of {holder, challenger} x {higher, equal, lower} x {arrives before, with, after} x
 //! {behaviour} stands on a page of `interruption/`, and the program there is what the cell says.
 
-#![allow(clippy::unwrap_used, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 use apex_model::clause::Clause;
 use apex_model::effect::{DecisionKind, Effect};

@@ -64,6 +64,8 @@ pub(crate) struct Work {
     pub(crate) priorities_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: Vec<TaskId>,
+    /// Act, a round later: resumed tasks that may rather start over.
+    pub(crate) resuming: BTreeSet<TaskId>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
 }
@@ -107,6 +109,7 @@ impl Work {
             && self.dirty.is_empty()
             && !self.priorities_changed
             && self.starting.is_empty()
+            && self.resuming.is_empty()
             && self.ended.is_empty()
     }
 }

@@ -55,10 +55,16 @@ fn before_by_rank(a: &Claim, b: &Claim) -> Option<bool> {
 /// The rules, one by one: a claimant that no other beats goes first; it takes what it needs if it beats every holder in
 /// its way; else it takes nothing, and nobody after it may take what it claims. None where rank and priority beat one
 /// another in a ring: there the order is arbitrary.
-fn twin(claims: &[Claim], enabled: &BTreeSet<usize>, holders: &BTreeSet<usize>) -> Option<BTreeSet<usize>> {
+fn twin(
+    claims: &[Claim],
+    enabled: &BTreeSet<usize>,
+    begun: &BTreeSet<usize>,
+    holders: &BTreeSet<usize>,
+) -> Option<BTreeSet<usize>> {
     let priority = |index: usize| f64::from(claims[index].priority.unwrap_or(0));
     let shares = |a: usize, b: usize| claims[a].resources & claims[b].resources != 0;
-    let in_order = |a: usize, b: usize| priority(a) > priority(b) || (priority(a) == priority(b) && a < b);
+    let key = |a: usize| (-priority(a), !begun.contains(&a), a);
+    let in_order = |a: usize, b: usize| key(a) < key(b);
     let goes_before = |a: usize, b: usize| before_by_rank(&claims[a], &claims[b]).unwrap_or_else(|| in_order(a, b));
     let mut working = holders.clone();
     let mut waiting: Vec<usize> = enabled.iter().filter(|index| !holders.contains(index)).copied().collect();
@@ -91,10 +97,16 @@ fn twin(claims: &[Claim], enabled: &BTreeSet<usize>, holders: &BTreeSet<usize>) 
 }
 
 /// Who was displaced may take what its winners left over: the twin is asked until it agrees with itself.
-fn settled(claims: &[Claim], enabled: &BTreeSet<usize>, holders: BTreeSet<usize>) -> Option<BTreeSet<usize>> {
+fn settled(
+    claims: &[Claim],
+    enabled: &BTreeSet<usize>,
+    begun: &mut BTreeSet<usize>,
+    holders: BTreeSet<usize>,
+) -> Option<BTreeSet<usize>> {
     let mut holders = holders;
     for _ in 0..20 {
-        let next = twin(claims, enabled, &holders)?;
+        let next = twin(claims, enabled, begun, &holders)?;
+        begun.extend(&next);
         if next == holders {
             return Some(holders);
         }
@@ -110,12 +122,12 @@ proptest! {
         let mut agent = agent(&program(&claims));
         step(&mut agent, &Batch { now: seconds(0.0), events: Vec::new() });
         let tasks: Vec<_> = agent.tasks.iter().skip(1).map(|(_, task)| task.id).collect();
-        let (mut enabled, mut holders) = (BTreeSet::new(), BTreeSet::new());
+        let (mut enabled, mut begun, mut holders) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
         for at in 0..4_u8 {
             let event = support::message(f64::from(at) + 1.0, &format!("(go {at})"));
             step(&mut agent, &Batch { now: event.at, events: vec![event] });
             enabled.extend(claims.iter().enumerate().filter(|(_, claim)| claim.at == at).map(|(index, _)| index));
-            let Some(expected) = settled(&claims, &enabled, holders) else { return Err(TestCaseError::reject("a ring")) };
+            let Some(expected) = settled(&claims, &enabled, &mut begun, holders) else { return Err(TestCaseError::reject("a ring")) };
             holders = expected;
             let working = tasks.iter().enumerate().filter(|(_, task)| agent.task(**task).unwrap().state == TaskState::Ongoing);
             prop_assert_eq!(working.map(|(index, _)| index).collect::<BTreeSet<_>>(), holders.clone());

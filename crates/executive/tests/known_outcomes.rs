@@ -156,3 +156,20 @@ fn a_wings_level_violation_reflies_the_segment() {
     let refly = story.iter().find(|line| line.contains("print")).cloned();
     assert_eq!(refly.as_deref(), Some("14s print km-7 -> km-14"), "{story:#?}");
 }
+
+#[test]
+fn a_resumed_command_is_sent_again_and_one_that_starts_over_only_once() {
+    let commands = |clause: &str| {
+        let pdl = format!(
+            "(procedure (index (do-domain)) (step line (fly) {clause}) (step fire (look) (waitfor (fire)) (priority 5)))
+             (primitive (index (fly)) (profile path) (on-start (command (fly))))
+             (primitive (index (look)) (profile path) (duration 3s))"
+        );
+        let effects = run(&mut agent(&pdl), &[message(2.0, "(fire)")], 20.0);
+        let told = story(&effects).into_iter().filter(|line| line.contains("command") || line.contains("withdraw"));
+        told.collect::<Vec<_>>()
+    };
+    let expected = ["0s command 0 (fly)", "2s withdraw 0", "5s command 1 (fly)"];
+    assert_eq!(commands(""), expected);
+    assert_eq!(commands("(restart (when (state +this-task+ = resumed)))"), expected);
+}

@@ -102,6 +102,8 @@ pub enum ConflictRule {
     Priority,
     /// Equal: who has it keeps it.
     Incumbent,
+    /// Equal: work that was interrupted goes on before other work begins.
+    Begun,
     /// Equal newcomers: written order.
     WrittenOrder,
     /// Equal newcomers: created earlier.

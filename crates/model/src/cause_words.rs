@@ -122,6 +122,7 @@ fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Stre
         ConflictRule::Rank => format!("{by} comes first on {resource} (rank {winner} before {loser})"),
         ConflictRule::Priority => format!("{by} outranks it on {resource} (priority {winner} > {loser})"),
         ConflictRule::Incumbent => format!("{by} holds {resource} and defends it (priority {winner} against {loser})"),
+        ConflictRule::Begun => format!("{by} has begun and goes on with {resource} (both priority {winner})"),
         ConflictRule::WrittenOrder => format!("{by} is written first and takes {resource} (both priority {winner})"),
         ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
         ConflictRule::Capacity => format!("not enough of {resource} is left, {by} has it"),

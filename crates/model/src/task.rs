@@ -175,6 +175,8 @@ pub struct Extras {
     pub logs: Vec<u64>,
     /// When the instance before ended, for recovery and least intervals.
     pub ended_before: Option<Time>,
+    /// When it was created, if it has started over since: its deadline does not move.
+    pub first_created: Option<Time>,
     /// Instances that started at `instant`, to stop loops that take no time.
     pub instances: u32,
     /// The instant of `instances`.

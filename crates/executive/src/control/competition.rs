@@ -21,6 +21,8 @@ pub(crate) struct Claimant {
     pub(crate) needs: Vec<Need>,
     /// Its priority now.
     pub(crate) priority: f64,
+    /// It has begun, and goes before its equals that have not.
+    begun: bool,
     order: (TaskId, u32, TaskId),
     /// The task and its ancestors from the root down, with their ranks; empty where nobody has one.
     pub(crate) path: Vec<(TaskId, Option<f64>)>,
@@ -100,7 +102,14 @@ pub(crate) fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<
 /// What the task claims, and with what priority.
 pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     let priority = priority::priority(cycle.agent, id, cycle.now);
-    Claimant { id, needs: resources::needs_of(cycle, id), priority, order: order_of(cycle.agent, id), path: Vec::new() }
+    let begun = has_begun(cycle.agent, id);
+    let (needs, order) = (resources::needs_of(cycle, id), order_of(cycle.agent, id));
+    Claimant { id, needs, priority, begun, order, path: Vec::new() }
+}
+
+/// Is the task at work, or was it interrupted there?
+pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
+    agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
 }
 
 /// Written order among siblings, creation order among others.
@@ -114,7 +123,7 @@ pub(crate) fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
 }
 
 fn compare(a: &Claimant, b: &Claimant) -> Ordering {
-    b.priority.total_cmp(&a.priority).then(a.order.cmp(&b.order))
+    b.priority.total_cmp(&a.priority).then(b.begun.cmp(&a.begun)).then(a.order.cmp(&b.order))
 }
 
 /// Puts a claimant in its place.

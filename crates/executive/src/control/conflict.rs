@@ -5,8 +5,8 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{
-    Claimant, as_claimant, claimants, first_unbeaten, insert_in_order, order_of, rank_all, rank_order, rank_path,
-    related,
+    Claimant, as_claimant, claimants, first_unbeaten, has_begun, insert_in_order, order_of, rank_all, rank_order,
+    rank_path, related,
 };
 use crate::control::priority;
 use crate::cycle::Cycle;
@@ -310,6 +310,7 @@ impl Field<'_, '_> {
         let siblings = order_of(agent, claimant.id).0 == order_of(agent, rival.task).0;
         let rule = match other.priority.total_cmp(&own.priority) {
             Ordering::Greater => ConflictRule::Priority,
+            Ordering::Equal if has_begun(agent, rival.task) && !has_begun(agent, claimant.id) => ConflictRule::Begun,
             Ordering::Equal if siblings => ConflictRule::WrittenOrder,
             Ordering::Equal => ConflictRule::CreationOrder,
             Ordering::Less => ConflictRule::Capacity,

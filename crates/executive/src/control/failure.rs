@@ -1,15 +1,14 @@
 //! Failure handling (TC)
-//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends.
+//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends. A suspended step stays so.
 //! Runs: when a task fails, and when its handler ends.  Reads: Step.  Writes: Task, HandlingController, Decision.
 //! Bound: O(size of the failed subtree).  PDL: `on-failure`.  Paper: section III, off-nominal conditions.
 
 use crate::control::instantiation::{self, Seed};
 use crate::control::transition::{Trigger, transition};
-use crate::control::{monitoring_clauses, primitive, resources, termination};
+use crate::control::{competition, interruption, primitive, resources, termination};
 use crate::cycle::Cycle;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::clause::{Clause, Level};
 use apex_model::controller::{Controller, HandlingController};
 use apex_model::effect::DecisionKind;
 use apex_model::task::{HeldBack, Origin, Outcome, TaskId, TaskState};
@@ -29,7 +28,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     termination::end_children(cycle, id, &cut);
     primitive::withdraw_commands(cycle, id, "its task failed");
     termination::dismantle(cycle, id, "its task failed");
-    monitoring_clauses::unwatch(cycle, id, |clause, level| !(clause == Clause::EndWhen && level == Level::Step));
+    interruption::forget_clauses(cycle, id);
     let seed = Seed {
         parent: Some(id),
         origin: Origin::OnFailure(step),
@@ -52,14 +51,25 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         transition(cycle, id, Trigger::Satisfied, None, handling.clone());
     }
     if cycle.state(id) != TaskState::Ongoing {
-        resources::release(cycle, id, resources::Release::Unused);
-        if let Some(selection) = cycle.agent.task_mut(id).and_then(|task| task.selection.as_mut()) {
-            selection.needs.clear();
+        claim_nothing(cycle, id);
+        if competition::is_eligible(cycle.agent, id) {
+            transition(cycle, id, Trigger::Granted, None, handling);
         }
-        transition(cycle, id, Trigger::Granted, None, handling);
     }
     instantiation::arm(cycle, handler);
     true
+}
+
+/// The task holds nothing, and its failed work needs nothing any more; the handler claims for itself.
+fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
+    resources::release(cycle, id, resources::Release::Unused);
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if let Some(selection) = &mut task.selection {
+        selection.needs.clear();
+    }
+    if let Some(extras) = &mut task.extras {
+        extras.held.clear();
+    }
 }
 
 /// The handler ended: the step ends in the same way.

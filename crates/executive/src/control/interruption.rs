@@ -14,7 +14,7 @@ use apex_model::condition::Condition;
 use apex_model::controller::{Controller, Way};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
-use apex_model::task::{Origin, TaskId, TaskState};
+use apex_model::task::{Origin, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::variables::of_condition;
 
@@ -206,6 +206,13 @@ pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<()
     Ok(())
 }
 
+/// Does the task watch for a reason to start over?
+pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
+    let mut watches = monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
+    watches.any(|watch| watch.clause == Clause::RestartWhen)
+}
+
 /// The clauses of the step that the task was made from; items and handlers have none of their own.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let is_step = matches!(cycle.task(id)?.origin, Origin::Step(_));
@@ -234,13 +241,18 @@ fn watch(
 fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     match level {
         Level::Step => step_clauses(cycle, id),
-        Level::Procedure => match &cycle.task(id).filter(|task| task.controller.is_some())?.selection.as_ref()?.way {
+        Level::Procedure => match &cycle.task(id).filter(|task| works_itself(task))?.selection.as_ref()?.way {
             Way::Procedure(reference, _) => {
                 cycle.agent.procedure(*reference).map(|procedure| procedure.transitions.clone())
             }
             Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
         },
     }
+}
+
+/// Is the task's work that of the way that was chosen, and not what handles its failure?
+fn works_itself(task: &Task) -> bool {
+    task.controller.as_deref().is_some_and(|controller| !matches!(controller, Controller::Handling(_)))
 }
 
 /// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
@@ -253,6 +265,23 @@ pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
 pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
     let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);
     Window { start: at.min(cycle.now), after_sequence: answered.or(newest) }
+}
+
+/// The task's work is over before the task is: what its procedure watched is forgotten, with a suspension that the
+/// procedure brought about. What the step watches about ends, and about a suspension that goes on, stays.
+pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
+    let by_procedure = cycle.task(id).is_some_and(|task| {
+        let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
+        watches.any(|watch| watch.clause == Clause::SuspendUntil && watch.level == Level::Procedure)
+    });
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    task.suspended &= !by_procedure;
+    let suspended = task.suspended;
+    monitoring_clauses::unwatch(cycle, id, |clause, level| match clause {
+        Clause::EndWhen => level == Level::Procedure,
+        Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen => level == Level::Procedure || !suspended,
+        Clause::Waitfor | Clause::RestartWhen => true,
+    });
 }
 
 /// After a suspension by `suspend-when`: watches its `until`, and `resume-when` anew.

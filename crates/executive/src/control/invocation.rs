@@ -12,15 +12,24 @@ use apex_model::task::{TaskId, TaskState};
 
 /// The act phase.
 pub(crate) fn act(cycle: &mut Cycle<'_>) {
+    for id in std::mem::take(&mut cycle.work.resuming) {
+        if cycle.state(id) == TaskState::Ongoing {
+            go_on(cycle, id);
+        }
+        termination::settle(cycle);
+    }
     for id in std::mem::take(&mut cycle.work.starting) {
         let Some(task) = cycle.task(id) else { continue };
         if task.state != TaskState::Ongoing {
             continue;
         }
-        if task.controller.is_some() {
-            go_on(cycle, id)
+        if task.controller.is_none() {
+            begin(cycle, id);
+        } else if interruption::may_start_over(cycle, id) {
+            // Its resumption is noticed first; what starts over does not go on before that.
+            cycle.work.resuming.insert(id);
         } else {
-            begin(cycle, id)
+            go_on(cycle, id);
         }
         termination::settle(cycle);
     }
@@ -61,8 +70,11 @@ fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Way> {
 }
 
 fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
-    let Some(controller) = cycle.task(id).and_then(|task| task.controller.as_deref()) else { return };
+    let (now, Some(task)) = (cycle.now, cycle.task(id)) else { return };
+    let Some(controller) = task.controller.as_deref() else { return };
     match controller {
+        // It failed before it could begin: this is no resumption.
+        Controller::Handling(_) if task.started_at == Some(now) => {}
         Controller::Primitive(_) => {
             primitive::resume(cycle, id);
             interruption::run_step_hook(cycle, id, "on-resume", |hooks| &hooks.on_resume);

@@ -81,7 +81,7 @@ fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Ti
     match clause {
         PriorityClause::Number(expr) => number(expr, view),
         PriorityClause::UrgencyImportance(urgency, importance) => {
-            let urgency = urgency_at(number(urgency, view)?, task.created_at, at);
+            let urgency = urgency_at(number(urgency, view)?, created(task), at);
             Some(combined(urgency, number(importance, view)?.clamp(0.0, 10.0)))
         }
     }
@@ -93,6 +93,11 @@ fn number(expr: &Expr, view: &View<'_>) -> Option<f64> {
         _ => evaluate(expr, view).ok()?,
     };
     value.as_number().map(|(number, _)| number).filter(|number| number.is_finite())
+}
+
+/// When the task was made; to start over makes no new one.
+fn created(task: &Task) -> Time {
+    task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
 }
 
 /// The instant at which a task of this urgency at creation must be done.
@@ -143,7 +148,7 @@ pub(crate) fn rises_until(agent: &Agent, id: TaskId, now: Time) -> Option<Time> 
             if let PriorityClause::UrgencyImportance(urgency, _) = clause
                 && let Some(urgency) = number(urgency, &view)
             {
-                latest = latest.max(Some(deadline(urgency, task.created_at)));
+                latest = latest.max(Some(deadline(urgency, created(task))));
             }
         }
         if template.is_some_and(|step| !step.priority.is_empty())

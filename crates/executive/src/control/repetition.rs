@@ -108,6 +108,9 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, clause: &Repetition) {
     transition(cycle, id, Trigger::Repeated, None, because);
     let Some(task) = cycle.agent.task_mut(id) else { return };
     task.created_at = now;
+    if let Some(extras) = &mut task.extras {
+        extras.first_created = None;
+    }
     task.started_at = None;
     task.held_back = HeldBack::default();
     if !skip {

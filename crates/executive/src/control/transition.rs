@@ -97,6 +97,10 @@ pub(crate) fn transition(
     if to == TaskState::Ongoing && task.started_at.is_none() {
         task.started_at = Some(now);
     }
+    if from == TaskState::Ongoing {
+        cycle.work.resuming.remove(&id);
+    }
+    let Some(task) = cycle.agent.task_mut(id) else { return false };
     task.state = to;
     task.since = now;
     task.outcome = outcome.clone().map(Box::new);
