@@ -150,7 +150,7 @@ fn check_cell(
         return Err(format!("the {subject} has no such behaviour"));
     }
     let mut log = Log::default();
-    scenario::run_observed(&scenario, &program, &mut log)?.map_err(|error| error.to_string())?;
+    scenario::run_observed(&scenario, &program, &mut [&mut log])?.map_err(|error| error.to_string())?;
     let enabled = |tag: &str| log.enabled.get(tag).copied().ok_or(format!("{tag} is never enabled"));
     if enabled("challenger")?.cmp(&enabled("holder")?) != arrival.1 {
         return Err("the challenger does not arrive then".into());
