@@ -1,5 +1,6 @@
 //! Source texts to a checked library: reading, following requirements, collecting names, lowering, cross checks.
 
+use crate::analysis::analyse;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::loose;
@@ -98,12 +99,23 @@ const SOURCES_MAX: usize = 1_000;
 
 /// Checks `sources` and everything that they require. Never fails: what is wrong is in the diagnostics.
 pub fn check(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
+    check_with(sources, options, true)
+}
+
+/// Checks forms and names as [`check`] does, but not what the finished program is bound to do: steps that can never begin,
+/// loops without end and the like are let through. For programs that are meant to get stuck.
+pub fn check_forms(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
+    check_with(sources, options, false)
+}
+
+fn check_with(sources: Vec<SourceText>, options: CheckOptions<'_>, foresee: bool) -> Checked {
     let mut loader = Loader {
         library: Library::default(),
         files: Vec::new(),
         flawed: BTreeSet::new(),
         diagnostics: Vec::new(),
         requested: BTreeSet::new(),
+        foreign: BTreeSet::new(),
         incomplete: false,
     };
     let fragment = options.fragment;
@@ -111,7 +123,7 @@ pub fn check(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Checked {
     for source in sources {
         loader.load(source, fragment, options.resolve);
     }
-    loader.finish(names, fragment)
+    loader.finish(names, fragment, foresee)
 }
 
 /// The host program's functions as names that text may use.
@@ -144,6 +156,8 @@ struct Loader {
     flawed: BTreeSet<u32>,
     diagnostics: Vec<Diagnostic>,
     requested: BTreeSet<Requirement>,
+    /// Files that came as libraries, and what these require.
+    foreign: BTreeSet<u32>,
     /// Something is missing that may define names.
     incomplete: bool,
 }
@@ -156,12 +170,15 @@ impl Loader {
         fragment: bool,
         resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
     ) {
-        let mut pending = vec![source];
-        while let Some(source) = pending.pop() {
+        let mut pending = vec![(source, false)];
+        while let Some((source, is_library)) = pending.pop() {
             if self.library.sources.iter().any(|known| *known.name == source.name) {
                 continue;
             }
             let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
+            if is_library {
+                self.foreign.insert(number);
+            }
             let read = read_file(number, &source.text);
             for mut diagnostic in read.diagnostics {
                 if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
@@ -180,8 +197,9 @@ impl Loader {
                 if !self.requested.insert(requirement.clone()) {
                     continue;
                 }
+                let is_library = is_library || matches!(requirement, Requirement::Library(_));
                 match resolve(requirement.clone()) {
-                    Ok(text) if self.files.len() + pending.len() < SOURCES_MAX => pending.push(text),
+                    Ok(text) if self.files.len() + pending.len() < SOURCES_MAX => pending.push((text, is_library)),
                     Ok(_) => self.missing(&requirement, span, "too many files are required", fragment),
                     Err(reason) => self.missing(&requirement, span, &reason, fragment),
                 }
@@ -199,7 +217,7 @@ impl Loader {
         self.diagnostics.push(Diagnostic::new(severity, codes::REQUIREMENT_MISSING, span, what).reason(reason));
     }
 
-    fn finish(mut self, names: Names, fragment: bool) -> Checked {
+    fn finish(mut self, names: Names, fragment: bool, foresee: bool) -> Checked {
         let mut lowering = Lowering::new(names, fragment);
         let mut files = std::mem::take(&mut self.files);
         if fragment {
@@ -224,6 +242,11 @@ impl Loader {
         }
         if !self.incomplete {
             lowering.report_same_indexes();
+        }
+        let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
+        if foresee && !self.incomplete && no_errors(&self.diagnostics) && no_errors(&lowering.diagnostics) {
+            let found = analyse(&self.library, &lowering.names, &self.foreign);
+            self.diagnostics.extend(found);
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));

@@ -58,9 +58,18 @@ codes! {
     VALUE_TYPE "E0307" "A value is compared with a state variable of another type.";
     DURATION_EXPECTED "E0308" "Something other than a duration stands where a duration is needed.";
     NOT_SUPPORTED "E0401" "The executive cannot do this yet.";
+    WAIT_CYCLE "E0701" "Steps wait for each other in a circle.";
+    NEVER_STARTS "E0702" "A step waits for what can never happen.";
+    IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";
+    RESOURCE_SHORT "E0704" "More of a resource is asked for than there is.";
     REAL_EQUALITY "W0501" "Real numbers are compared for equality without a tolerance.";
     AMBIGUOUS_CHOICE "W0502" "Two procedures are equally specific for the same goal.";
     SYMBOL_LIKE_QUANTITY "W0503" "A symbol looks like a quantity with a misspelt unit.";
+    SHADOWED "W0504" "A procedure, primitive or solver is never chosen.";
+    UNREACHABLE "W0505" "A step or clause is never reached.";
+    STARVED "W0506" "A step never gets a resource that another one keeps.";
+    ENDLESS_RECURSION "W0507" "A procedure pursues itself without end.";
+    WITHOUT_EFFECT "W0508" "A clause has no effect where it stands.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

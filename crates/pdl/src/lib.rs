@@ -3,6 +3,7 @@
 //! Text becomes a lossless tree (total, never fails), the tree becomes data with places, the data become the nouns of
 //! `apex-model`. No I/O: texts come in as strings, required texts come through a callback.
 
+mod analysis;
 mod api;
 mod check;
 mod codes;
@@ -11,6 +12,7 @@ mod fix;
 mod format;
 mod loose;
 mod lower;
+mod matching;
 mod print;
 mod read;
 mod render;
@@ -18,7 +20,7 @@ mod suggest;
 mod syntax;
 
 pub use api::{ParsedCondition, error_codes, parse_condition, read_value};
-pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check};
+pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check, check_forms};
 pub use codes::ErrorCode;
 pub use diagnostic::{Diagnostic, Label, Severity, Span};
 pub use fix::{Applicability, Fix, TextEdit};

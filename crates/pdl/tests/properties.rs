@@ -114,8 +114,10 @@ fn plans_are_procedures() {
     let steps = [step("go", "(fly-to (34.7 -119.8 7010))"), step("look", "(scan zaca 400ft '?x)")];
     for repeat in [false, true] {
         let text = print_plan(&goal, &steps, repeat);
-        let checked =
-            checked(&format!("{text}\n(primitive (index (fly-to ?place)))\n(primitive (index (scan ? ? ?)))"), false);
+        let checked = checked(
+            &format!("{text}\n(primitive (index (fly-to ?place)) (duration 1s))\n(primitive (index (scan ? ? ?)))"),
+            false,
+        );
         assert!(!checked.has_errors(), "{}\n{text}", render(&checked.diagnostics, &checked.library.sources, false));
         assert_eq!(checked.library.procedures.len(), if repeat { 2 } else { 1 });
     }

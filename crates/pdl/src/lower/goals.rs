@@ -4,6 +4,7 @@ use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
+use crate::matching::{View, may_match, pattern_head};
 use crate::print::{pattern_text, template_text};
 use crate::read::Datum;
 use crate::suggest::{nearest, renames};
@@ -11,7 +12,6 @@ use apex_model::expression::Template;
 use apex_model::limits::MATCH_STEPS_MAX;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
-use apex_model::value::Value;
 use std::collections::BTreeMap;
 
 /// A goal that some step, hook or agent pursues.
@@ -125,114 +125,5 @@ impl<'s> GoalIndex<'s> {
         }
         let name = head.printed();
         nearest(name, self.by_head.keys().map(|head| head.printed())).map(|_| Near::Name(name))
-    }
-}
-
-fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
-    match pattern {
-        Pattern::Literal(Value::List(items)) => items.first().and_then(Value::as_symbol),
-        Pattern::List(items) => match items.first() {
-            Some(Pattern::Literal(Value::Symbol(symbol))) => Some(symbol),
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
-/// A part of a goal: still a template, or already a value.
-#[derive(Clone, Copy)]
-enum View<'t> {
-    Template(&'t Template),
-    Value(&'t Value),
-}
-
-impl<'t> View<'t> {
-    fn value(self) -> Option<&'t Value> {
-        match self {
-            View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
-            View::Template(_) => None,
-        }
-    }
-
-    /// The parts of a list; none when this is no list, or when a splice makes its length unknown.
-    fn items(self) -> Option<Vec<View<'t>>> {
-        match (self, self.value()) {
-            (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),
-            (View::Template(Template::List(parts)), _)
-                if !parts.iter().any(|part| matches!(part, Template::Splice(_))) =>
-            {
-                Some(parts.iter().map(View::Template).collect())
-            }
-            _ => None,
-        }
-    }
-
-    fn head(self) -> Option<&'t Symbol> {
-        match (self, self.value()) {
-            (_, Some(Value::List(items))) => items.first().and_then(Value::as_symbol),
-            (View::Template(Template::List(parts)), _) => match parts.first() {
-                Some(Template::Constant(Value::Symbol(symbol))) => Some(symbol),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
-}
-
-/// True unless the goal provably does not match. Running out of steps counts as a match.
-fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> bool {
-    *steps = steps.saturating_sub(1);
-    if *steps == 0 || matches!(goal, View::Template(Template::Hole(_) | Template::Splice(_))) {
-        return true;
-    }
-    match pattern {
-        Pattern::Literal(Value::List(items)) => match goal.items() {
-            Some(parts) => {
-                parts.len() == items.len()
-                    && parts
-                        .iter()
-                        .zip(items.iter())
-                        .all(|(part, item)| may_match(*part, &Pattern::Literal(item.clone()), steps))
-            }
-            None => goal.value().is_none(),
-        },
-        Pattern::Literal(value) => match goal.value() {
-            Some(found) => found.matches(value),
-            None => false,
-        },
-        Pattern::List(patterns) => match goal.items() {
-            Some(parts) => list_may_match(&parts, patterns, steps),
-            None => goal.value().is_none(),
-        },
-        Pattern::And(patterns) => patterns.iter().all(|pattern| may_match(goal, pattern, steps)),
-        Pattern::Or(patterns) => patterns.iter().any(|pattern| may_match(goal, pattern, steps)),
-        Pattern::Variable(_)
-        | Pattern::BoundVariable(_)
-        | Pattern::Anonymous
-        | Pattern::Computed(_)
-        | Pattern::Segment { .. }
-        | Pattern::Guard(_)
-        | Pattern::Is { .. }
-        | Pattern::Not(_) => true,
-    }
-}
-
-fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> bool {
-    *steps = steps.saturating_sub(1);
-    if *steps == 0 {
-        return true;
-    }
-    let Some((pattern, rest)) = patterns.split_first() else { return parts.is_empty() };
-    match pattern {
-        Pattern::Guard(_) => list_may_match(parts, rest, steps),
-        Pattern::Segment { minimum, maximum, .. } => {
-            let most = maximum.map_or(parts.len(), usize::from).min(parts.len());
-            (usize::from(*minimum)..=most)
-                .any(|count| parts.get(count..).is_some_and(|left| list_may_match(left, rest, steps)))
-        }
-        _ => match parts.split_first() {
-            Some((part, left)) => may_match(*part, pattern, steps) && list_may_match(left, rest, steps),
-            None => false,
-        },
     }
 }

@@ -3,6 +3,7 @@
 use super::{Lowering, Served};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::matching::{covers, specificity};
 use crate::print::pattern_text;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
@@ -42,7 +43,10 @@ impl Lowering {
     fn report_ties(&mut self, group: &[&Served]) {
         for (number, one) in group.iter().enumerate() {
             for other in group.iter().take(number) {
-                if specificity(&one.pattern) != specificity(&other.pattern) || !overlap(&one.pattern, &other.pattern) {
+                let tie = specificity(&one.pattern) == specificity(&other.pattern);
+                // That the later one is never chosen is told by itself.
+                let hidden = covers(&other.pattern, &one.pattern) || shape(&other.pattern) == shape(&one.pattern);
+                if !tie || hidden || !overlap(&one.pattern, &other.pattern) {
                     continue;
                 }
                 let (text, earlier) = (pattern_text(&one.pattern), pattern_text(&other.pattern));
@@ -57,7 +61,7 @@ impl Lowering {
 }
 
 /// The pattern with its variables numbered: equal for patterns that match the same values.
-fn shape(pattern: &Pattern) -> String {
+pub(crate) fn shape(pattern: &Pattern) -> String {
     let mut names: BTreeMap<Symbol, usize> = BTreeMap::new();
     let mut text = String::new();
     write_shape(pattern, &mut names, &mut text);
@@ -110,23 +114,6 @@ fn first_symbol(pattern: &Pattern) -> String {
         _ => None,
     };
     first.map_or(String::new(), |value| value.to_string().to_lowercase())
-}
-
-/// Variables bound, and how many items at the start are constant. Fewer variables, then a longer start win.
-fn specificity(pattern: &Pattern) -> (usize, usize) {
-    let prefix = match pattern {
-        Pattern::List(parts) => parts.iter().take_while(|part| matches!(part, Pattern::Literal(_))).count(),
-        _ => usize::MAX,
-    };
-    (variables(pattern), prefix)
-}
-
-fn variables(pattern: &Pattern) -> usize {
-    match pattern {
-        Pattern::Variable(_) | Pattern::Is { .. } | Pattern::Segment { variable: Some(_), .. } => 1,
-        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => parts.iter().map(variables).sum(),
-        _ => 0,
-    }
 }
 
 /// True when some value provably matches both patterns; guards and segments are not looked into.

@@ -32,6 +32,7 @@ mod timing;
 
 pub(crate) use compose::ALLEN;
 pub(crate) use goals::{Goal, Served};
+pub(crate) use indexes::shape;
 pub(crate) use names::{Callable, Names};
 pub(crate) use scope::Scope;
 

@@ -1,0 +1,169 @@
+//! Conditions that cannot hold whatever happens: limits that exclude each other, tests that are false as written.
+
+use super::endings::known_truth;
+use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, Timing};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::Library;
+use apex_model::quantity::Dimension;
+use apex_model::source::Place;
+use apex_model::value::Value;
+
+/// Why a condition cannot hold.
+pub(crate) struct Impossible {
+    /// Where the trouble stands.
+    pub(crate) place: Place,
+    /// In words, to follow "this condition can never hold:".
+    pub(crate) reason: String,
+}
+
+/// Why the condition itself, not one of its parts, can never hold; none where that cannot be told.
+pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Impossible> {
+    let within = |what: &str, constraints: &[Constraint]| {
+        let reason = contradiction(constraints, library)?;
+        Some(Impossible { place: condition.place, reason: format!("{what} {reason}") })
+    };
+    match &condition.kind {
+        ConditionKind::Measurement(measurement) => within("the value", &measurement.value),
+        ConditionKind::Episode(episode) => within("the value", &episode.value)
+            .or_else(|| within("the first value", &[&*episode.value, &*episode.first_value].concat()))
+            .or_else(|| within("the last value", &[&*episode.value, &*episode.last_value].concat()))
+            .or_else(|| duration(&episode.timing, condition.place, library)),
+        ConditionKind::Event { timing, .. } => duration(timing, condition.place, library),
+        ConditionKind::Delay(least, Some(most)) => {
+            let (from, to) = (number(least, library)?, number(most, library)?);
+            (from > to).then(|| Impossible {
+                place: condition.place,
+                reason: "it asks for a delay of at least so much and at most less".to_string(),
+            })
+        }
+        ConditionKind::Function(test) if known_truth(Some(test)) == Some(false) => {
+            Some(Impossible { place: test.place, reason: "its expression is nil".to_string() })
+        }
+        _ => None,
+    }
+}
+
+fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossible> {
+    let zero = Expr { kind: ExprKind::Constant(Value::measured(0.0, Dimension::TIME)), place };
+    let positive = Constraint::Compare { relation: Relation::GreaterOrEqual, right: zero, tolerance: None };
+    let all = [timing.duration.as_slice(), &[positive]].concat();
+    let reason = contradiction(&all, library).filter(|_| !timing.duration.is_empty())?;
+    Some(Impossible { place, reason: format!("the duration {reason}") })
+}
+
+/// The number that an expression always is, in SI units.
+fn number(expr: &Expr, library: &Library) -> Option<f64> {
+    match &expr.kind {
+        ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),
+        // An indexical that is defined as a literal; one step only, so that a circle of definitions does no harm.
+        ExprKind::Indexical(name) => match &library.indexicals.get(name)?.kind {
+            ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// What is left open by limits that are known beforehand.
+struct Range {
+    low: f64,
+    low_included: bool,
+    high: f64,
+    high_included: bool,
+}
+
+impl Range {
+    fn at_least(&mut self, limit: f64, included: bool) {
+        if limit > self.low {
+            (self.low, self.low_included) = (limit, included);
+        } else if limit == self.low {
+            self.low_included &= included;
+        }
+    }
+
+    fn at_most(&mut self, limit: f64, included: bool) {
+        if limit < self.high {
+            (self.high, self.high_included) = (limit, included);
+        } else if limit == self.high {
+            self.high_included &= included;
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.low > self.high || self.low == self.high && !(self.low_included && self.high_included)
+    }
+}
+
+/// Why no number meets all constraints.
+fn contradiction(constraints: &[Constraint], library: &Library) -> Option<String> {
+    let mut range = Range { low: f64::NEG_INFINITY, low_included: true, high: f64::INFINITY, high_included: true };
+    for constraint in constraints {
+        match constraint {
+            Constraint::Compare { relation, right, tolerance } => {
+                let Some(limit) = number(right, library) else { continue };
+                match relation {
+                    Relation::Less => range.at_most(limit, false),
+                    Relation::LessOrEqual => range.at_most(limit, true),
+                    Relation::Greater => range.at_least(limit, false),
+                    Relation::GreaterOrEqual => range.at_least(limit, true),
+                    Relation::Equal => {
+                        let width = tolerance.as_ref().map_or(Some(0.0), |tolerance| number(tolerance, library));
+                        if let Some(width) = width {
+                            range.at_least(limit - width, true);
+                            range.at_most(limit + width, true);
+                        }
+                    }
+                    Relation::Different => {}
+                }
+            }
+            Constraint::Range(low, high) => {
+                if let Some(low) = low.as_ref().and_then(|low| number(low, library)) {
+                    range.at_least(low, true);
+                }
+                if let Some(high) = high.as_ref().and_then(|high| number(high, library)) {
+                    range.at_most(high, true);
+                }
+            }
+            Constraint::Matches(_) | Constraint::Predicate(..) => {}
+        }
+    }
+    range.is_empty().then(|| "cannot be on both sides of these limits".to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn compare((relation, limit): (Relation, i8)) -> Constraint {
+        let right = Expr { kind: ExprKind::Constant(Value::Integer(i64::from(limit))), place: Place::default() };
+        Constraint::Compare { relation, right, tolerance: None }
+    }
+
+    fn meets(value: f64, (relation, limit): (Relation, i8)) -> bool {
+        let limit = f64::from(limit);
+        match relation {
+            Relation::Less => value < limit,
+            Relation::LessOrEqual => value <= limit,
+            Relation::Greater => value > limit,
+            Relation::GreaterOrEqual => value >= limit,
+            Relation::Equal => value == limit,
+            Relation::Different => value != limit,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn limits_exclude_each_other_when_no_number_meets_them(
+            limits in prop::collection::vec((prop::sample::select(vec![
+                Relation::Less, Relation::LessOrEqual, Relation::Greater, Relation::GreaterOrEqual, Relation::Equal,
+            ]), -3i8..4), 0..5),
+        ) {
+            let constraints: Vec<Constraint> = limits.iter().copied().map(compare).collect();
+            let found = contradiction(&constraints, &Library::default()).is_some();
+            // Between whole limits, halves are all that need be tried.
+            let possible = (-10..=10).any(|half| limits.iter().all(|limit| meets(f64::from(half) / 2.0, *limit)));
+            prop_assert_eq!(found, !possible);
+        }
+    }
+}

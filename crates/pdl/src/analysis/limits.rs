@@ -1,0 +1,34 @@
+//! Messages about conditions that can never hold.
+
+use super::impossible::impossible;
+use super::{Program, Report, walk};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use apex_model::condition::{Condition, ConditionKind};
+
+pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+    for procedure in &program.library.procedures {
+        for step in &procedure.steps {
+            for each in &step.waitfor {
+                look(program, each, true, report);
+            }
+            walk::transitions(&step.transitions).for_each(|(_, each)| look(program, each, false, report));
+        }
+        walk::transitions(&procedure.transitions).for_each(|(_, each)| look(program, each, false, report));
+    }
+}
+
+/// `decides`: if the part never holds, neither does what it is part of, and a step never begins.
+fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mut Report<'_>) {
+    if let Some(found) = impossible(condition, program.library) {
+        let span = report.locator.span(found.place);
+        let severity = if decides { Severity::Error } else { Severity::Warning };
+        let diagnostic = Diagnostic::new(severity, codes::IMPOSSIBLE_CONDITION, span, "this condition can never hold")
+            .reason(found.reason)
+            .help("exchange the limits, or join two conditions with `(:or ..)`");
+        return report.add(diagnostic);
+    }
+    let decides = decides
+        && matches!(condition.kind, ConditionKind::And(..) | ConditionKind::InOrder(..) | ConditionKind::Allen { .. });
+    walk::parts(condition).iter().for_each(|part| look(program, part, decides, report));
+}

@@ -1,0 +1,193 @@
+//! Places back to stretches of text. The library keeps where things begin; only a message needs to know where they end.
+
+use crate::diagnostic::Span;
+use crate::read::{Datum, DatumKind, read_file};
+use apex_model::source::{Place, SourceFile};
+use apex_model::symbol::Symbol;
+use std::collections::BTreeMap;
+
+/// Finds the text of places.
+pub(crate) struct Locator<'l> {
+    sources: &'l [SourceFile],
+    /// Byte offsets of the lines of each file that was asked for.
+    lines: BTreeMap<u32, Vec<usize>>,
+}
+
+impl<'l> Locator<'l> {
+    /// Over the texts of a library.
+    pub(crate) fn new(sources: &'l [SourceFile]) -> Locator<'l> {
+        Locator { sources, lines: BTreeMap::new() }
+    }
+
+    /// The datum that begins at `place`, with its spans.
+    pub(crate) fn datum(&mut self, place: Place) -> Option<Datum> {
+        let source = self.sources.get(usize::try_from(place.file).ok()?)?;
+        let text: &str = &source.text;
+        let lines = self.lines.entry(place.file).or_insert_with(|| {
+            std::iter::once(0).chain(text.match_indices('\n').map(|(offset, _)| offset + 1)).collect()
+        });
+        let start = *lines.get(usize::try_from(place.line).ok()?.checked_sub(1)?)?;
+        let column = usize::try_from(place.column).ok()?.checked_sub(1)?;
+        let (within, _) = text.get(start..)?.char_indices().nth(column)?;
+        let offset = start + within;
+        let rest = text.get(offset..)?;
+        let data = read_file(place.file, rest.get(..datum_length(rest))?).data;
+        let mut datum = data.into_iter().next()?;
+        shift(&mut datum, u32::try_from(offset).ok()?, place);
+        Some(datum)
+    }
+
+    /// The stretch of the datum at `place`; an empty one there if the text is not at hand.
+    pub(crate) fn span(&mut self, place: Place) -> Span {
+        let nowhere = Span { file: place.file, start: 0, end: 0, line: place.line, column: place.column };
+        self.datum(place).map_or(nowhere, |datum| datum.span)
+    }
+
+    /// The clause `name` of the form at `place`, else the whole form.
+    pub(crate) fn clause(&mut self, place: Place, name: &str) -> Span {
+        let datum = self.datum(place);
+        let clause = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == name));
+        clause.map_or_else(|| self.span(place), |clause| clause.span)
+    }
+
+    /// The tag of the step at `place`, else its activity.
+    pub(crate) fn tag(&mut self, place: Place) -> Span {
+        let datum = self.datum(place);
+        datum.as_ref().and_then(|step| step.tail().first()).map_or_else(|| self.span(place), |tag| tag.span)
+    }
+
+    /// The activity of the step at `place`.
+    pub(crate) fn activity(&mut self, place: Place) -> Span {
+        let datum = self.datum(place);
+        let activity = datum.as_ref().and_then(|step| step.tail().iter().find(|part| part.as_list().is_some()));
+        activity.map_or_else(|| self.span(place), |activity| activity.span)
+    }
+
+    /// The index of the procedure, primitive or solver at `place`.
+    pub(crate) fn index(&mut self, place: Place) -> Span {
+        let datum = self.datum(place);
+        let clause = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == "index"));
+        let pattern = match clause {
+            Some(clause) => clause.tail().first(),
+            None => datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.as_list().is_some())),
+        };
+        pattern.map_or_else(|| self.span(place), |pattern| pattern.span)
+    }
+
+    /// The first `?name` in the form at `place`, else the whole form.
+    pub(crate) fn variable(&mut self, place: Place, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_variable() == Some(name)));
+        found.unwrap_or_else(|| self.span(place))
+    }
+}
+
+/// The first part of `datum`, in order of writing, that is wanted.
+pub(crate) fn find(datum: &Datum, wanted: &dyn Fn(&Datum) -> bool) -> Option<Span> {
+    if wanted(datum) {
+        return Some(datum.span);
+    }
+    match &datum.kind {
+        DatumKind::List(items) => items.iter().find_map(|item| find(item, wanted)),
+        DatumKind::Quote(inner)
+        | DatumKind::Quasi(inner)
+        | DatumKind::Unquote(inner)
+        | DatumKind::Splice(inner)
+        | DatumKind::Function(inner) => find(inner, wanted),
+        _ => None,
+    }
+}
+
+/// Moves spans that count from the start of the datum to where it stands in its file.
+fn shift(datum: &mut Datum, offset: u32, place: Place) {
+    let span = &mut datum.span;
+    span.start = span.start.saturating_add(offset);
+    span.end = span.end.saturating_add(offset);
+    if span.line == 1 {
+        span.column = span.column.saturating_add(place.column.saturating_sub(1));
+    }
+    span.line = span.line.saturating_add(place.line.saturating_sub(1));
+    match &mut datum.kind {
+        DatumKind::List(items) => items.iter_mut().for_each(|item| shift(item, offset, place)),
+        DatumKind::Quote(inner)
+        | DatumKind::Quasi(inner)
+        | DatumKind::Unquote(inner)
+        | DatumKind::Splice(inner)
+        | DatumKind::Function(inner) => shift(inner, offset, place),
+        _ => {}
+    }
+}
+
+/// Bytes of the first datum of `text`.
+fn datum_length(text: &str) -> usize {
+    let mut depth = 0_usize;
+    let mut comment = 0_usize;
+    let (mut in_text, mut in_line, mut in_atom, mut escaped) = (false, false, false, false);
+    let mut previous = ' ';
+    for (offset, character) in text.char_indices() {
+        let before = std::mem::replace(&mut previous, character);
+        if in_text {
+            if escaped {
+                escaped = false;
+            } else if character == '\\' {
+                escaped = true;
+            } else if character == '"' {
+                in_text = false;
+                if depth == 0 {
+                    return offset + 1;
+                }
+            }
+            continue;
+        }
+        if in_line {
+            in_line = character != '\n';
+            continue;
+        }
+        match (before, character) {
+            ('#', '|') => (comment, previous, in_atom) = (comment + 1, ' ', false),
+            ('|', '#') if comment > 0 => (comment, previous) = (comment - 1, ' '),
+            _ => {}
+        }
+        if comment > 0 {
+            continue;
+        }
+        let ends_atom = character.is_whitespace() || matches!(character, '(' | ')' | '"' | ';');
+        if depth == 0 && in_atom && ends_atom {
+            return offset;
+        }
+        match character {
+            '(' => depth += 1,
+            ')' if depth <= 1 => return offset + 1,
+            ')' => depth -= 1,
+            '"' => in_text = true,
+            ';' => in_line = true,
+            '\'' | '`' | ',' | '@' | '#' | '|' => {}
+            other => in_atom = !other.is_whitespace(),
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn the_text_of_a_place_is_found_again() {
+        let text = "; (a\n(procedure (a) #| ( |# (step \"(\\\"\" (b)) ; )\n  (step t (é '?x) (rank 1)))\n";
+        let sources = [SourceFile { name: Arc::from("a.pdl"), text: Arc::from(text) }];
+        let mut locator = Locator::new(&sources);
+        let cut = |span: Span| text.get(span.start as usize..span.end as usize).unwrap_or("nothing");
+        let at = |line, column| Place { file: 0, line, column };
+        assert_eq!(cut(locator.span(at(2, 24))), "(step \"(\\\"\" (b))");
+        assert_eq!(cut(locator.clause(at(3, 3), "rank")), "(rank 1)");
+        assert_eq!(cut(locator.tag(at(3, 3))), "t");
+        assert_eq!(cut(locator.activity(at(3, 3))), "(é '?x)");
+        assert_eq!(cut(locator.index(at(2, 1))), "(a)");
+        assert_eq!(cut(locator.variable(at(3, 3), &Symbol::new("x"))), "?x");
+        let span = locator.clause(at(3, 3), "rank");
+        assert_eq!((span.line, span.column), (3, 19));
+        assert_eq!(locator.span(at(99, 1)).line, 99);
+    }
+}

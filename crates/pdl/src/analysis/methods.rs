@@ -1,0 +1,201 @@
+//! Who may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
+
+use crate::matching::{Specificity, View, may_match, must_match, pattern_head, specificity};
+use apex_model::expression::Template;
+use apex_model::library::Library;
+use apex_model::limits::MATCH_STEPS_MAX;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+/// Something that serves goals, by its index in the library. Orders as selection does among equals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Method {
+    /// A procedure.
+    Procedure(usize),
+    /// A primitive.
+    Primitive(usize),
+    /// A solver, asked only where nothing else serves.
+    Solver(usize),
+}
+
+/// More methods that may serve one goal than anybody follows: then anything may come of the goal.
+const CANDIDATES_MAX: usize = 64;
+
+/// The second word of an index or goal, where it is a symbol or a number.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Second {
+    Symbol(Symbol),
+    Number(u64),
+}
+
+#[derive(Default)]
+struct Group {
+    by_second: BTreeMap<Second, Vec<Method>>,
+    open: Vec<Method>,
+}
+
+/// All methods of a library.
+pub(crate) struct Methods<'l> {
+    library: &'l Library,
+    by_head: BTreeMap<&'l Symbol, Group>,
+    open: Vec<Method>,
+}
+
+impl<'l> Methods<'l> {
+    /// The methods of `library`.
+    pub(crate) fn new(library: &'l Library) -> Methods<'l> {
+        let mut methods = Methods { library, by_head: BTreeMap::new(), open: Vec::new() };
+        for (number, procedure) in library.procedures.iter().enumerate() {
+            methods.file(&procedure.index, Method::Procedure(number));
+        }
+        for (number, primitive) in library.primitives.iter().enumerate() {
+            methods.file(&primitive.index, Method::Primitive(number));
+        }
+        for (number, solver) in library.solvers.iter().enumerate() {
+            methods.file(&solver.index, Method::Solver(number));
+        }
+        methods
+    }
+
+    fn file(&mut self, index: &'l Pattern, method: Method) {
+        let Some(head) = pattern_head(index) else { return self.open.push(method) };
+        let group = self.by_head.entry(head).or_default();
+        match second_of_pattern(index) {
+            Some(second) => group.by_second.entry(second).or_default().push(method),
+            None => group.open.push(method),
+        }
+    }
+
+    /// The index of `method`.
+    pub(crate) fn index(&self, method: Method) -> Option<&'l Pattern> {
+        let library = self.library;
+        match method {
+            Method::Procedure(number) => library.procedures.get(number).map(|procedure| &procedure.index),
+            Method::Primitive(number) => library.primitives.get(number).map(|primitive| &primitive.index),
+            Method::Solver(number) => library.solvers.get(number).map(|solver| &solver.index),
+        }
+    }
+
+    /// What may serve `goal`, in the order of choice; none when that cannot be told.
+    pub(crate) fn serving(&self, goal: &Template) -> Option<Vec<Method>> {
+        let view = View::Template(goal);
+        let head = view.head()?;
+        let mut found = Vec::new();
+        for method in self.filed(head, second_of_goal(view)) {
+            let Some(index) = self.index(method) else { continue };
+            if may_match(view, index, &mut { MATCH_STEPS_MAX }) {
+                if found.len() == CANDIDATES_MAX {
+                    return None;
+                }
+                found.push(method);
+            }
+        }
+        found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
+        // Nobody after one that surely matches is ever chosen, where every agent knows that one.
+        if let Some(sure) = found.iter().position(|method| self.is_known_to_all(*method) && self.surely(goal, *method))
+        {
+            found.truncate(sure + 1);
+        }
+        Some(found)
+    }
+
+    /// The most specific first.
+    fn rank(&self, method: Method) -> Option<Reverse<Specificity>> {
+        self.index(method).map(|index| Reverse(specificity(index)))
+    }
+
+    fn is_known_to_all(&self, method: Method) -> bool {
+        let bundle = match method {
+            Method::Procedure(number) => self.library.procedures.get(number).and_then(|each| each.bundle.as_ref()),
+            Method::Primitive(number) => self.library.primitives.get(number).and_then(|each| each.bundle.as_ref()),
+            Method::Solver(_) => None,
+        };
+        let knows = |bundle: &Symbol, bundles: &[Symbol]| bundles.is_empty() || bundles.contains(bundle);
+        bundle.is_none_or(|bundle| self.library.agents.iter().all(|agent| knows(bundle, &agent.bundles)))
+    }
+
+    fn filed(&self, head: &Symbol, second: Option<Second>) -> impl Iterator<Item = Method> {
+        let group = self.by_head.get(head);
+        let listed: Vec<&Vec<Method>> = match (group, second) {
+            (None, _) => Vec::new(),
+            (Some(group), Some(second)) => {
+                group.by_second.get(&second).into_iter().chain(std::iter::once(&group.open)).collect()
+            }
+            (Some(group), None) => group.by_second.values().chain(std::iter::once(&group.open)).collect(),
+        };
+        listed.into_iter().flatten().chain(&self.open).copied()
+    }
+
+    /// Does `method` serve `goal`, whatever its holes get?
+    pub(crate) fn surely(&self, goal: &Template, method: Method) -> bool {
+        self.index(method).is_some_and(|index| must_match(View::Template(goal), index))
+    }
+}
+
+fn second_of_value(value: &Value) -> Option<Second> {
+    match value {
+        Value::Symbol(symbol) => Some(Second::Symbol(symbol.clone())),
+        Value::Integer(_) | Value::Real(_) => {
+            let (number, _) = value.as_number()?;
+            // Zero has two signs and one value.
+            Some(Second::Number((number + 0.0).to_bits()))
+        }
+        _ => None,
+    }
+}
+
+fn second_of_pattern(index: &Pattern) -> Option<Second> {
+    match index {
+        Pattern::Literal(Value::List(items)) => items.get(1).and_then(second_of_value),
+        Pattern::List(parts) => match parts.get(1) {
+            Some(Pattern::Literal(value)) => second_of_value(value),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn second_of_goal(goal: View<'_>) -> Option<Second> {
+    goal.items()?.get(1)?.value().and_then(second_of_value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::read_value;
+    use apex_model::expression::{Expr, ExprKind};
+    use apex_model::source::Place;
+
+    fn library(indexes: &[&str]) -> Library {
+        let text: String = indexes.iter().map(|index| format!("(primitive (index {index}))\n")).collect();
+        let source = crate::SourceText { name: "a.pdl".to_string(), text };
+        let mut resolve = |_| Err(String::new());
+        crate::check(vec![source], crate::CheckOptions { fragment: false, host: &[], resolve: &mut resolve }).library
+    }
+
+    #[test]
+    fn methods_are_found_by_two_words_and_by_one() {
+        let library = library(&["(go home)", "(go ?where)", "(go home now)", "(go 2)", "(?verb home)"]);
+        let methods = Methods::new(&library);
+        let hole = |verb: &str| {
+            let name = ExprKind::Variable { name: Symbol::new("x"), must_be_bound: false };
+            let expr = Expr { kind: name, place: Place::default() };
+            Template::List(vec![Template::Constant(Value::symbol(verb)), Template::Hole(expr)])
+        };
+        let serving = |goal: &str| {
+            let goal = Template::Constant(read_value(goal).expect("a value"));
+            let found = methods.serving(&goal).expect("a head");
+            found.into_iter().map(|method| matches!(method, Method::Primitive(number) if number < 9)).count()
+        };
+        // The constant one is chosen; nobody else is asked.
+        assert_eq!(serving("(go home)"), 1);
+        assert_eq!(serving("(go 2.0)"), 1);
+        assert_eq!(serving("(go away)"), 1);
+        assert_eq!(methods.serving(&hole("go")).map(|found| found.len()), Some(3));
+        assert_eq!(serving("(stay home)"), 1);
+        assert_eq!(serving("(stay away)"), 0);
+    }
+}

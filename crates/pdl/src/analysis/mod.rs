@@ -1,0 +1,66 @@
+//! Checks over the finished library: what it is bound to do, and what in it is probably not meant.
+//!
+//! They run when lowering has found no error, so that no message is about the consequence of another one. An error is
+//! proven; what is only likely is a warning.
+
+mod endings;
+mod flow;
+mod horn;
+mod impossible;
+mod limits;
+mod locate;
+mod loops;
+mod methods;
+mod profiles;
+mod shadows;
+mod starts;
+mod walk;
+
+use crate::diagnostic::Diagnostic;
+use crate::lower::Names;
+use apex_model::library::Library;
+use endings::Endings;
+use locate::Locator;
+use methods::Methods;
+use std::collections::BTreeSet;
+
+/// Messages kept; who has so many reads the first ones.
+const MESSAGES_MAX: usize = 200;
+
+/// A library and what was found out about it once.
+pub(crate) struct Program<'l> {
+    library: &'l Library,
+    names: &'l Names,
+    /// Files that came as libraries: what they define need not be used.
+    foreign: &'l BTreeSet<u32>,
+    methods: Methods<'l>,
+    endings: Endings,
+}
+
+/// Collects messages and finds their places.
+struct Report<'l> {
+    locator: Locator<'l>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Report<'_> {
+    fn add(&mut self, diagnostic: Diagnostic) {
+        if self.diagnostics.len() < MESSAGES_MAX {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+}
+
+/// Everything there is to say about `library`.
+pub(crate) fn analyse(library: &Library, names: &Names, foreign: &BTreeSet<u32>) -> Vec<Diagnostic> {
+    let methods = Methods::new(library);
+    let endings = Endings::new(library, names, &methods);
+    let program = Program { library, names, foreign, methods, endings };
+    let mut report = Report { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
+    let caught = loops::check(&program, &mut report);
+    flow::check(&program, &caught, &mut report);
+    limits::check(&program, &mut report);
+    profiles::check(&program, &mut report);
+    shadows::check(&program, &mut report);
+    report.diagnostics
+}

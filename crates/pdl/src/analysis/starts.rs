@@ -1,0 +1,332 @@
+//! Which steps can begin at all, and on what the others wait in vain.
+//!
+//! A step begins when the step before it in a sequence has ended for good, its waitfor holds and the results that it
+//! uses are there. What does not follow from these rules never begins; the reason is searched for afterwards.
+
+use super::endings::{Endings, ends_procedure, goes_on, is_stopped, terminated_tags};
+use super::horn::{Horn, Node, Solution};
+use super::impossible::impossible;
+use super::walk;
+use apex_model::condition::{Condition, ConditionKind};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::index::ProcedureIndex;
+use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Procedure, ProcedureKind, Step};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::variables;
+use std::collections::BTreeMap;
+
+/// On what a step waits.
+#[derive(Clone, Debug)]
+pub(crate) enum Premise {
+    /// The end of an instance of the step with this number.
+    End { step: usize, place: Place },
+    /// The step before it in the sequence.
+    Sequence { step: usize },
+    /// That the step with this number has begun.
+    Begin { step: usize, place: Place },
+    /// A result that one of these steps has.
+    Result { name: Symbol, steps: Vec<usize> },
+    /// A state that its own task is in only later.
+    OwnState { place: Place },
+    /// A condition that can never hold; a message of its own says why.
+    Impossible,
+}
+
+enum Need {
+    Leaf(Premise),
+    All(Vec<Need>),
+    Any(Vec<Need>),
+    Free,
+}
+
+/// Why a step never begins.
+#[derive(Debug)]
+pub(crate) enum Blocked {
+    /// Steps of a circle, each with what it waits for: the next one, the last one for the first.
+    Circle(Vec<(usize, Premise)>),
+    /// This step waits for another that begins, but does not end.
+    Endless(usize, Premise),
+    /// This step waits for its own later state.
+    OwnState(usize, Place),
+    /// Another message says why.
+    Told,
+}
+
+/// The waits of one procedure.
+pub(crate) struct Waits<'l> {
+    procedure: &'l Procedure,
+    number: usize,
+    endings: &'l Endings,
+    needs: Vec<Need>,
+    begins: Vec<Node>,
+    ends: Vec<Node>,
+    done: Vec<Node>,
+    solution: Solution,
+}
+
+impl<'l> Waits<'l> {
+    /// The waits of the procedure with this number; none if its steps wait for nothing.
+    pub(crate) fn new(library: &'l Library, number: usize, endings: &'l Endings) -> Option<Waits<'l>> {
+        let procedure = library.procedures.get(number)?;
+        let is_sequence = procedure.kind == ProcedureKind::Sequential && procedure.steps.len() > 1;
+        let waits = |step: &Step| !step.waitfor.is_empty() || step.binds.is_some();
+        if !is_sequence && !procedure.steps.iter().any(waits) {
+            return None;
+        }
+        let needs = needs_of(library, procedure);
+        let terminated = terminated_tags(procedure);
+        let mut horn = Horn::default();
+        let begins: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
+        let ends: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
+        let done: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
+        for (step, need) in needs.iter().enumerate() {
+            let Some(template) = procedure.steps.get(step) else { continue };
+            let nodes = (begins.get(step), ends.get(step), done.get(step));
+            let (Some(begin), Some(end), Some(finish)) = nodes else { continue };
+            let needed = node_of(&mut horn, need, &begins, &ends, &done);
+            horn.rule(needed, *begin);
+            if is_stopped(template, &terminated) {
+                let stopped = horn.fact();
+                horn.rule(stopped, *end);
+                horn.rule(stopped, *finish);
+            }
+            if can_end(template, number, step, endings) {
+                horn.rule(*begin, *end);
+                if !goes_on(procedure, template) {
+                    horn.rule(*end, *finish);
+                }
+            }
+        }
+        let solution = horn.solve();
+        Some(Waits { procedure, number, endings, needs, begins, ends, done, solution })
+    }
+
+    /// May the step begin?
+    pub(crate) fn begins(&self, step: usize) -> bool {
+        self.begins.get(step).is_none_or(|node| self.solution.holds(*node))
+    }
+
+    /// Does its activity end, once it has begun?
+    pub(crate) fn activity_ends(&self, step: usize) -> bool {
+        self.procedure.steps.get(step).is_none_or(|template| can_end(template, self.number, step, self.endings))
+    }
+
+    /// Every reason why steps never begin, each once, in order of the first step concerned.
+    pub(crate) fn blocked(&self) -> Vec<Blocked> {
+        let mut found = Vec::new();
+        // Steps by the walk that saw them first.
+        let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
+        for start in (0..self.needs.len()).filter(|step| !self.begins(*step)) {
+            let mut path: Vec<(usize, Premise)> = Vec::new();
+            let mut step = start;
+            loop {
+                if let Some(walk) = seen.get(&step) {
+                    if *walk == start {
+                        let first = path.iter().position(|(each, _)| *each == step).unwrap_or(0);
+                        found.push(Blocked::Circle(path.split_off(first)));
+                    }
+                    break;
+                }
+                seen.insert(step, start);
+                let Some(premise) = self.needs.get(step).and_then(|need| self.unmet(need)) else { break };
+                let next = match &premise {
+                    Premise::OwnState { place } => {
+                        found.push(Blocked::OwnState(step, *place));
+                        break;
+                    }
+                    Premise::Impossible => {
+                        found.push(Blocked::Told);
+                        break;
+                    }
+                    Premise::End { step, .. } | Premise::Sequence { step } | Premise::Begin { step, .. } => *step,
+                    Premise::Result { steps, .. } => match steps.first() {
+                        Some(step) => *step,
+                        None => break,
+                    },
+                };
+                if self.begins(next) {
+                    found.push(Blocked::Endless(step, premise));
+                    break;
+                }
+                path.push((step, premise));
+                step = next;
+            }
+        }
+        found
+    }
+
+    /// The first premise that is not met.
+    fn unmet(&self, need: &Need) -> Option<Premise> {
+        match need {
+            Need::Free => None,
+            Need::Leaf(premise) => (!self.is_met(premise)).then(|| premise.clone()),
+            Need::All(parts) => parts.iter().find_map(|part| self.unmet(part)),
+            Need::Any(parts) => {
+                let unmet: Vec<Option<Premise>> = parts.iter().map(|part| self.unmet(part)).collect();
+                if unmet.iter().any(Option::is_none) { None } else { unmet.into_iter().flatten().next() }
+            }
+        }
+    }
+
+    fn is_met(&self, premise: &Premise) -> bool {
+        let holds = |nodes: &[Node], step: usize| nodes.get(step).is_none_or(|node| self.solution.holds(*node));
+        match premise {
+            Premise::End { step, .. } => holds(&self.ends, *step),
+            Premise::Sequence { step } => holds(&self.done, *step),
+            Premise::Begin { step, .. } => holds(&self.begins, *step),
+            Premise::Result { steps, .. } => steps.iter().any(|step| holds(&self.ends, *step)),
+            Premise::OwnState { .. } | Premise::Impossible => false,
+        }
+    }
+}
+
+/// May a begun instance of the step end while its procedure goes on?
+fn can_end(step: &Step, procedure: usize, number: usize, endings: &Endings) -> bool {
+    let handled = step.on_failure.is_some() || step.forall.is_some();
+    handled || !ends_procedure(&step.activity) && endings.activity_ends(procedure, number)
+}
+
+fn node_of(horn: &mut Horn, need: &Need, begins: &[Node], ends: &[Node], done: &[Node]) -> Node {
+    let known = |nodes: &[Node], step: usize| nodes.get(step).copied();
+    match need {
+        Need::Free => horn.fact(),
+        Need::Leaf(Premise::End { step, .. }) => known(ends, *step).unwrap_or_else(|| horn.fact()),
+        Need::Leaf(Premise::Sequence { step }) => known(done, *step).unwrap_or_else(|| horn.fact()),
+        Need::Leaf(Premise::Begin { step, .. }) => known(begins, *step).unwrap_or_else(|| horn.fact()),
+        Need::Leaf(Premise::Result { steps, .. }) => {
+            let node = horn.any();
+            steps.iter().filter_map(|step| known(ends, *step)).for_each(|end| horn.rule(end, node));
+            node
+        }
+        Need::Leaf(Premise::OwnState { .. } | Premise::Impossible) => horn.any(),
+        Need::All(parts) => {
+            let node = horn.all(parts.len());
+            for part in parts {
+                let part = node_of(horn, part, begins, ends, done);
+                horn.rule(part, node);
+            }
+            node
+        }
+        Need::Any(parts) => {
+            let node = horn.any();
+            for part in parts {
+                let part = node_of(horn, part, begins, ends, done);
+                horn.rule(part, node);
+            }
+            node
+        }
+    }
+}
+
+fn needs_of(library: &Library, procedure: &Procedure) -> Vec<Need> {
+    let tags: BTreeMap<&Symbol, usize> =
+        procedure.steps.iter().enumerate().map(|(number, step)| (&step.tag, number)).collect();
+    let results = Results::new(procedure);
+    let reader = Reader { library, tags };
+    let sequential = procedure.kind == ProcedureKind::Sequential;
+    let steps = procedure.steps.iter().enumerate();
+    let needs = steps.map(|(number, step)| {
+        let mut parts: Vec<Need> = step.waitfor.iter().map(|each| reader.need(each, number)).collect();
+        if sequential && number > 0 {
+            parts.push(Need::Leaf(Premise::Sequence { step: number - 1 }));
+        }
+        parts.extend(results.needs(number));
+        Need::All(parts.into_iter().filter(|part| !matches!(part, Need::Free)).collect())
+    });
+    needs.collect()
+}
+
+/// Results of steps that other steps wait for.
+struct Results {
+    index: Option<ProcedureIndex>,
+    producers: BTreeMap<Symbol, Vec<usize>>,
+}
+
+impl Results {
+    fn new(procedure: &Procedure) -> Results {
+        let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
+        for (number, step) in procedure.steps.iter().enumerate() {
+            step.binds.iter().for_each(|pattern| {
+                variables::of_pattern(pattern, &mut |name| producers.entry(name.clone()).or_default().push(number));
+            });
+        }
+        if producers.is_empty() {
+            return Results { index: None, producers };
+        }
+        // What the index or a hook gives a value is there without the step.
+        variables::of_pattern(&procedure.index, &mut |name| {
+            producers.remove(name);
+        });
+        walk::procedure(procedure, &mut |expr| {
+            if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
+                producers.remove(name);
+            }
+        });
+        Results { index: Some(ProcedureIndex::new(procedure)), producers }
+    }
+
+    fn needs(&self, step: usize) -> Vec<Need> {
+        let awaits = self.index.as_ref().and_then(|index| index.steps.get(step)).map(|step| step.awaits.as_slice());
+        let results = awaits.unwrap_or_default().iter().filter_map(|name| {
+            let steps: Vec<usize> =
+                self.producers.get(name)?.iter().copied().filter(|producer| *producer != step).collect();
+            Some(Need::Leaf(Premise::Result { name: name.clone(), steps }))
+        });
+        results.collect()
+    }
+}
+
+/// Reads conditions as needs.
+struct Reader<'l> {
+    library: &'l Library,
+    tags: BTreeMap<&'l Symbol, usize>,
+}
+
+impl Reader<'_> {
+    fn need(&self, condition: &Condition, own: usize) -> Need {
+        if impossible(condition, self.library).is_some() {
+            return Need::Leaf(Premise::Impossible);
+        }
+        let parts = |parts: &[Condition]| parts.iter().map(|part| self.need(part, own)).collect::<Vec<_>>();
+        match &condition.kind {
+            ConditionKind::And(all, _) | ConditionKind::InOrder(all, _) | ConditionKind::Allen { parts: all, .. } => {
+                Need::All(parts(all))
+            }
+            ConditionKind::Or(some, _) => Need::Any(parts(some)),
+            ConditionKind::TaskEnded(tag) => match self.tags.get(tag) {
+                Some(step) => Need::Leaf(Premise::End { step: *step, place: condition.place }),
+                None => Need::Free,
+            },
+            ConditionKind::TaskState { task, state } => self.state(task, state, condition.place, own),
+            _ => Need::Free,
+        }
+    }
+
+    fn state(&self, task: &Expr, state: &Pattern, place: Place, own: usize) -> Need {
+        let step = match &task.kind {
+            ExprKind::Indexical(name) if name.is("this-task") => Some(own),
+            ExprKind::Variable { name, .. } => self.tags.get(name).copied(),
+            _ => None,
+        };
+        let word = match state {
+            Pattern::Literal(value) => value.as_symbol(),
+            _ => None,
+        };
+        let (Some(step), Some(word)) = (step, word) else { return Need::Free };
+        match word.folded() {
+            "pending" => Need::Free,
+            _ if step == own => Need::Leaf(Premise::OwnState { place }),
+            "terminated" => Need::Leaf(Premise::End { step, place }),
+            _ => Need::Leaf(Premise::Begin { step, place }),
+        }
+    }
+}
+
+/// Tags of steps in a row, for people.
+pub(crate) fn tags(procedure: &Procedure, steps: impl IntoIterator<Item = usize>) -> Vec<String> {
+    let steps = steps.into_iter().filter_map(|step| procedure.steps.get(step));
+    steps.map(|step| format!("`{}`", step.tag)).collect()
+}

@@ -1,0 +1,254 @@
+//! Walks over what is nested: expressions in expressions, conditions in conditions, and everything in a definition.
+
+use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{
+    Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, ResourceNeed, Step, Transitions,
+};
+
+/// Receives every expression, outer ones before inner ones.
+pub(crate) type Visit<'v, 'l> = &'v mut dyn FnMut(&'l Expr);
+
+/// The expression and everything inside of it.
+pub(crate) fn expr<'l>(root: &'l Expr, visit: Visit<'_, 'l>) {
+    visit(root);
+    match &root.kind {
+        ExprKind::Call { arguments: parts, .. }
+        | ExprKind::And(parts)
+        | ExprKind::Or(parts)
+        | ExprKind::Sequence(parts) => exprs(parts, visit),
+        ExprKind::Lambda { body, .. } => exprs(body, visit),
+        ExprKind::If(test, then, otherwise) => {
+            expr(test, visit);
+            expr(then, visit);
+            otherwise.iter().for_each(|part| expr(part, visit));
+        }
+        ExprKind::Cond(rows) => rows.iter().for_each(|(test, body)| {
+            expr(test, visit);
+            exprs(body, visit);
+        }),
+        ExprKind::Case(key, rows) => {
+            expr(key, visit);
+            rows.iter().for_each(|(_, body)| exprs(body, visit));
+        }
+        ExprKind::Let { bindings, body, .. } => {
+            bindings.iter().for_each(|(_, value)| expr(value, visit));
+            exprs(body, visit);
+        }
+        ExprKind::Assign { value, .. } => expr(value, visit),
+        ExprKind::Template(inner) => template(inner, visit),
+        _ => {}
+    }
+}
+
+/// Every expression of a body.
+pub(crate) fn exprs<'l>(parts: impl IntoIterator<Item = &'l Expr>, visit: Visit<'_, 'l>) {
+    parts.into_iter().for_each(|part| expr(part, visit));
+}
+
+/// Every expression of a datum with holes.
+pub(crate) fn template<'l>(root: &'l Template, visit: Visit<'_, 'l>) {
+    match root {
+        Template::Constant(_) => {}
+        Template::Hole(inner) | Template::Splice(inner) => expr(inner, visit),
+        Template::List(parts) => parts.iter().for_each(|part| template(part, visit)),
+    }
+}
+
+/// Every expression of a pattern.
+pub(crate) fn pattern<'l>(root: &'l Pattern, visit: Visit<'_, 'l>) {
+    match root {
+        Pattern::Computed(inner) | Pattern::Guard(inner) => expr(inner, visit),
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+            parts.iter().for_each(|part| pattern(part, visit));
+        }
+        Pattern::Not(part) => pattern(part, visit),
+        _ => {}
+    }
+}
+
+/// The parts of a condition that is made of conditions.
+pub(crate) fn parts(condition: &Condition) -> &[Condition] {
+    match &condition.kind {
+        ConditionKind::And(parts, _)
+        | ConditionKind::Or(parts, _)
+        | ConditionKind::InOrder(parts, _)
+        | ConditionKind::Allen { parts, .. } => parts,
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => std::slice::from_ref(part),
+        ConditionKind::Probing { condition, .. } => std::slice::from_ref(condition),
+        _ => &[],
+    }
+}
+
+/// Every expression of a condition, those of its parts included.
+pub(crate) fn condition<'l>(root: &'l Condition, visit: Visit<'_, 'l>) {
+    match &root.kind {
+        ConditionKind::Measurement(measurement) => {
+            pattern(&measurement.variable.object, visit);
+            constraints(&measurement.value, visit);
+            constraints(&measurement.object, visit);
+            constraints(&measurement.timestamp, visit);
+            match &measurement.estimation {
+                Some(Estimation::Persist(timeout)) => exprs(timeout, visit),
+                Some(Estimation::LinearRegression(options)) => options.iter().for_each(|(_, part)| expr(part, visit)),
+                None => {}
+            }
+        }
+        ConditionKind::Episode(episode) => {
+            if let Quality::MaximumGap(gap) = &episode.quality {
+                expr(gap, visit);
+            }
+            pattern(&episode.variable.object, visit);
+            for each in [&episode.value, &episode.first_value, &episode.last_value, &episode.object] {
+                constraints(each, visit);
+            }
+            timing(&episode.timing, visit);
+            episode.stats.iter().chain(&episode.trend).for_each(|(_, each)| constraints(each, visit));
+        }
+        ConditionKind::And(_, tests) | ConditionKind::Or(_, tests) | ConditionKind::InOrder(_, tests) => {
+            exprs(tests, visit);
+        }
+        ConditionKind::Allen { tolerance, constraints, .. } => exprs(tolerance.iter().chain(constraints), visit),
+        ConditionKind::Absent(_, span) => expr(span, visit),
+        ConditionKind::Delay(first, last) | ConditionKind::Timestamp(first, last) => {
+            exprs(std::iter::once(first).chain(last), visit);
+        }
+        ConditionKind::Event { pattern: form, timing: limits } => {
+            pattern(form, visit);
+            timing(limits, visit);
+        }
+        ConditionKind::TaskState { task, state } => {
+            expr(task, visit);
+            pattern(state, visit);
+        }
+        ConditionKind::Function(test) => expr(test, visit),
+        ConditionKind::Probing { goal, interval, time_limit, count_limit, .. } => {
+            template(goal, visit);
+            exprs(std::iter::once(interval).chain(time_limit).chain(count_limit), visit);
+        }
+        ConditionKind::Cyclic { variable, options } => {
+            pattern(&variable.object, visit);
+            options.iter().for_each(|(_, each)| constraints(each, visit));
+        }
+        ConditionKind::TaskEnded(_) | ConditionKind::Not(_) => {}
+    }
+    parts(root).iter().for_each(|part| condition(part, visit));
+}
+
+fn timing<'l>(timing: &'l Timing, visit: Visit<'_, 'l>) {
+    for each in [&timing.start, &timing.end, &timing.duration] {
+        constraints(each, visit);
+    }
+}
+
+/// Every expression of constraints.
+pub(crate) fn constraints<'l>(all: &'l [Constraint], visit: Visit<'_, 'l>) {
+    for each in all {
+        match each {
+            Constraint::Compare { right, tolerance, .. } => exprs(std::iter::once(right).chain(tolerance), visit),
+            Constraint::Matches(inner) => pattern(inner, visit),
+            Constraint::Predicate(_, arguments) => exprs(arguments, visit),
+            Constraint::Range(low, high) => exprs(low.iter().chain(high), visit),
+        }
+    }
+}
+
+/// Every expression of an activity.
+pub(crate) fn activity<'l>(root: &'l Activity, visit: Visit<'_, 'l>) {
+    match root {
+        Activity::Goal(goal) => template(goal, visit),
+        Activity::Terminate { task, outcome, value } => {
+            exprs([task, outcome, value].into_iter().filter_map(|part| part.as_deref()), visit);
+        }
+        Activity::BuiltIn(_, arguments) => exprs(arguments, visit),
+    }
+}
+
+/// What a step does, and what it does if it fails.
+pub(crate) fn activities(step: &Step) -> impl Iterator<Item = &Activity> {
+    std::iter::once(&step.activity).chain(step.on_failure.as_deref())
+}
+
+/// The conditions of transition clauses with the clauses' names.
+pub(crate) fn transitions(transitions: &Transitions) -> impl Iterator<Item = (&'static str, &Condition)> {
+    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = transitions;
+    [
+        ("end-when", end_when),
+        ("restart-when", restart_when),
+        ("resume-when", resume_when),
+        ("suspend-when", suspend_when),
+        ("suspend-when", suspend_until),
+    ]
+    .into_iter()
+    .filter_map(|(name, condition)| condition.as_deref().map(|condition| (name, condition)))
+}
+
+/// Hooks with their names.
+pub(crate) fn hooks(hooks: &Hooks) -> [(&'static str, &[Expr]); 4] {
+    [
+        ("on-start", &hooks.on_start),
+        ("on-end", &hooks.on_end),
+        ("on-suspend", &hooks.on_suspend),
+        ("on-resume", &hooks.on_resume),
+    ]
+}
+
+/// The expressions of `repeating` and `responding`.
+pub(crate) fn repetition(clause: &Repetition) -> impl Iterator<Item = &Expr> {
+    let Repetition { while_true, until, enabled, recovery, minimum_interval, for_new: _ } = clause;
+    [while_true, until, enabled, recovery, minimum_interval].into_iter().flatten()
+}
+
+/// The expressions of priority clauses.
+pub(crate) fn priorities(clauses: &[PriorityClause]) -> impl Iterator<Item = &Expr> {
+    clauses.iter().flat_map(|clause| match clause {
+        PriorityClause::Number(number) => vec![number],
+        PriorityClause::UrgencyImportance(urgency, importance) => vec![urgency, importance],
+    })
+}
+
+/// Every expression of a profile.
+pub(crate) fn profile<'l>(needs: &'l [ResourceNeed], visit: Visit<'_, 'l>) {
+    for need in needs {
+        template(&need.resource, visit);
+        exprs(&need.amount, visit);
+    }
+}
+
+/// Every expression of a step.
+pub(crate) fn step<'l>(step: &'l Step, visit: Visit<'_, 'l>) {
+    activity(&step.activity, visit);
+    step.on_failure.iter().for_each(|handler| activity(handler, visit));
+    step.binds.iter().for_each(|result| pattern(result, visit));
+    step.waitfor.iter().for_each(|each| condition(each, visit));
+    exprs(step.select.iter().chain(step.forall.as_deref()).map(|(_, value)| value), visit);
+    exprs(priorities(&step.priority).chain(step.rank.as_deref()).chain(step.interrupt_cost.as_deref()), visit);
+    exprs(step.repeating.iter().chain(&step.responding).flat_map(|clause| repetition(clause)), visit);
+    profile(&step.profile, visit);
+    transitions(&step.transitions).for_each(|(_, each)| condition(each, visit));
+    hooks(&step.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
+}
+
+/// Every expression of a procedure, its steps included.
+pub(crate) fn procedure<'l>(procedure: &'l Procedure, visit: Visit<'_, 'l>) {
+    pattern(&procedure.index, visit);
+    profile(&procedure.profile, visit);
+    procedure.log.iter().for_each(|policy| template(&policy.variable, visit));
+    exprs(procedure.expected_duration.iter().chain(&procedure.interrupt_cost), visit);
+    transitions(&procedure.transitions).for_each(|(_, each)| condition(each, visit));
+    hooks(&procedure.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
+    procedure.steps.iter().for_each(|each| step(each, visit));
+}
+
+/// Every expression of a primitive.
+pub(crate) fn primitive<'l>(primitive: &'l Primitive, visit: Visit<'_, 'l>) {
+    pattern(&primitive.index, visit);
+    profile(&primitive.profile, visit);
+    exprs(primitive.locals.iter().map(|(_, value)| value), visit);
+    exprs(primitive.duration.iter().chain(&primitive.returns).chain(&primitive.on_completion), visit);
+    if let Some((interval, forms)) = &primitive.update {
+        exprs(interval.iter().chain(forms), visit);
+    }
+    hooks(&primitive.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
+}

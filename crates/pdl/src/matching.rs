@@ -1,0 +1,246 @@
+//! What can be said about patterns and goals before anything runs: may a goal match, must it, does one pattern match all
+//! that another one does, and which of two is the more specific.
+
+use apex_model::expression::Template;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+
+/// The symbol that every value matching `pattern` begins with, if there is one.
+pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
+    match pattern {
+        Pattern::Literal(Value::List(items)) => items.first().and_then(Value::as_symbol),
+        Pattern::List(items) => match items.first() {
+            Some(Pattern::Literal(Value::Symbol(symbol))) => Some(symbol),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// A part of a goal: still a template, or already a value.
+#[derive(Clone, Copy)]
+pub(crate) enum View<'t> {
+    /// With holes that get their values later.
+    Template(&'t Template),
+    /// Known.
+    Value(&'t Value),
+}
+
+impl<'t> View<'t> {
+    /// The value, where nothing is left open.
+    pub(crate) fn value(self) -> Option<&'t Value> {
+        match self {
+            View::Template(Template::Constant(value)) | View::Value(value) => Some(value),
+            View::Template(_) => None,
+        }
+    }
+
+    /// The parts of a list; none when this is no list, or when a splice makes its length unknown.
+    pub(crate) fn items(self) -> Option<Vec<View<'t>>> {
+        match (self, self.value()) {
+            (_, Some(Value::List(items))) => Some(items.iter().map(View::Value).collect()),
+            (View::Template(Template::List(parts)), _)
+                if !parts.iter().any(|part| matches!(part, Template::Splice(_))) =>
+            {
+                Some(parts.iter().map(View::Template).collect())
+            }
+            _ => None,
+        }
+    }
+
+    /// The symbol that the goal begins with.
+    pub(crate) fn head(self) -> Option<&'t Symbol> {
+        match (self, self.value()) {
+            (_, Some(Value::List(items))) => items.first().and_then(Value::as_symbol),
+            (View::Template(Template::List(parts)), _) => match parts.first() {
+                Some(Template::Constant(Value::Symbol(symbol))) => Some(symbol),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// True unless the goal provably does not match. Running out of steps counts as a match.
+pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> bool {
+    *steps = steps.saturating_sub(1);
+    if *steps == 0 || matches!(goal, View::Template(Template::Hole(_) | Template::Splice(_))) {
+        return true;
+    }
+    match pattern {
+        Pattern::Literal(Value::List(items)) => match goal.items() {
+            Some(parts) => {
+                parts.len() == items.len()
+                    && parts
+                        .iter()
+                        .zip(items.iter())
+                        .all(|(part, item)| may_match(*part, &Pattern::Literal(item.clone()), steps))
+            }
+            None => goal.value().is_none(),
+        },
+        Pattern::Literal(value) => match goal.value() {
+            Some(found) => found.matches(value),
+            None => false,
+        },
+        Pattern::List(patterns) => match goal.items() {
+            Some(parts) => list_may_match(&parts, patterns, steps),
+            None => goal.value().is_none(),
+        },
+        Pattern::And(patterns) => patterns.iter().all(|pattern| may_match(goal, pattern, steps)),
+        Pattern::Or(patterns) => patterns.iter().any(|pattern| may_match(goal, pattern, steps)),
+        Pattern::Variable(_)
+        | Pattern::BoundVariable(_)
+        | Pattern::Anonymous
+        | Pattern::Computed(_)
+        | Pattern::Segment { .. }
+        | Pattern::Guard(_)
+        | Pattern::Is { .. }
+        | Pattern::Not(_) => true,
+    }
+}
+
+fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> bool {
+    *steps = steps.saturating_sub(1);
+    if *steps == 0 {
+        return true;
+    }
+    let Some((pattern, rest)) = patterns.split_first() else { return parts.is_empty() };
+    match pattern {
+        Pattern::Guard(_) => list_may_match(parts, rest, steps),
+        Pattern::Segment { minimum, maximum, .. } => {
+            let most = maximum.map_or(parts.len(), usize::from).min(parts.len());
+            (usize::from(*minimum)..=most)
+                .any(|count| parts.get(count..).is_some_and(|left| list_may_match(left, rest, steps)))
+        }
+        _ => match parts.split_first() {
+            Some((part, left)) => may_match(*part, pattern, steps) && list_may_match(left, rest, steps),
+            None => false,
+        },
+    }
+}
+
+/// True when the goal provably matches, whatever its holes get.
+pub(crate) fn must_match(goal: View<'_>, pattern: &Pattern) -> bool {
+    let mut seen = BTreeSet::new();
+    is_linear(pattern, &mut seen) && must(goal, pattern)
+}
+
+fn must(goal: View<'_>, pattern: &Pattern) -> bool {
+    match pattern {
+        Pattern::Variable(_) | Pattern::Anonymous => true,
+        Pattern::Literal(value) => goal.value().is_some_and(|found| found.matches(value)),
+        Pattern::List(patterns) => goal.items().is_some_and(|parts| list_must(&parts, patterns)),
+        Pattern::And(patterns) => patterns.iter().all(|pattern| must(goal, pattern)),
+        Pattern::Or(patterns) => patterns.iter().any(|pattern| must(goal, pattern)),
+        _ => false,
+    }
+}
+
+fn list_must(parts: &[View<'_>], patterns: &[Pattern]) -> bool {
+    match (patterns.split_first(), parts.split_first()) {
+        (None, rest) => rest.is_none(),
+        (Some((Pattern::Segment { minimum, maximum: None, .. }, [])), _) => parts.len() >= usize::from(*minimum),
+        (Some((Pattern::Segment { .. }, _)), _) | (Some(_), None) => false,
+        (Some((pattern, patterns)), Some((part, parts))) => must(*part, pattern) && list_must(parts, patterns),
+    }
+}
+
+/// No variable twice: a second one would have to match an equal value.
+fn is_linear<'p>(pattern: &'p Pattern, seen: &mut BTreeSet<&'p Symbol>) -> bool {
+    match pattern {
+        Pattern::Variable(name)
+        | Pattern::Is { variable: name, .. }
+        | Pattern::Segment { variable: Some(name), .. } => seen.insert(name),
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+            parts.iter().all(|part| is_linear(part, seen))
+        }
+        _ => true,
+    }
+}
+
+/// True when `general` provably matches everything that `special` matches.
+pub(crate) fn covers(general: &Pattern, special: &Pattern) -> bool {
+    let mut seen = BTreeSet::new();
+    is_linear(general, &mut seen) && cover(general, special)
+}
+
+fn cover(general: &Pattern, special: &Pattern) -> bool {
+    match (general, special) {
+        (_, Pattern::Segment { .. }) => false,
+        (Pattern::Variable(_) | Pattern::Anonymous, _) => true,
+        (Pattern::And(parts), _) => parts.iter().all(|part| cover(part, special)),
+        (_, Pattern::Or(parts)) => parts.iter().all(|part| cover(general, part)),
+        (_, Pattern::And(parts)) => parts.iter().any(|part| cover(general, part)),
+        (Pattern::Or(parts), _) => parts.iter().any(|part| cover(part, special)),
+        (Pattern::Literal(general), Pattern::Literal(special)) => special.matches(general),
+        (Pattern::List(general), Pattern::List(special)) => list_cover(general, &special.iter().collect::<Vec<_>>()),
+        (Pattern::List(general), Pattern::Literal(Value::List(items))) => {
+            let special: Vec<Pattern> = items.iter().cloned().map(Pattern::Literal).collect();
+            list_cover(general, &special.iter().collect::<Vec<_>>())
+        }
+        _ => false,
+    }
+}
+
+fn list_cover(general: &[Pattern], special: &[&Pattern]) -> bool {
+    match (general.split_first(), special.split_first()) {
+        (None, rest) => rest.is_none(),
+        (Some((Pattern::Segment { minimum, maximum: None, .. }, [])), _) => {
+            let least = |part: &&Pattern| match part {
+                Pattern::Segment { minimum, .. } => usize::from(*minimum),
+                Pattern::Guard(_) => 0,
+                _ => 1,
+            };
+            special.iter().map(least).sum::<usize>() >= usize::from(*minimum)
+        }
+        (Some((Pattern::Segment { .. }, _)), _) | (Some(_), None) => false,
+        (Some(_), Some((Pattern::Guard(_), special))) => list_cover(general, special),
+        (Some((first, general)), Some((part, special))) => cover(first, part) && list_cover(general, special),
+    }
+}
+
+/// How specific a pattern is, as selection orders procedures: the greatest is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Specificity {
+    variables: Reverse<usize>,
+    constant_prefix: usize,
+    segments: Reverse<usize>,
+}
+
+/// Fewest variables first, then the longest constant prefix, then fewest segments.
+pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
+    let (mut named, mut nameless, mut segments) = (BTreeSet::new(), 0, 0);
+    count(pattern, &mut named, &mut nameless, &mut segments);
+    let constant_prefix = match pattern {
+        Pattern::List(parts) => parts.iter().take_while(|part| matches!(part, Pattern::Literal(_))).count(),
+        Pattern::Literal(Value::List(items)) => items.len(),
+        Pattern::Literal(_) => 1,
+        _ => 0,
+    };
+    Specificity { variables: Reverse(named.len() + nameless), constant_prefix, segments: Reverse(segments) }
+}
+
+fn count<'p>(pattern: &'p Pattern, named: &mut BTreeSet<&'p Symbol>, nameless: &mut usize, segments: &mut usize) {
+    match pattern {
+        Pattern::Variable(name) | Pattern::Is { variable: name, .. } => {
+            named.insert(name);
+        }
+        Pattern::Anonymous => *nameless += 1,
+        Pattern::Segment { variable, .. } => {
+            *segments += 1;
+            match variable {
+                Some(name) => {
+                    named.insert(name);
+                }
+                None => *nameless += 1,
+            }
+        }
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+            parts.iter().for_each(|part| count(part, named, nameless, segments));
+        }
+        _ => {}
+    }
+}
