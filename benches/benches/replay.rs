@@ -18,10 +18,10 @@ use std::sync::Arc;
 fn inputs() -> Vec<Input> {
     let fires = (1..500).map(|number| {
         let form = Value::list([Value::symbol("fire"), Value::Integer(number)]);
-        Input { at: Time::from_seconds(20.0 * number as f64), kind: EventKind::Occurrence(form) }
+        Input::new(Time::from_seconds(20.0 * number as f64), EventKind::Occurrence(form))
     });
     let landed = Value::list([Value::symbol("landed")]);
-    fires.chain([Input { at: Time::from_seconds(10_000.0), kind: EventKind::Occurrence(landed) }]).collect()
+    fires.chain([Input::new(Time::from_seconds(10_000.0), EventKind::Occurrence(landed))]).collect()
 }
 
 fn fly(observers: &mut [&mut dyn Observer]) -> apex_runtime::RunEnd {

@@ -18,12 +18,15 @@ const DEFAULT_KINDS: &[&str] = &[
     "terminated",
     "print",
     "inform",
+    "tell",
     "command",
     "withdraw",
     "trouble",
     "ask",
     "solve",
     "cancel",
+    "note",
+    "end",
 ];
 /// Kinds that a page may ask for besides.
 const FURTHER_KINDS: &[&str] =
@@ -33,12 +36,23 @@ const FURTHER_KINDS: &[&str] =
 #[derive(Debug, Default)]
 pub struct Teller {
     kinds: BTreeSet<String>,
+    /// The names of the agents, where there are several: each line begins with one.
+    agents: Vec<String>,
+    /// What is known of the tasks of the agent whose turn it is; of the others, in `waiting`.
+    known: Known,
+    turn: usize,
+    waiting: BTreeMap<usize, Known>,
+    transitions: BTreeSet<(TaskState, TaskState)>,
+    lines: Vec<String>,
+}
+
+/// What is known of one agent's tasks.
+#[derive(Debug, Default)]
+struct Known {
     names: BTreeMap<TaskId, String>,
     taken: BTreeMap<String, u32>,
     built_in: BTreeSet<TaskId>,
     started: BTreeSet<TaskId>,
-    transitions: BTreeSet<(TaskState, TaskState)>,
-    lines: Vec<String>,
 }
 
 impl Teller {
@@ -60,6 +74,11 @@ impl Teller {
         Ok(Teller { kinds: chosen, ..Teller::default() })
     }
 
+    /// Lines begin with the agent's name from now on: `2s pilot: a ongoing`.
+    pub fn name_agents(&mut self, names: Vec<String>) {
+        self.agents = names;
+    }
+
     /// Everything told so far, one line each.
     pub fn text(&self) -> String {
         self.lines.iter().map(|line| format!("{line}\n")).collect()
@@ -79,7 +98,10 @@ impl Teller {
         if !self.kinds.contains(kind) {
             return;
         }
-        let mut line = format!("{at} {words}");
+        let mut line = match self.agents.get(self.turn) {
+            Some(agent) => format!("{at} {agent}: {words}"),
+            None => format!("{at} {words}"),
+        };
         if let Some(because) = because.filter(|_| self.kinds.contains("causes")) {
             line.push_str(" because ");
             line.push_str(&self.with_names(&because.cause.text()));
@@ -97,7 +119,7 @@ impl Teller {
                 continue;
             }
             let number = word.strip_prefix('T').and_then(|digits| digits.parse().ok());
-            named.push_str(number.and_then(|number| self.names.get(&TaskId(number))).unwrap_or(&word));
+            named.push_str(number.and_then(|number| self.known.names.get(&TaskId(number))).unwrap_or(&word));
             named.push(character);
             word.clear();
         }
@@ -105,7 +127,7 @@ impl Teller {
     }
 
     fn name(&self, task: TaskId) -> String {
-        self.names.get(&task).cloned().unwrap_or_else(|| task.to_string())
+        self.known.names.get(&task).cloned().unwrap_or_else(|| task.to_string())
     }
 
     fn decided(&mut self, at: Time, decision: &Decision) {
@@ -129,7 +151,7 @@ impl Teller {
             }
             DecisionKind::Selected { method, goal, .. } => {
                 if let (Some(task), Method::BuiltIn) = (decision.task, method) {
-                    self.built_in.insert(task);
+                    self.known.built_in.insert(task);
                 }
                 let by = match method {
                     Method::Procedure(place) => format!("the procedure in line {}", place.line),
@@ -156,21 +178,21 @@ impl Teller {
     fn created(&mut self, at: Time, decision: &Decision, parent: Option<TaskId>, tag: &str, goal: &str) {
         let Some(task) = decision.task else { return };
         let base = if parent.is_none() { "root" } else { tag };
-        let count = self.taken.entry(base.to_string()).or_insert(0);
+        let count = self.known.taken.entry(base.to_string()).or_insert(0);
         *count += 1;
         let name = if *count == 1 { base.to_string() } else { format!("{base}#{count}") };
-        self.names.insert(task, name.clone());
+        self.known.names.insert(task, name.clone());
         self.say("created", at, &format!("{name} created {goal}"), Some(&decision.because));
     }
 
     fn moved(&mut self, at: Time, decision: &Decision, to: TaskState, outcome: Option<&Outcome>) {
         let Some(task) = decision.task else { return };
         if to == TaskState::Ongoing {
-            self.started.insert(task);
+            self.known.started.insert(task);
         }
         let failed = matches!(outcome, Some(Outcome::Failure));
-        let never_started = to == TaskState::Terminated && !self.started.contains(&task);
-        let hidden = self.built_in.contains(&task) && !self.kinds.contains("builtin");
+        let never_started = to == TaskState::Terminated && !self.known.started.contains(&task);
+        let hidden = self.known.built_in.contains(&task) && !self.kinds.contains("builtin");
         if !failed && (hidden || never_started) {
             return;
         }
@@ -186,6 +208,15 @@ impl Teller {
 }
 
 impl Observer for Teller {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        if agent != self.turn {
+            let known = self.waiting.remove(&agent).unwrap_or_default();
+            self.waiting.insert(self.turn, std::mem::replace(&mut self.known, known));
+            self.turn = agent;
+        }
+        Ok(())
+    }
+
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
         let at = batch.now;
         for effect in effects {
@@ -200,8 +231,20 @@ impl Observer for Teller {
                 Effect::Inform { form, .. } => self.say("inform", at, &format!("inform {form}"), None),
                 Effect::Print { text, .. } => self.say("print", at, &format!("print {text}"), None),
                 Effect::Ask { text, .. } => self.say("ask", at, &format!("ask {text}"), None),
+                Effect::Tell { to, message, .. } => {
+                    let names: Vec<&str> = to.iter().map(|name| name.printed()).collect();
+                    self.say("tell", at, &format!("tell {} {message}", names.join(" ")), None);
+                }
+                Effect::AgentEnded { .. } => self.say("end", at, "end", None),
                 Effect::EndApplication { .. } => {}
             }
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
+        if self.kinds.contains("note") {
+            self.lines.push(format!("{at} note: {text}"));
         }
         Ok(())
     }
@@ -220,7 +263,7 @@ mod tests {
     #[test]
     fn task_numbers_become_names() {
         let mut teller = Teller::default();
-        teller.names.insert(TaskId(12), "orient".into());
+        teller.known.names.insert(TaskId(12), "orient".into());
         assert_eq!(teller.with_names("T12 outranks T1 on (camera T12)"), "orient outranks T1 on (camera orient)");
     }
 }

@@ -22,7 +22,7 @@ pub fn answer(scenario: &Scenario, question: &str) -> Result<String, String> {
     let end = scenario::run_observed(scenario, &program, &mut [&mut recorder])?.map_err(|error| error.to_string())?;
     recorder.finish(end.at, &end.reason.text()).map_err(told)?;
     let reader = RecordReader::open(&path).map_err(told)?;
-    let why = explain::why(&reader, task.trim(), at, &|_| Ok(program.clone())).map_err(told)?;
+    let why = explain::why_of_any(&reader, task.trim(), at, &|_| Ok(program.clone())).map_err(told)?;
     Ok(why.to_string())
 }
 

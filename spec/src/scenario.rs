@@ -4,15 +4,12 @@ use crate::outside::{PagePlanner, PageVehicle, PlannerManner, VehicleManner};
 use crate::projection::Teller;
 use crate::reasons::Asker;
 use apex_executive::load;
-use apex_model::library::{AgentDeclaration, Library};
-use apex_model::source::Place;
-use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
 use apex_runtime::error::RunError;
 use apex_runtime::input_lines::read_inputs;
-use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly};
+use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly_all};
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Program;
 use std::path::Path;
@@ -42,7 +39,11 @@ pub struct Scenario {
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     let mut teller = Teller::new(&read_options(&scenario.options)?.kinds)?;
     let mut asker = Asker::default();
-    let line = match run_observed(scenario, &program(&scenario.pdl)?, &mut [&mut teller, &mut asker])? {
+    let program = program(&scenario.pdl)?;
+    if program.0.has_several_agents() {
+        teller.name_agents(program.0.agents.iter().map(|agent| agent.name.printed().to_string()).collect());
+    }
+    let line = match run_observed(scenario, &program, &mut [&mut teller, &mut asker])? {
         Ok(end) => last_line(&end),
         Err(error) => format!("error: {error}"),
     };
@@ -62,7 +63,7 @@ pub fn program(pdl: &str) -> Result<Program, String> {
     if checked.has_errors() {
         return Err(format!("the program has errors:\n{}", messages(&checked)));
     }
-    let declaration = agent_of(&checked.library);
+    let declaration = checked.library.crew().swap_remove(0);
     Ok((Arc::new(checked.library), declaration, apex_geo::functions::host_functions()))
 }
 
@@ -79,11 +80,13 @@ pub fn run_observed(
     let inputs =
         read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
             .map_err(|error| error.to_string())?;
-    let (library, declaration, host) = program.clone();
-    let mut agent = load(library, &declaration, host)?;
+    let (library, _, host) = program.clone();
+    let crew = library.crew();
+    let mut agents =
+        crew.iter().map(|each| load(Arc::clone(&library), each, host.clone())).collect::<Result<Vec<_>, _>>()?;
     let options = FlyOptions { until, inputs, ..FlyOptions::default() };
     let (mut vehicle, mut planner) = (PageVehicle::new(vehicle), PagePlanner(planner));
-    Ok(fly(&mut agent, &mut vehicle, &mut planner, observers, options))
+    Ok(fly_all(&mut agents, &mut vehicle, &mut planner, observers, options))
 }
 
 /// Checks a page's program; shipped libraries are found.
@@ -116,16 +119,6 @@ fn resolve(requirement: Requirement) -> Result<SourceText, String> {
         }
         Requirement::File { name, .. } => Err(format!("a page has no file `{name}`")),
     }
-}
-
-fn agent_of(library: &Library) -> AgentDeclaration {
-    library.agents.first().cloned().unwrap_or_else(|| AgentDeclaration {
-        name: Symbol::new("agent"),
-        initial_task: Value::list([Value::symbol("do-domain")]),
-        bundles: Vec::new(),
-        routers: Vec::new(),
-        place: Place::default(),
-    })
 }
 
 /// What the `options` block says.

@@ -374,10 +374,7 @@ impl SimulatedWorld {
         open.extend(self.waits.drain(..).map(|(_, command, _)| command));
         open.sort_unstable();
         for command in open {
-            inputs.push(Input {
-                at: self.now,
-                kind: apex_model::event::EventKind::CommandAcknowledged(command, reason()),
-            });
+            inputs.push(Input::new(self.now, apex_model::event::EventKind::CommandAcknowledged(command, reason())));
         }
         self.flight = Flight::begin(None, Order::Parked, &self.situation());
     }

@@ -269,7 +269,7 @@ impl Reporter {
                 Read::Other(read) => read(snapshot),
                 Read::Word(_) => continue,
             };
-            inputs.push(Input { at, kind: EventKind::Measurement(published.name.clone(), value) });
+            inputs.push(Input::new(at, EventKind::Measurement(published.name.clone(), value)));
         }
         self.changes(at, snapshot, cameras, inputs);
         let angle = template(Some("deg"));
@@ -279,12 +279,11 @@ impl Reporter {
         {
             for (name, si) in [(tilt, camera.tilt_rad), (pan, camera.pan_rad)] {
                 let value = Value::Quantity(Quantity { si: degrees(si), ..angle });
-                inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+                inputs.push(Input::new(at, EventKind::Measurement(name.clone(), value)));
             }
         }
         for (radio, name) in radios.iter().zip(&self.radios) {
-            inputs
-                .push(Input { at, kind: EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e4))) });
+            inputs.push(Input::new(at, EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e4)))));
         }
     }
 
@@ -296,7 +295,7 @@ impl Reporter {
                 *last = word;
                 let made = || if word == "nil" { Value::nil() } else { Value::symbol(word) };
                 let value = words.entry(word).or_insert_with(made).clone();
-                inputs.push(Input { at, kind: EventKind::Measurement(name.clone(), value) });
+                inputs.push(Input::new(at, EventKind::Measurement(name.clone(), value)));
             }
         };
         for ((variable, published), last) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_words) {

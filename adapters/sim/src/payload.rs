@@ -103,7 +103,7 @@ impl SimulatedWorld {
     fn say_ready(&self, id: CommandId, camera: &str, inputs: &mut Vec<Input>) {
         let name = Value::symbol(camera);
         let form = Value::list([Value::symbol("ready"), name.clone()]);
-        inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+        inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
         self.answer(id, Ok(name), inputs);
     }
 }

@@ -22,7 +22,7 @@ impl SimulatedWorld {
             if let Some(change) = radio.listen(here, altitude_m, now_s, elapsed_s) {
                 let name = if change == LinkChange::Lost { "link-lost" } else { "link-regained" };
                 let form = Value::list([Value::symbol(name), Value::symbol(&radio.modem.name)]);
-                inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+                inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
             }
         }
         if let Some(mut reporter) = self.reporter.take() {
@@ -83,7 +83,7 @@ impl SimulatedWorld {
                     let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
                     let name = Value::symbol(&camera.model.name);
                     let form = Value::list([Value::symbol("out-of-view"), name, target]);
-                    inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+                    inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
                     self.changed = true;
                 }
             }
@@ -109,8 +109,7 @@ impl SimulatedWorld {
             let (event, object, answer) =
                 if powered { ("ready", name.clone(), name) } else { ("image-in-memory", target.clone(), target) };
             camera.state = if powered { CameraState::Ready } else { CameraState::Pointing };
-            inputs
-                .push(Input { at: self.now, kind: EventKind::Occurrence(Value::list([Value::symbol(event), object])) });
+            inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list([Value::symbol(event), object]))));
             if let Some(command) = camera.command.take() {
                 self.answer(command, Ok(answer), inputs);
             }

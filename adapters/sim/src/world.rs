@@ -304,7 +304,7 @@ impl SimulatedWorld {
     /// Sends the event `(NAME VEHICLE)`.
     pub(crate) fn happen(&mut self, name: &str, inputs: &mut Vec<Input>) {
         let form = Value::list([Value::symbol(name), Value::symbol(&self.vehicle)]);
-        inputs.push(Input { at: self.now, kind: EventKind::Occurrence(form) });
+        inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
         self.changed = true;
     }
 
@@ -343,7 +343,7 @@ impl SimulatedWorld {
                 Happening::Occurrence(form) => EventKind::Occurrence(form),
                 Happening::Measurement(variable, value) => EventKind::Measurement(variable, value),
             };
-            inputs.push(Input { at: event.at, kind });
+            inputs.push(Input::new(event.at, kind));
         }
         self.ring_timers(inputs);
         if report {
@@ -388,7 +388,7 @@ impl SimulatedWorld {
 
     /// Acknowledges a command.
     pub(crate) fn answer(&self, command: CommandId, result: Result<Value, String>, inputs: &mut Vec<Input>) {
-        inputs.push(Input { at: self.now, kind: EventKind::CommandAcknowledged(command, result) });
+        inputs.push(Input::new(self.now, EventKind::CommandAcknowledged(command, result)));
     }
 }
 

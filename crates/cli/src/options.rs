@@ -133,7 +133,7 @@ pub struct ReplayOptions {
 pub struct WhyOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// The task: its number (`T12`), its tag, or words of its goal.
+    /// The task: its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal.
     pub task: String,
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
@@ -151,7 +151,10 @@ pub struct TraceOptions {
     /// Only these kinds, separated by commas: created, transition, event, measurement, selected, command, print, ..
     #[arg(long = "type", value_delimiter = ',', value_name = "KIND,..")]
     pub kinds: Vec<String>,
-    /// Only what concerns this task (`T12`), goal text or state variable.
+    /// Only this agent's lines, where several run.
+    #[arg(long, value_name = "NAME")]
+    pub agent: Option<String>,
+    /// Only what concerns this task (`T12`, `pilot/T12`), goal text or state variable.
     #[arg(long, value_name = "TEXT")]
     pub object: Option<String>,
     /// Not before this mission time.
@@ -195,6 +198,9 @@ pub struct ServeOptions {
     /// The address; anything but 127.0.0.1 lets other machines read the flight.
     #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
     pub address: String,
+    /// The agent to show, where several run; default is the first.
+    #[arg(long, value_name = "NAME")]
+    pub agent: Option<String>,
     /// Open the page in the default browser.
     #[arg(long)]
     pub open: bool,

@@ -2,10 +2,10 @@
 
 use crate::output;
 use crate::trouble::{Outcome, Trouble, read_text};
+use apex_executive::Agent;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
-use apex_model::source::{Place, SourceFile};
-use apex_model::symbol::Symbol;
+use apex_model::source::SourceFile;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{Checked, HostSignature, Requirement, SourceText};
@@ -109,36 +109,20 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
     Ok((Arc::new(checked.library), declaration, host_functions()))
 }
 
-/// The agent to run: the first declared, or one named `agent` with the default initial task.
-pub fn agent_of(library: &Library) -> AgentDeclaration {
-    library.agents.first().cloned().unwrap_or_else(|| AgentDeclaration {
-        name: Symbol::new("agent"),
-        initial_task: Value::list([Value::symbol("do-domain")]),
-        bundles: Vec::new(),
-        routers: Vec::new(),
-        place: Place::default(),
-    })
-}
-
-/// The one agent of a program; several cannot run together yet, and leaving some out in silence would be worse.
+/// The agents of a program, ready for their first steps, in the order of their declarations.
 ///
 /// # Errors
-/// Names the agents when there are several.
-pub fn only_agent_of(library: &Library) -> Outcome<AgentDeclaration> {
-    match library.agents.get(1) {
-        None => Ok(agent_of(library)),
-        Some(second) => {
-            let names: Vec<&str> = library.agents.iter().map(|agent| agent.name.printed()).collect();
-            Err(Trouble::user(format!(
-                "{}: the application has {} agents: {}",
-                library.describe_place(second.place),
-                names.len(),
-                names.join(", ")
-            ))
-            .because("one vehicle is flown by one agent")
-            .help("keep one agent, and make a mission of its own for each other"))
-        }
-    }
+/// A host function that is declared and not there.
+pub fn crew_of(library: &Arc<Library>) -> Outcome<Vec<Agent>> {
+    let load =
+        |declaration: &AgentDeclaration| apex_executive::load(Arc::clone(library), declaration, host_functions());
+    let crew: Result<Vec<Agent>, String> = library.crew().iter().map(load).collect();
+    crew.map_err(|reason| Trouble::user("the program cannot be executed").because(reason))
+}
+
+/// The agent that flies the vehicle: the first that is declared.
+pub fn agent_of(library: &Library) -> AgentDeclaration {
+    library.agents.first().cloned().unwrap_or_else(AgentDeclaration::of_program)
 }
 
 fn resolve(folder: &Path, requirement: Requirement) -> Result<SourceText, String> {

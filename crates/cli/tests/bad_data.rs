@@ -154,13 +154,6 @@ fn options_of_the_application_are_told_with_their_place() {
 }
 
 #[test]
-fn several_agents_are_refused_rather_than_left_out() {
-    let from = ":agents ((agent";
-    let to = ":agents ((agent scout :initial-task (photograph the airfield)) (agent";
-    picture("mission.pdl", from, to, &["the application has 2 agents: scout, rotorcraft-1", "keep one agent"]);
-}
-
-#[test]
 fn what_is_no_mission_is_told_apart() {
     let desk = Desk::with_greetings();
     for command in ["fly", "plan"] {

@@ -8,6 +8,25 @@ use std::net::TcpStream;
 use std::process::Stdio;
 
 #[test]
+fn two_agents_fly_one_aircraft_and_their_record_tells_them_apart() {
+    let desk = Desk::new();
+    let arguments = ["fly", &mission("two-crew"), "--record", "f.apex", "--no-progress"];
+    let said = desk.apex(&arguments).well();
+    said.told(&["all agents are done", "picture of hangar-1 in memory", "picture of wind-tunnel in memory"]);
+    desk.apex(&["replay", "f.apex"]).well().told(&["The record is confirmed: "]);
+    let told = desk.apex(&["trace", "f.apex", "--type", "tell", "--agent", "camera-operator"]).well();
+    assert_eq!(told.out.lines().count(), 2, "one for each picture: {}", told.out);
+    told.told(&["camera-operator/T", "tells rotorcraft-1: (picture taken of hangar-1)"]);
+    desk.apex(&["why", "f.apex", "stay", "--at", "58"]).well().told(&["rotorcraft-1/T", "is ongoing at 58s"]);
+    desk.apex(&["why", "f.apex", "T0"])
+        .complained(2, &["Several agents have a task T0", "camera-operator/T0 (operate"]);
+    desk.apex(&["why", "f.apex", "pilot/T0"]).complained(2, &["AGENT/TASK"]);
+    desk.apex(&["trace", "f.apex", "--agent", "pilot"]).complained(2, &["No agent is called pilot"]);
+    let lines = desk.apex(&["trace", "f.apex", "--json", "--object", "camera-operator/T0"]).well().json_lines();
+    assert!(lines.iter().all(|line| line["agent"] == "camera-operator" && line["task"] == "T0"), "{lines:?}");
+}
+
+#[test]
 fn a_flight_is_flown_reported_and_confirmed() {
     let desk = Desk::new();
     let arguments = ["fly", &mission("first-picture"), "--record", "f.apex", "--no-progress"];

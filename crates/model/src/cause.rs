@@ -288,6 +288,16 @@ pub enum Cause {
         /// The task that said it.
         by: TaskId,
     },
+    /// The application ends for a reason outside of this agent.
+    Stopped {
+        /// Why, from outside.
+        reason: String,
+    },
+    /// A message has no receiver: no agent or router is called so.
+    NobodyHears {
+        /// Who was meant, and who is there.
+        message: String,
+    },
     /// The executive contradicts itself: a bug of Apex, never of a program.
     ExecutiveFault {
         /// What happened.

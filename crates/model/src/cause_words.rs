@@ -96,6 +96,8 @@ impl Cause {
             Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),
             Cause::OperatorSilent { default, .. } => format!("the operator's time is over and {default} is taken"),
             Cause::ApplicationEnded { by } => format!("{by} ended the application"),
+            Cause::Stopped { reason } => format!("the application ends: {reason}"),
+            Cause::NobodyHears { message } => message.clone(),
             Cause::ExecutiveFault { message } => format!("{message}: this is a fault of the executive"),
             // The others have their words above.
             _ => String::new(),

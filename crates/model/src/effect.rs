@@ -1,6 +1,7 @@
 //! Effects: the one door out. Commands, solver requests, output and decisions all leave here.
 
 use crate::because::Because;
+use crate::event::Message;
 use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::task::{Outcome, TaskId, TaskState};
@@ -76,8 +77,23 @@ pub enum Effect {
         /// Taken then.
         default: Value,
     },
-    /// The application is over: by `(end-application)` or because the root task ended.
+    /// The application is over: by `(end-application)`, or because the root task of its only agent ended.
     EndApplication {
+        /// Why.
+        reason: String,
+    },
+    /// Something for other agents of the application: by `(cogevent FORM agent)`, or by `inform` and `publish` along
+    /// routers. It reaches them at the same instant.
+    Tell {
+        /// Who says it.
+        task: TaskId,
+        /// Who hears it, in the order of their declarations, each once.
+        to: Vec<Symbol>,
+        /// What.
+        message: Message,
+    },
+    /// This agent is done, because its root task ended; the application's other agents go on.
+    AgentEnded {
         /// Why.
         reason: String,
     },

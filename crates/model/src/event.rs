@@ -44,6 +44,28 @@ pub enum EventKind {
     OperatorAnswered(QuestionId, Value),
     /// The requested time has come.
     Woken,
+    /// Another agent of the application says something.
+    Told(Symbol, Message),
+    /// The application ends, for this reason: all tasks are cut.
+    Stop(String),
+}
+
+/// What one agent says to others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Message {
+    /// A message.
+    Occurrence(Value),
+    /// A sample of a state variable.
+    Measurement(StateVariable, Value),
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Message::Occurrence(form) => write!(f, "{form}"),
+            Message::Measurement(variable, value) => write!(f, "{variable} = {value}"),
+        }
+    }
 }
 
 /// A state variable: an attribute of an object, for example `(altitude aircraft-1)`.
@@ -63,6 +85,17 @@ impl StateVariable {
             other => other,
         };
         StateVariable { attribute, object }
+    }
+}
+
+impl StateVariable {
+    /// The variable as a list, `(altitude aircraft-1)`, as topics of routers are compared with it.
+    pub fn form(&self) -> Value {
+        let attribute = Value::Symbol(self.attribute.clone());
+        match &self.object {
+            Value::List(items) => Value::list(std::iter::once(attribute).chain(items.iter().cloned())),
+            object => Value::list([attribute, object.clone()]),
+        }
     }
 }
 

@@ -38,9 +38,21 @@ pub struct Library {
     pub application: Option<Application>,
     /// `(agent ..)` forms, outside and inside of the application, in order.
     pub agents: Vec<AgentDeclaration>,
+    /// `(router NAME ..)` declarations by name; the router `default` exists without one.
+    pub routers: BTreeMap<Symbol, RouterDeclaration>,
 }
 
 impl Library {
+    /// The agents to run: the declared ones in order, else the one of [`AgentDeclaration::of_program`].
+    pub fn crew(&self) -> Vec<AgentDeclaration> {
+        if self.agents.is_empty() { vec![AgentDeclaration::of_program()] } else { self.agents.clone() }
+    }
+
+    /// True when several agents are declared: what one says may concern others.
+    pub fn has_several_agents(&self) -> bool {
+        self.agents.len() > 1
+    }
+
     /// `file.pdl:14:3`, as shown in every message.
     pub fn describe_place(&self, place: Place) -> String {
         let name = usize::try_from(place.file).ok().and_then(|index| self.sources.get(index));
@@ -139,8 +151,62 @@ pub struct AgentDeclaration {
     pub initial_task: Value,
     /// Bundles it uses; empty is all.
     pub bundles: Vec<Symbol>,
-    /// Routers it uses.
-    pub routers: Vec<Symbol>,
+    /// Routers that it publishes to or subscribes to, in written order.
+    pub routers: Vec<RouterUse>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// The router that every agent uses whose declaration has no `:routers`.
+pub const DEFAULT_ROUTER: &str = "default";
+
+impl AgentDeclaration {
+    /// The agent of a program that declares none: it is called `agent` and does `(do-domain)`.
+    pub fn of_program() -> AgentDeclaration {
+        AgentDeclaration {
+            name: Symbol::new("agent"),
+            initial_task: Value::list([Value::symbol("do-domain")]),
+            bundles: Vec::new(),
+            routers: vec![RouterUse::everything(Symbol::new(DEFAULT_ROUTER), Place::default())],
+            place: Place::default(),
+        }
+    }
+}
+
+/// How an agent uses a router: `NAME`, or `(NAME [:publish TOPICS] [:subscribe TOPICS])`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RouterUse {
+    /// The router.
+    pub router: Symbol,
+    /// What the agent says on it.
+    pub publish: Topics,
+    /// What the agent hears of it.
+    pub subscribe: Topics,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl RouterUse {
+    /// Says and hears everything on `router`.
+    pub fn everything(router: Symbol, place: Place) -> RouterUse {
+        RouterUse { router, publish: Topics::All, subscribe: Topics::All, place }
+    }
+}
+
+/// Which messages and samples pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Topics {
+    /// Everything.
+    All,
+    /// Messages that match one of these patterns, and samples of state variables that do, as `(ATTRIBUTE OBJECT)`.
+    Matching(Vec<Pattern>),
+}
+
+/// `(router NAME [:carries TOPICS])`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RouterDeclaration {
+    /// What it passes on.
+    pub carries: Topics,
     /// Where it stands.
     pub place: Place,
 }

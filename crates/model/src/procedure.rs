@@ -194,7 +194,7 @@ pub enum BuiltInActivity {
     Reprioritize,
     /// `(cogevent FORM [AGENT])`
     Cogevent,
-    /// `(inform FORM)`: sends the form as an event to this agent and its routers.
+    /// `(inform FORM [ROUTER])`: sends the form as an event to this agent, to outside and along its routers.
     Inform,
     /// `(hold-resource R..)`
     HoldResource,

@@ -90,6 +90,7 @@ const FORMS: &[&str] = &[
     "require-apex-file",
     "require-apex-library",
     "resource",
+    "router",
     "solver",
     "state-variable",
 ];
@@ -242,6 +243,7 @@ impl Loader {
         }
         if !self.incomplete {
             lowering.report_same_indexes();
+            lowering.report_unknown_company(&self.library);
         }
         let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
         if foresee && !self.incomplete && no_errors(&self.diagnostics) && no_errors(&lowering.diagnostics) {
@@ -269,6 +271,9 @@ impl Loader {
                 }
                 "defapplication" => {
                     lowering.application(form, &mut self.library);
+                }
+                "router" => {
+                    lowering.router(form, &mut self.library);
                 }
                 "in-apex-bundle" => enter_bundle(lowering, form),
                 "defun"
@@ -362,6 +367,7 @@ fn enter_bundle(lowering: &mut Lowering, form: &Datum) {
         [Datum { kind: DatumKind::Symbol(name), .. }] => {
             let name = name.printed().trim_start_matches(':');
             lowering.bundle = (!name.eq_ignore_ascii_case("default")).then(|| Symbol::new(name));
+            lowering.bundle_names.extend(lowering.bundle.clone());
         }
         _ => {
             let diagnostic = Diagnostic::error(codes::MALFORMED, form.span, "this `in-apex-bundle` names no bundle")

@@ -62,6 +62,9 @@ codes! {
     NEVER_STARTS "E0702" "A step waits for what can never happen.";
     IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";
     RESOURCE_SHORT "E0704" "More of a resource is asked for than there is.";
+    UNKNOWN_AGENT "E0801" "No agent of the application has this name.";
+    UNKNOWN_ROUTER "E0802" "No router has this name.";
+    UNKNOWN_BUNDLE "E0803" "No text belongs to a bundle of this name.";
     REAL_EQUALITY "W0501" "Real numbers are compared for equality without a tolerance.";
     AMBIGUOUS_CHOICE "W0502" "Two procedures are equally specific for the same goal.";
     SYMBOL_LIKE_QUANTITY "W0503" "A symbol looks like a quantity with a misspelt unit.";

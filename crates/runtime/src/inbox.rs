@@ -75,7 +75,7 @@ mod tests {
     use apex_model::value::Value;
 
     fn occurrence(seconds: f64, name: &str) -> Input {
-        Input { at: Time::from_seconds(seconds), kind: EventKind::Occurrence(Value::symbol(name)) }
+        Input::new(Time::from_seconds(seconds), EventKind::Occurrence(Value::symbol(name)))
     }
 
     #[test]

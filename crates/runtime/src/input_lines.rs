@@ -1,13 +1,14 @@
 //! Inputs as JSON lines: what `apex run --inputs` reads and what tests write by hand.
 //!
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
-//! `{"t": 9, "answer": 1, "value": "yes"}`. A value is a number, a string, true or false, a list of values, or
+//! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone. A value is a number, a string, true or false, a list of values, or
 //! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;
 use apex_model::effect::QuestionId;
 use apex_model::event::{EventKind, StateVariable};
+use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use serde_json::{Map, Value as Json};
@@ -68,7 +69,8 @@ fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     };
     let at = time_of(&fields).map_err(|fault| format!(": {fault}"))?;
     let kind = kind_of(&fields, read_value).map_err(|fault| format!(": {fault}"))?;
-    Ok(Input { at, kind })
+    let agent = agent_of(&fields).map_err(|fault| format!(": {fault}"))?;
+    Ok(Input { at, kind, agent })
 }
 
 /// `:7: this is no JSON: expected ..` with the column in the place where readers look for it.
@@ -87,14 +89,24 @@ fn time_of(fields: &Map<String, Json>) -> Result<Time, String> {
     }
 }
 
+/// `"agent": "pilot"`: an input for one agent of several.
+fn agent_of(fields: &Map<String, Json>) -> Result<Option<Symbol>, String> {
+    match fields.get("agent") {
+        None => Ok(None),
+        Some(Json::String(name)) if !name.is_empty() => Ok(Some(Symbol::new(name))),
+        Some(other) => Err(format!("\"agent\" is {other}; expected the name of an agent")),
+    }
+}
+
 fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<EventKind, String> {
     let subjects = ["event", "measurement", "answer"];
     let given: Vec<&str> = subjects.into_iter().filter(|key| fields.contains_key(*key)).collect();
     let &[subject] = given.as_slice() else {
         return Err("expected exactly one of \"event\", \"measurement\" and \"answer\"".into());
     };
-    let stranger =
-        fields.keys().find(|key| !(*key == "t" || *key == subject || (*key == "value" && subject != "event")));
+    let stranger = fields
+        .keys()
+        .find(|key| !(*key == "t" || *key == "agent" || *key == subject || (*key == "value" && subject != "event")));
     if let Some(stranger) = stranger {
         return Err(format!("\"{stranger}\" is not known beside \"{subject}\""));
     }

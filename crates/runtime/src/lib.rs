@@ -3,6 +3,7 @@
 //! Everything impure of Apex that is not an adapter, the web server or the command line lives here. The executive is
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
+pub mod crew;
 pub mod error;
 pub mod explain;
 pub mod inbox;
@@ -22,4 +23,4 @@ mod samples;
 pub mod trace;
 
 pub use error::{RecordError, RunError};
-pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, fly};
+pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, fly, fly_all};

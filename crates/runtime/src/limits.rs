@@ -4,6 +4,8 @@
 pub const INBOX_INPUTS_MAX: usize = 4 * apex_model::limits::BATCH_EVENTS_MAX;
 /// Executive steps at one instant. Command, acknowledgement and next command may take no time, but not for ever.
 pub const STEPS_PER_INSTANT_MAX: u64 = 10_000;
+/// Rounds at one instant in which agents answer each other; what they say to each other after that is not delivered.
+pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
 /// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.

@@ -4,8 +4,8 @@
 //! The next instant is the earliest of: the vehicle's next report, the agent's next wake, the next solver answer, the
 //! next scheduled input. Nothing else moves time, so a run depends on its inputs only.
 
+use crate::crew::{Crew, Numbering};
 use crate::error::RunError;
-use crate::inbox::Inbox;
 use crate::limits::STEPS_PER_INSTANT_MAX;
 use crate::outbox;
 use crate::pacing::{Pacer, Wait};
@@ -102,12 +102,27 @@ pub fn fly(
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_by(step, agent, vehicle, deliberator, observers, options)
+    fly_by(step, std::slice::from_mut(agent), vehicle, deliberator, observers, options)
+}
+
+/// As [`fly`], with all agents of an application at one clock, in the order of their declarations: see
+/// [`crate::crew`]. The run is over when `(end-application)` says so, or when all agents are done.
+///
+/// # Errors
+/// As [`fly`], and when an input is for an agent that does not exist.
+pub fn fly_all(
+    agents: &mut [Agent],
+    vehicle: &mut dyn Vehicle,
+    deliberator: &mut (dyn Deliberator + Send),
+    observers: &mut [&mut dyn Observer],
+    options: FlyOptions,
+) -> Result<RunEnd, RunError> {
+    fly_by(step, agents, vehicle, deliberator, observers, options)
 }
 
 fn fly_by(
     step: Step,
-    agent: &mut Agent,
+    agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,
     deliberator: &mut (dyn Deliberator + Send),
     observers: &mut [&mut dyn Observer],
@@ -118,9 +133,11 @@ fn fly_by(
     // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
     scheduled.sort_by_key(|input| input.at);
     scheduled.reverse();
+    let crew = Crew::new(agents);
+    scheduled.iter().try_for_each(|input| crew.check(input))?;
     let mut flight = Flight {
         step,
-        agent,
+        crew,
         vehicle,
         deliberator,
         observers,
@@ -129,7 +146,6 @@ fn fly_by(
         controls: options.controls,
         until: options.until,
         poll: options.poll,
-        inbox: Inbox::new(),
         pool: SolverPool::new(),
         now: Time::ZERO,
         steps_at_now: 0,
@@ -144,7 +160,7 @@ type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
 
 struct Flight<'a, 'o> {
     step: Step,
-    agent: &'a mut Agent,
+    crew: Crew<'a>,
     vehicle: &'a mut dyn Vehicle,
     deliberator: &'a mut (dyn Deliberator + Send),
     observers: &'a mut [&'o mut dyn Observer],
@@ -154,7 +170,6 @@ struct Flight<'a, 'o> {
     controls: Option<Receiver<Control>>,
     until: Time,
     poll: Option<Duration>,
-    inbox: Inbox,
     pool: SolverPool,
     now: Time,
     steps_at_now: u64,
@@ -166,7 +181,8 @@ enum Waited {
     Reached(Time),
     /// Nobody listens from outside any more: what comes next must be asked again.
     Deserted,
-    Stop,
+    /// Somebody wants the run to end, at this instant.
+    Stop(Time),
 }
 
 impl Flight<'_, '_> {
@@ -175,15 +191,19 @@ impl Flight<'_, '_> {
             return Ok(reason);
         }
         loop {
-            if self.agent.is_finished() {
-                return Ok(EndReason::Application("the agent is finished".into()));
+            if let Some(reason) = self.crew.finish() {
+                return Ok(EndReason::Application(reason));
             }
             let Some(instant) = self.next_instant() else { return Ok(EndReason::Quiescent) };
             let beyond = instant > self.until;
             match self.wait(instant.min(self.until))? {
-                Waited::Stop => return Ok(EndReason::Stopped),
+                Waited::Stop(at) => {
+                    self.now = at;
+                    self.stop_all(None, &EndReason::Stopped.text())?;
+                    return Ok(EndReason::Stopped);
+                }
                 Waited::Deserted => {}
-                Waited::Reached(at) if beyond && at >= self.until && self.inbox.is_empty() => {
+                Waited::Reached(at) if beyond && at >= self.until && self.crew.is_idle() => {
                     self.now = self.now.max(self.until);
                     return Ok(EndReason::Until);
                 }
@@ -200,7 +220,7 @@ impl Flight<'_, '_> {
     fn next_instant(&self) -> Option<Time> {
         let report = self.vehicle.next_report();
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
-        let wake = self.agent.next_wake().map(|(at, _)| at);
+        let wake = self.crew.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
         let people = self.controls.is_some() && self.pacer.is_paced();
         let listening = people.then_some(Time::END);
@@ -213,7 +233,7 @@ impl Flight<'_, '_> {
         let mut flushed = false;
         let listening = self.controls.is_some();
         loop {
-            if !self.inbox.is_empty() {
+            if !self.crew.is_idle() {
                 return Ok(Waited::Reached(self.pacer.now(self.now, instant)));
             }
             let wait = self.pacer.wait(instant);
@@ -222,14 +242,17 @@ impl Flight<'_, '_> {
                 flushed = true;
             }
             match self.hear(wait)? {
-                Some(Control::Stop) => return Ok(Waited::Stop),
+                Some(Control::Stop) => {
+                    let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
+                    return Ok(Waited::Stop(reached));
+                }
                 Some(Control::Pace(pace)) => {
                     let now = self.pacer.now(self.now, instant);
                     self.pacer.set(pace, now).map_err(RunError::Options)?;
                 }
                 Some(Control::Input(kind)) => {
                     let at = self.pacer.now(self.now, instant);
-                    self.inbox.push(Input { at, kind })?;
+                    self.crew.deliver(Input::new(at, kind))?;
                 }
                 None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
                 None if listening && self.controls.is_none() => return Ok(Waited::Deserted),
@@ -270,25 +293,45 @@ impl Flight<'_, '_> {
     fn live_instant(&mut self, at: Time, first: bool) -> Result<Option<EndReason>, RunError> {
         if at > self.now {
             self.steps_at_now = 0;
+            self.crew.new_instant();
         }
         self.now = at;
         let cause = self.collect()?;
         let mut forced = first;
         loop {
-            let batch = match self.inbox.take(self.now) {
-                Some(batch) => batch,
-                None if forced => Batch { now: self.now, events: Vec::new() },
-                None => return Ok(None),
-            };
+            let mut anything = false;
+            for index in 0..self.crew.len() {
+                let batch = match self.crew.take(index, self.now) {
+                    Some(batch) => batch,
+                    None if forced => Batch { now: self.now, events: Vec::new() },
+                    None => continue,
+                };
+                anything = true;
+                if let Some(reason) = self.execute(index, &batch)? {
+                    self.stop_all(Some(index), &reason)?;
+                    return Ok(Some(EndReason::Application(reason)));
+                }
+            }
             forced = false;
+            self.crew.end_round(self.now)?;
+            if !anything {
+                return Ok(None);
+            }
             self.steps_at_now += 1;
             if self.steps_at_now > STEPS_PER_INSTANT_MAX {
                 return Err(RunError::Stuck { at: self.now, limit: STEPS_PER_INSTANT_MAX, cause });
             }
-            if let Some(reason) = self.execute(&batch)? {
-                return Ok(Some(EndReason::Application(reason)));
+        }
+    }
+
+    /// Cuts what the agents other than `except` still do, in good order.
+    fn stop_all(&mut self, except: Option<usize>, reason: &str) -> Result<(), RunError> {
+        for index in self.crew.stop(except, self.now, reason)? {
+            if let Some(batch) = self.crew.take(index, self.now) {
+                self.execute(index, &batch)?;
             }
         }
+        Ok(())
     }
 
     /// Gathers the inputs of this instant; answers with the cause of the step, in words.
@@ -296,38 +339,42 @@ impl Flight<'_, '_> {
         let now = self.now;
         let mut inputs = Vec::new();
         self.vehicle.advance(now, &mut inputs).map_err(|message| RunError::Vehicle { at: now, message })?;
-        let mut cause = if inputs.is_empty() { "an input" } else { "a report of the vehicle" }.to_owned();
+        let cause = if inputs.is_empty() { "an input" } else { "a report of the vehicle" };
         self.pool.take_due(now, &mut inputs);
         while let Some(input) = self.scheduled.pop_if(|input| input.at <= now) {
             inputs.push(input);
         }
-        if let Some((_, why)) = self.agent.next_wake().filter(|(at, _)| *at <= now) {
-            cause = why;
-            inputs.push(Input { at: now, kind: EventKind::Woken });
-        }
         for mut input in inputs {
             // A vehicle that runs ahead of us must not make the executive believe in the future.
             input.at = input.at.min(now);
-            self.inbox.push(input)?;
+            self.crew.deliver(input)?;
         }
-        Ok(cause)
+        Ok(self.crew.wake(now)?.unwrap_or_else(|| cause.to_owned()))
     }
 
-    /// One executive step with everything around it. Some: the application is over.
-    fn execute(&mut self, batch: &Batch) -> Result<Option<String>, RunError> {
+    /// One executive step of one agent with everything around it. Some: the application is over.
+    fn execute(&mut self, index: usize, batch: &Batch) -> Result<Option<String>, RunError> {
         let now = batch.now;
+        if self.crew.len() > 1 {
+            self.each_observer(now, |observer| observer.turn(index))?;
+        }
         self.each_observer(now, |observer| observer.begin(batch))?;
-        let effects = (self.step)(self.agent, batch);
+        let Some(agent) = self.crew.agent_mut(index) else { return Ok(None) };
+        let effects = (self.step)(agent, batch);
         self.end.steps += 1;
         self.end.events += batch.events.len() as u64;
         self.end.effects += effects.len() as u64;
         self.each_observer(now, |observer| observer.observe(batch, &effects))?;
-        let sent = outbox::send(&effects, now, self.vehicle, &mut self.pool, self.deliberator);
-        for text in &sent.notes {
+        let numbering = Numbering::new(index, self.crew.len());
+        let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool, self.deliberator);
+        let undelivered = self.crew.post(index, sent.told);
+        for text in sent.notes.iter().chain(&undelivered) {
             self.each_observer(now, |observer| observer.note(now, text))?;
         }
-        for observer in self.observers.iter_mut() {
-            observer.inspect(self.agent, now).map_err(|message| RunError::Observer { at: now, message })?;
+        if let Some(agent) = self.crew.agent(index) {
+            for observer in self.observers.iter_mut() {
+                observer.inspect(agent, now).map_err(|message| RunError::Observer { at: now, message })?;
+            }
         }
         Ok(sent.end)
     }

@@ -69,7 +69,7 @@ impl Vehicle for Balloon {
         }
         while self.reported < self.reports && Time::from_seconds(f64::from(self.reported) * 10.0) <= to {
             let at = Time::from_seconds(f64::from(self.reported) * 10.0);
-            inputs.push(Input { at, kind: samples::sample("altitude", Value::Integer(i64::from(self.reported))) });
+            inputs.push(Input::new(at, samples::sample("altitude", Value::Integer(i64::from(self.reported)))));
             self.reported += 1;
         }
         let (due, later) = std::mem::take(&mut self.acknowledgements).into_iter().partition(|input| input.at <= to);
@@ -80,8 +80,7 @@ impl Vehicle for Balloon {
 
     fn command(&mut self, command: CommandId, _: &Value, at: Time) {
         let delay = Duration::from_seconds(if command.0 == 9 { 0.0 } else { 2.0 });
-        self.acknowledgements
-            .push(Input { at: at + delay, kind: EventKind::CommandAcknowledged(command, Ok(Value::nil())) });
+        self.acknowledgements.push(Input::new(at + delay, EventKind::CommandAcknowledged(command, Ok(Value::nil()))));
     }
 
     fn withdraw(&mut self, _: CommandId, _: Time) {}
@@ -123,13 +122,13 @@ impl Observer for Scribe {
 }
 
 fn said(seconds: f64, form: &str) -> Input {
-    Input { at: Time::from_seconds(seconds), kind: EventKind::Occurrence(samples::goal(&[form])) }
+    Input::new(Time::from_seconds(seconds), EventKind::Occurrence(samples::goal(&[form])))
 }
 
 fn fly_balloon(reports: u32, options: FlyOptions) -> (Result<RunEnd, RunError>, Vec<String>) {
     let (mut agent, mut scribe) = (Agent::default(), Scribe::default());
     let mut balloon = Balloon { reports, ..Balloon::default() };
-    let end = fly_by(obey, &mut agent, &mut balloon, &mut Slow, &mut [&mut scribe], options);
+    let end = fly_by(obey, std::slice::from_mut(&mut agent), &mut balloon, &mut Slow, &mut [&mut scribe], options);
     (end, scribe.0)
 }
 

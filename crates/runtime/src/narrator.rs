@@ -8,6 +8,7 @@ use apex_model::effect::{Decision, DecisionKind, Effect, Method, SolveRequestId}
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::library::Library;
 use apex_model::source::{Place, SourceFile};
+use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
@@ -105,6 +106,11 @@ impl Narrator {
                 let words = format!("question {}; options: {}{by}", question.0, options.join(", "));
                 self.said("ask", Some(*task), text.clone(), words)
             }
+            Effect::Tell { task, to, message } => {
+                let names: Vec<&str> = to.iter().map(Symbol::printed).collect();
+                self.said("tell", Some(*task), message.to_string(), format!("to {}", names.join(", ")))
+            }
+            Effect::AgentEnded { reason } => self.said("agent-ended", None, String::new(), reason.clone()),
             Effect::EndApplication { reason } => self.said("end-application", None, String::new(), reason.clone()),
         }
     }

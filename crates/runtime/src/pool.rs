@@ -71,7 +71,7 @@ impl SolverPool {
             if due > now {
                 return;
             }
-            inputs.push(Input { at: due, kind: EventKind::SolverReported(request, first.remove().report) });
+            inputs.push(Input::new(due, EventKind::SolverReported(request, first.remove().report)));
         }
     }
 

@@ -5,6 +5,7 @@
 use apex_model::agent::Agent;
 use apex_model::effect::{CommandId, Effect, SolveRequest};
 use apex_model::event::{Batch, EventKind, PlannedProcedure};
+use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,6 +17,15 @@ pub struct Input {
     pub at: Time,
     /// What.
     pub kind: EventKind,
+    /// The agent that it is for, by name; none is every agent. Answers find whoever asked.
+    pub agent: Option<Symbol>,
+}
+
+impl Input {
+    /// An input for every agent.
+    pub fn new(at: Time, kind: EventKind) -> Input {
+        Input { at, kind, agent: None }
+    }
 }
 
 /// A controlled system: the built-in simulator, a simulator elsewhere, or an autopilot behind a link.
@@ -55,9 +65,19 @@ pub trait Deliberator {
 
 /// Sees every step of a run, live: recorder, progress bar, Sherpa and mission bookkeeping are observers.
 ///
+/// Where several agents run, `turn` tells before the other calls whose step they are about.
 /// Per step the calls are `begin`, (the executive works), `observe`, (the effects go out), `inspect`.
 /// An error of any call is a sentence that says why going on would lose data (an unwritable record); the run stops.
 pub trait Observer {
+    /// The agent with this number, in order of declaration from 0, steps from now on.
+    ///
+    /// # Errors
+    /// A sentence; the run stops.
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        let _ = agent;
+        Ok(())
+    }
+
     /// The batch that is about to be executed: recorders store inputs before they are used.
     ///
     /// # Errors
@@ -102,6 +122,9 @@ pub trait Observer {
 
 /// A shared observer, so that mission bookkeeping can write rows of its own into the recorder of a running mission.
 impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).turn(agent)
+    }
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         self.lock().unwrap_or_else(PoisonError::into_inner).begin(batch)
     }

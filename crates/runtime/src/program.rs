@@ -1,7 +1,7 @@
 //! A program without a vehicle: `apex run`. Inputs come from a list; every command is acknowledged at once.
 
 use crate::error::RunError;
-use crate::mission_loop::{FlyOptions, RunEnd, fly};
+use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
 use crate::ports::{Deliberator, Input, Observer, SolverAnswer, Vehicle};
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, SolveRequest};
@@ -33,6 +33,18 @@ pub fn run_with(
     fly(agent, &mut NoVehicle::default(), deliberator, observers, options)
 }
 
+/// As [`run`], with all agents of an application.
+///
+/// # Errors
+/// As [`fly_all`].
+pub fn run_all(
+    agents: &mut [Agent],
+    observers: &mut [&mut dyn Observer],
+    options: FlyOptions,
+) -> Result<RunEnd, RunError> {
+    fly_all(agents, &mut NoVehicle::default(), &mut NoDeliberator, observers, options)
+}
+
 /// Stands in for a vehicle: does nothing, and acknowledges everything at once.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
@@ -51,7 +63,7 @@ impl Vehicle for NoVehicle {
 
     fn command(&mut self, command: CommandId, _: &Value, at: Time) {
         let kind = EventKind::CommandAcknowledged(command, Ok(Value::nil()));
-        self.acknowledgements.push(Input { at, kind });
+        self.acknowledgements.push(Input::new(at, kind));
     }
 
     fn withdraw(&mut self, command: CommandId, _: Time) {

@@ -57,23 +57,28 @@ impl fmt::Display for ReplayReport {
     }
 }
 
-/// Executes all recorded batches again, up to the first difference.
+/// Executes all recorded batches of all agents again, up to the first difference.
 ///
 /// # Errors
 /// [`RecordError`] when the record cannot be read or its mission not loaded.
 pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayReport, RecordError> {
     let program = reader.load(load)?;
-    let mut agent = reader.fresh_agent(&program)?;
-    let mut narrator = Narrator::new(&program.0);
+    let mut agents = Vec::new();
+    for agent in 0..reader.agents().len().max(1) {
+        agents.push((reader.fresh_agent_number(&program, agent)?, Narrator::new(&program.0)));
+    }
     let mut report = ReplayReport { batches: 0, effects: 0, end: Time::ZERO, difference: None };
-    for recorded in reader.steps()? {
+    for recorded in reader.steps_of_all(Time::END)? {
         let recorded = recorded?;
-        let effects = step(&mut agent, &recorded.batch);
+        let Some((agent, narrator)) = agents.get_mut(recorded.agent) else {
+            return Err(reader.garbled(format!("batch {} is of an agent that does not exist", recorded.batch_number)));
+        };
+        let effects = step(agent, &recorded.batch);
         narrator.hear(&recorded.batch);
         report.batches += 1;
         report.effects += effects.len() as u64;
         report.end = recorded.batch.now;
-        report.difference = compare(&recorded, &effects, &mut narrator);
+        report.difference = compare(&recorded, &effects, narrator);
         if report.difference.is_some() {
             break;
         }

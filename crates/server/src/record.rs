@@ -32,7 +32,7 @@ pub enum RecordError {
     #[error("{} is a database, but not a flight record; give a `*.apex` file that `apex fly` wrote", .0.display())]
     Foreign(PathBuf),
     /// It was written by another version of the schema.
-    #[error("{} has record version {found}, and this program reads version {SCHEMA_VERSION}; use the Apex that wrote it", .path.display())]
+    #[error("{} has record version {found}, and this program reads versions up to {SCHEMA_VERSION}; use the Apex that wrote it", .path.display())]
     Version {
         /// The file.
         path: PathBuf,
@@ -57,8 +57,8 @@ pub(crate) struct Reader {
 }
 
 impl Record {
-    /// Opens the record at `path`.
-    pub(crate) fn open(path: &Path) -> Result<Record, RecordError> {
+    /// Opens the record at `path`, to look at agent number `agent`.
+    pub(crate) fn open(path: &Path, agent: usize) -> Result<Record, RecordError> {
         if !path.is_file() {
             return Err(RecordError::Missing(path.to_path_buf()));
         }
@@ -68,8 +68,11 @@ impl Record {
             return Err(RecordError::Foreign(path.to_path_buf()));
         }
         let found = pragma(&connection, "user_version").map_err(unreadable)?;
-        if found != SCHEMA_VERSION {
+        if !(1..=SCHEMA_VERSION).contains(&found) {
             return Err(RecordError::Version { path: path.to_path_buf(), found });
+        }
+        if found > 1 {
+            look_at_agent(&connection, agent).map_err(unreadable)?;
         }
         let reader = Reader { path: path.to_path_buf(), connection, index: TaskIndex::default() };
         Ok(Record { reader: Mutex::new(reader) })
@@ -111,6 +114,16 @@ fn connect(path: &Path) -> Result<Connection, rusqlite::Error> {
         }
         Err(error) => Err(error),
     }
+}
+
+/// Where several agents ran, covers the tables that belong to an agent by views of the same names.
+fn look_at_agent(connection: &Connection, agent: usize) -> Result<(), rusqlite::Error> {
+    let agents: i64 = connection.query_row("SELECT count(*) FROM agent", [], |row| row.get(0))?;
+    for table in ["batch", "effect", "task", "snapshot"].iter().filter(|_| agents > 1) {
+        let sql = format!("CREATE TEMP VIEW {table} AS SELECT * FROM main.{table} WHERE agent = {agent}");
+        connection.execute_batch(&sql)?;
+    }
+    Ok(())
 }
 
 fn pragma(connection: &Connection, name: &str) -> Result<i64, rusqlite::Error> {

@@ -17,6 +17,8 @@ const STOP_PATIENCE: Duration = Duration::from_secs(1);
 pub struct ServeOptions {
     /// The flight record, finished or still being written.
     pub record: PathBuf,
+    /// The number of the agent to show, from 0, in the order of their declarations.
+    pub agent: usize,
     /// The address to bind to; `127.0.0.1` keeps the record on this machine.
     pub address: IpAddr,
     /// The port; 0 takes any free one.
@@ -58,7 +60,7 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let record = Record::open(&options.record)?;
+    let record = Record::open(&options.record, options.agent)?;
     let hall = Arc::new(Hall { record, explainer: options.explainer });
     let asked = SocketAddr::new(options.address, options.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()

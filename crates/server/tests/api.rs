@@ -27,6 +27,7 @@ impl Explainer for Oracle {
 fn options(record: &Path) -> ServeOptions {
     ServeOptions {
         record: record.into(),
+        agent: 0,
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port: 0,
         explainer: Some(Arc::new(Oracle)),

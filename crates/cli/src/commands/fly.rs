@@ -135,15 +135,14 @@ fn fly(
     let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books));
     let mut deliberator = Contained::new(Box::new(deliberator), SOLVER_PATIENCE)
         .map_err(|reason| Trouble::failure("no thread for the solvers").because(reason))?;
-    let mut agent = apex_executive::load(Arc::clone(&mission.library), &mission.agent, sources::host_functions())
-        .map_err(|reason| Trouble::user("the mission cannot be executed").because(reason))?;
-    let mut bookkeeper = BookkeepingObserver(Arc::clone(&books));
+    let mut agents = sources::crew_of(&mission.library)?;
+    let mut bookkeeper = BookkeepingObserver::new(Arc::clone(&books));
     let mut targets = TargetRecorder { recorder: Arc::clone(recorder), books: Arc::clone(&books), changes: Vec::new() };
     let mut progress = Progress::new(settings.until, hidden);
     let mut shared_recorder = Arc::clone(recorder);
     let mut observers: Vec<&mut dyn Observer> =
         vec![&mut shared_recorder, &mut bookkeeper, &mut targets, &mut progress];
-    let flown = apex_runtime::fly(&mut agent, vehicle, &mut deliberator, &mut observers, settings);
+    let flown = apex_runtime::fly_all(&mut agents, vehicle, &mut deliberator, &mut observers, settings);
     progress.bar.finish_and_clear();
     let end = flown.map_err(|error| Trouble::failure(error.to_string()))?;
     let report = report(mission, &lock(&books), &targets.changes, (end.at, end.reason.text()));
@@ -195,7 +194,7 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        match commands::serve::serve(&path, address, port, ready) {
+        match commands::serve::serve(&path, 0, address, port, ready) {
             // The flight may be over already: then nobody listens, and nothing is left to stop.
             Ok(()) => say.send(Control::Stop).unwrap_or_default(),
             Err(trouble) => output::complain(format_args!("{trouble}\n  the flight goes on without Sherpa")),

@@ -13,7 +13,6 @@ use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, program};
 use std::io::Read;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Runs a program to its end.
 pub fn run(options: &RunOptions) -> Outcome {
@@ -21,9 +20,7 @@ pub fn run(options: &RunOptions) -> Outcome {
     let inputs = options.inputs.as_deref().map(inputs_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let fly_options = FlyOptions { until: until.unwrap_or(Time::END), inputs, ..FlyOptions::default() };
-    let declaration = sources::only_agent_of(&library)?;
-    let mut agent = apex_executive::load(Arc::clone(&library), &declaration, sources::host_functions())
-        .map_err(|reason| Trouble::user("the program cannot be executed").because(reason))?;
+    let mut agents = sources::crew_of(&library)?;
     refuse_to_overwrite_inputs(options)?;
     let mut recorder = options.record.as_deref().map(|path| recorder(path, &library)).transpose()?;
     let out = trace_output(options.trace.as_deref())?;
@@ -36,7 +33,7 @@ pub fn run(options: &RunOptions) -> Outcome {
         observers.push(recorder);
     }
     observers.push(&mut tracer);
-    let ended = program::run(&mut agent, &mut observers, fly_options);
+    let ended = program::run_all(&mut agents, &mut observers, fly_options);
     let flushed = tracer.into_inner();
     // A reader such as `head` that has seen enough ends the run; a record then says that it is incomplete.
     if gone.get() {

@@ -19,9 +19,11 @@ pub fn run(options: &ServeOptions) -> Outcome {
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;
     // Opened once here so that a wrong file is told before a port is taken.
-    recording::open(&options.record)?;
+    let reader = recording::open(&options.record)?;
+    let called = |name: &String| reader.agent_called(name).map_err(|error| Trouble::user(error.to_string()));
+    let agent = options.agent.as_ref().map(called).transpose()?.unwrap_or(0);
     let open = options.open;
-    serve(&options.record, address, options.port, move |url| {
+    serve(&options.record, agent, address, options.port, move |url| {
         // The page is served whether anybody reads this line or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         if open {
@@ -30,11 +32,18 @@ pub fn run(options: &ServeOptions) -> Outcome {
     })
 }
 
-/// Serves `record` at `address:port`; calls `ready` with the page's address.
-pub fn serve(record: &Path, address: IpAddr, port: u16, ready: impl FnOnce(&str) + Send + 'static) -> Outcome {
-    let explainer = RecordExplainer { record: record.to_path_buf() };
+/// Serves what agent number `agent` of `record` did at `address:port`; calls `ready` with the page's address.
+pub fn serve(
+    record: &Path,
+    agent: usize,
+    address: IpAddr,
+    port: u16,
+    ready: impl FnOnce(&str) + Send + 'static,
+) -> Outcome {
+    let explainer = RecordExplainer { record: record.to_path_buf(), agent };
     apex_server::serve(apex_server::ServeOptions {
         record: record.to_path_buf(),
+        agent,
         address,
         port,
         explainer: Some(Arc::new(explainer)),
@@ -61,11 +70,13 @@ fn open_browser(url: &str) {
 /// Answers the page's questions by restoring the agent at the asked instant.
 struct RecordExplainer {
     record: PathBuf,
+    agent: usize,
 }
 
 impl Explainer for RecordExplainer {
     fn why(&self, task: u64, at_ns: i64) -> Result<serde_json::Value, String> {
-        let reader = RecordReader::open(&self.record).map_err(|error| error.to_string())?;
+        let reader = RecordReader::open(&self.record).and_then(|reader| reader.of_agent(self.agent));
+        let reader = reader.map_err(|error| error.to_string())?;
         let why = explain::why(&reader, &format!("T{task}"), Time(at_ns), &sources::load_recorded)
             .map_err(|error| error.to_string())?;
         serde_json::to_value(&why).map_err(|error| error.to_string())

@@ -16,12 +16,16 @@ pub fn run(options: &TraceOptions) -> Outcome {
         |text: &Option<String>, option: &str| text.as_deref().map(|text| sources::parse_time(text, option)).transpose();
     let filter = TraceFilter {
         kinds: options.kinds.iter().cloned().collect(),
+        agent: options.agent.clone(),
         object: options.object.clone(),
         from: time(&options.from, "--from")?,
         to: time(&options.to, "--to")?,
         place: options.procedure.clone(),
     };
     filter.check().map_err(Trouble::user)?;
+    if let Some(agent) = &options.agent {
+        reader.agent_called(agent).map_err(|error| Trouble::user(error.to_string()))?;
+    }
     if filter.from.unwrap_or(Time::ZERO) > filter.to.unwrap_or(Time::END) {
         return Err(Trouble::user("`--from` is later than `--to`").help("exchange them"));
     }

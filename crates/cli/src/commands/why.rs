@@ -15,7 +15,7 @@ pub fn run(options: &WhyOptions) -> Outcome {
     }
     let reader = recording::open(&options.record)?;
     let at = options.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
-    let why = explain::why(&reader, &options.task, at.unwrap_or(Time::END), &sources::load_recorded)
+    let why = explain::why_of_any(&reader, &options.task, at.unwrap_or(Time::END), &sources::load_recorded)
         .map_err(|error| Trouble::user(error.to_string()))?;
     if options.json {
         let json = serde_json::to_string_pretty(&why)

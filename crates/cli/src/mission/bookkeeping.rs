@@ -212,11 +212,31 @@ pub fn location(value: &Value) -> Option<(Position, f64)> {
 }
 
 /// Feeds shared bookkeeping from a run.
-pub struct BookkeepingObserver(pub SharedBookkeeping);
+pub struct BookkeepingObserver {
+    /// The books.
+    pub books: SharedBookkeeping,
+    /// Only the first agent flies: what it measures and does is what happened to the aircraft.
+    flying: bool,
+}
+
+impl BookkeepingObserver {
+    /// Feeds `books`.
+    pub fn new(books: SharedBookkeeping) -> BookkeepingObserver {
+        BookkeepingObserver { books, flying: true }
+    }
+}
 
 impl Observer for BookkeepingObserver {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        self.flying = agent == 0;
+        Ok(())
+    }
+
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
-        let mut books = lock(&self.0);
+        if !self.flying {
+            return Ok(());
+        }
+        let mut books = lock(&self.books);
         let mut moved = false;
         for event in &batch.events {
             match &event.kind {

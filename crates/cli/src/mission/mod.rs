@@ -44,7 +44,7 @@ pub struct Mission {
     pub settings: Settings,
     /// The checked program.
     pub library: Arc<Library>,
-    /// The agent that flies.
+    /// The agent that flies, the first that is declared: the vehicle has its name.
     pub agent: AgentDeclaration,
     /// The vehicle.
     pub model: VehicleModel,
@@ -98,7 +98,7 @@ impl Mission {
         let forecast = files.read("forecast", &settings.forecast, surroundings::wind)?;
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
         let mut mission = Mission {
-            agent: sources::only_agent_of(&library)?,
+            agent: sources::agent_of(&library),
             zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
             crew: files.read("people", &settings.people, surroundings::people)?.unwrap_or_default(),
             scenario: files.read("scenario", &settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),

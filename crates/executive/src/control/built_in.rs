@@ -3,7 +3,7 @@
 //! Runs: act phase.  Reads: arguments.  Writes: tasks named by the arguments, effects.
 //! Bound: O(1) besides the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
-use crate::control::{hooks, instantiation, interruption, repetition, resources, restart, selection, termination};
+use crate::control::{correspondence, instantiation, interruption, repetition, resources, restart, selection, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::planner_invocation;
 use crate::expression::{evaluate, printed};
@@ -13,6 +13,7 @@ use apex_model::controller::{Controller, QuestionController};
 use apex_model::effect::{Effect, QuestionId};
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity};
+use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -21,6 +22,11 @@ use apex_model::wake::Wake;
 fn evaluated(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Value, Because> {
     evaluate(expr, &cycle.view(id, Level::Step))
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
+}
+
+/// Where the last argument stands: the one that may name nobody.
+fn place(arguments: &[Expr]) -> Place {
+    arguments.last().map(|argument| argument.place).unwrap_or_default()
 }
 
 /// The task that an argument names.
@@ -72,8 +78,8 @@ fn carry_out(
     let first = || values.first().cloned().unwrap_or_else(Value::nil);
     match which {
         BuiltInActivity::Print => cycle.effects.push(Effect::Print { task: id, text: printed(&values) }),
-        BuiltInActivity::Inform => hooks::inform(cycle, id, first()),
-        BuiltInActivity::Cogevent => hooks::cogevent(cycle, id, first(), values.get(1)),
+        BuiltInActivity::Inform => correspondence::inform(cycle, id, first(), values.get(1), place(arguments))?,
+        BuiltInActivity::Cogevent => correspondence::cogevent(cycle, id, first(), values.get(1), place(arguments))?,
         BuiltInActivity::Reset | BuiltInActivity::Suspend | BuiltInActivity::Resume | BuiltInActivity::Reprioritize => {
             let Some(argument) = arguments.first() else { return Ok(Some(Value::nil())) };
             let task = task_argument(&first(), argument)?;

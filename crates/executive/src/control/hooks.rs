@@ -4,8 +4,8 @@
 //! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
 //! Paper: section III, code embedded in the `on-enablement` clause.
 
-use crate::control::{binding, termination};
-use crate::cycle::{Cycle, Said};
+use crate::control::{binding, correspondence, termination};
+use crate::cycle::Cycle;
 use crate::expression::{Action, run};
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
@@ -76,23 +76,27 @@ pub(crate) fn run_forms(
     put_locals(cycle, id, locals);
     let mut wants = Wants::default();
     let place = forms.first().map(|form| form.place).unwrap_or_default();
+    let mut unsaid: Option<Because> = None;
     for action in actions {
+        let mut said = |told: Result<(), Because>| unsaid = unsaid.take().or(told.err());
         match action {
-            Action::Inform(form) => inform(cycle, id, form),
+            Action::Inform(form, router) => said(correspondence::inform(cycle, id, form, router.as_ref(), place)),
             Action::Print(text) => cycle.effects.push(Effect::Print { task: id, text }),
             Action::Command { form, timeout, place } => {
                 let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
                 wants.commands.push(Wanted { form, timeout, because });
             }
-            Action::Publish(variable, value) => cycle.work.said.push(Said::Measurement(variable, value)),
+            Action::Publish(variable, value, router) => {
+                said(correspondence::publish(cycle, id, variable, value, router.as_ref(), place));
+            }
             Action::Complete(value) => wants.completed = Some(value),
             Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),
-            Action::Cogevent(form, agent) => cogevent(cycle, id, form, agent.as_ref()),
+            Action::Cogevent(form, agent) => said(correspondence::cogevent(cycle, id, form, agent.as_ref(), place)),
             Action::EndApplication(reason) => termination::end_application(cycle, id, reason),
         }
     }
     match result {
-        Ok(_) => Ok(wants),
+        Ok(_) => unsaid.map_or(Ok(wants), Err),
         Err(error) => Err(Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place))),
     }
 }
@@ -111,21 +115,5 @@ fn take_locals(cycle: &mut Cycle<'_>, id: TaskId) -> Bindings {
 fn put_locals(cycle: &mut Cycle<'_>, id: TaskId, locals: Bindings) {
     if let Some(slot) = primitive_locals(cycle, id) {
         *slot = locals;
-    }
-}
-
-/// `(inform FORM)`: for whoever listens outside, and for this agent.
-pub(crate) fn inform(cycle: &mut Cycle<'_>, id: TaskId, form: Value) {
-    cycle.effects.push(Effect::Inform { task: id, form: form.clone() });
-    cycle.work.said.push(Said::Occurrence(form));
-}
-
-/// `(cogevent FORM [agent])`: for this agent, or for another one outside.
-pub(crate) fn cogevent(cycle: &mut Cycle<'_>, id: TaskId, form: Value, agent: Option<&Value>) {
-    let own = agent.is_none_or(|agent| !agent.is_true() || agent.as_symbol() == Some(&cycle.agent.name));
-    if own {
-        cycle.work.said.push(Said::Occurrence(form));
-    } else {
-        cycle.effects.push(Effect::Inform { task: id, form });
     }
 }

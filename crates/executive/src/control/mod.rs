@@ -5,6 +5,7 @@ pub(crate) mod built_in;
 pub(crate) mod competition;
 pub(crate) mod conflict;
 pub(crate) mod contention;
+pub(crate) mod correspondence;
 pub(crate) mod enablement;
 pub(crate) mod failure;
 pub(crate) mod hooks;

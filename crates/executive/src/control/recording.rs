@@ -8,7 +8,7 @@ use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
 use crate::monitoring;
 use apex_model::because::Cause;
-use apex_model::event::{Event, EventKind, StateVariable};
+use apex_model::event::{Event, EventKind, Message, StateVariable};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
@@ -28,7 +28,12 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
             EventKind::CommandAcknowledged(..)
             | EventKind::SolverReported(..)
             | EventKind::OperatorAnswered(..)
+            | EventKind::Stop(_)
             | EventKind::Woken => {}
+            EventKind::Told(_, Message::Occurrence(form)) => occurrence(cycle, form.clone(), event.at),
+            EventKind::Told(_, Message::Measurement(variable, value)) => {
+                measurement(cycle, variable.clone(), value.clone(), event.at);
+            }
         }
     }
     for event in events {
@@ -36,7 +41,8 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
             EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
             EventKind::SolverReported(request, report) => plan_adoption::reported(cycle, *request, report),
             EventKind::OperatorAnswered(question, answer) => built_in::answered(cycle, *question, Some(answer)),
-            EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Woken => {}
+            EventKind::Stop(reason) => termination::stop(cycle, reason),
+            EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Told(..) | EventKind::Woken => {}
         }
         termination::settle(cycle);
     }

@@ -161,8 +161,11 @@ fn finish(cycle: &mut Cycle<'_>, root: TaskId) {
         Some(Outcome::Cut) | None => "the application was ended".to_string(),
     };
     if cycle.agent.finished.is_none() {
-        cycle.effects.push(Effect::EndApplication { reason: reason.clone() });
-        cycle.agent.finished = Some(reason);
+        cycle.agent.finished = Some(reason.clone());
+        cycle.effects.push(match cycle.library.has_several_agents() {
+            true => Effect::AgentEnded { reason },
+            false => Effect::EndApplication { reason },
+        });
     }
 }
 
@@ -173,15 +176,28 @@ pub(crate) fn end_application(cycle: &mut Cycle<'_>, by: TaskId, reason: Option<
         Some(other) => other.to_string(),
         None => format!("{by} ended the application"),
     };
-    if cycle.agent.finished.is_some() {
-        return;
+    let because = Because::new(Cause::ApplicationEnded { by }, cycle.place_of(by));
+    if cut_all(cycle, &words, because) {
+        cycle.effects.push(Effect::EndApplication { reason: words });
     }
-    cycle.agent.finished = Some(words.clone());
-    let place = cycle.place_of(by);
+}
+
+/// The application ends for a reason from outside this agent: everything is cut.
+pub(crate) fn stop(cycle: &mut Cycle<'_>, reason: &str) {
+    let because = Because::new(Cause::Stopped { reason: reason.to_string() }, None);
+    cut_all(cycle, reason, because);
+}
+
+/// Cuts the root task with everything below it; false when the agent has ended before.
+fn cut_all(cycle: &mut Cycle<'_>, reason: &str, because: Because) -> bool {
+    if cycle.agent.finished.is_some() {
+        return false;
+    }
+    cycle.agent.finished = Some(reason.to_string());
     let root = cycle.agent.tasks.iter().next().map(|(_, task)| task.id);
     if let Some(root) = root {
-        end(cycle, root, Outcome::Cut, Because::new(Cause::ApplicationEnded { by }, place));
+        end(cycle, root, Outcome::Cut, because);
     }
     cycle.work.ended.clear();
-    cycle.effects.push(Effect::EndApplication { reason: words });
+    true
 }

@@ -9,14 +9,17 @@ use apex_model::value::Value;
 /// Calls the acting function `name`; none when there is no such function.
 pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<Outcome> {
     let action = match (name, arguments) {
-        ("inform", [form]) => Ok(Action::Inform(form.clone())),
+        ("inform", [form]) => Ok(Action::Inform(form.clone(), None)),
+        ("inform", [form, router]) => Ok(Action::Inform(form.clone(), Some(router.clone()))),
         ("print", values) => strings::bounded(printed(values)).map(|_| Action::Print(printed(values))),
         ("command", [form]) => Ok(Action::Command { form: form.clone(), timeout: None, place }),
         ("command", [form, Value::Symbol(keyword), timeout]) if keyword.is(":timeout") => {
             let command = |timeout| Action::Command { form: form.clone(), timeout: Some(timeout), place };
             arithmetic::duration(timeout).map(command)
         }
-        ("publish", [form, value]) => state_variable(form).map(|variable| Action::Publish(variable, value.clone())),
+        ("publish", [form, value, router @ ..]) if router.len() < 2 => {
+            state_variable(form).map(|variable| Action::Publish(variable, value.clone(), router.first().cloned()))
+        }
         ("complete", []) => Ok(Action::Complete(Value::nil())),
         ("complete", [value]) => Ok(Action::Complete(value.clone())),
         ("cogevent", [form]) => Ok(Action::Cogevent(form.clone(), None)),
@@ -37,7 +40,7 @@ pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, pla
         return Err(error(place, format!("({name} ..) acts and can stand in hooks only, not in conditions or values")));
     };
     let value = match &action {
-        Action::Complete(value) | Action::Publish(_, value) => value.clone(),
+        Action::Complete(value) | Action::Publish(_, value, _) => value.clone(),
         Action::Print(text) => Value::text(text),
         _ => Value::nil(),
     };

@@ -43,8 +43,8 @@ pub(crate) struct EvaluationError {
 /// What a hook's forms want done, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Action {
-    /// `(inform FORM)`.
-    Inform(Value),
+    /// `(inform FORM [router])`.
+    Inform(Value, Option<Value>),
     /// `(print ..)`.
     Print(String),
     /// `(command FORM [:timeout D])`, or a call of a host function declared `:command t`.
@@ -56,8 +56,8 @@ pub(crate) enum Action {
         /// Where it stands.
         place: Place,
     },
-    /// `(publish (ATTR OBJ) value)`.
-    Publish(StateVariable, Value),
+    /// `(publish (ATTR OBJ) value [router])`.
+    Publish(StateVariable, Value, Option<Value>),
     /// `(complete [value])`.
     Complete(Value),
     /// `(setq ?x value)`.

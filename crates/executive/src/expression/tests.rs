@@ -343,7 +343,7 @@ fn hooks_collect_actions_and_conditions_may_not_act() {
                 timeout: None,
                 place: Place::default()
             },
-            Action::Publish(StateVariable::new(Symbol::new("altitude"), Value::symbol("uav")), Value::Integer(4)),
+            Action::Publish(StateVariable::new(Symbol::new("altitude"), Value::symbol("uav")), Value::Integer(4), None),
             Action::Complete(Value::symbol("done")),
         ]
     );

@@ -138,7 +138,8 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
         Effect::CancelSolve(request) => Some(format!("cancel {}", request.0)),
         Effect::Ask { text, .. } => Some(format!("ask {text}")),
         Effect::Inform { form, .. } => Some(format!("inform {form}")),
-        Effect::EndApplication { .. } => Some("end".to_string()),
+        Effect::Tell { to, message, .. } => Some(format!("tell {to:?} {message}")),
+        Effect::EndApplication { .. } | Effect::AgentEnded { .. } => Some("end".to_string()),
     };
     effects.iter().filter_map(|(at, effect)| Some(format!("{at} {}", line(effect)?))).collect()
 }

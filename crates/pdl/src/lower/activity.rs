@@ -1,8 +1,8 @@
 //! What a step does: goals and built-in activities (`pdl.md` section 4).
 
-use super::Lowering;
 use super::clauses::groups;
 use super::expression::constant;
+use super::{Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
@@ -21,8 +21,8 @@ impl Lowering {
             "suspend" if only_task => self.task_activity(BuiltInActivity::Suspend, items),
             "resume" if only_task => self.task_activity(BuiltInActivity::Resume, items),
             "reprioritize" if only_task => self.task_activity(BuiltInActivity::Reprioritize, items),
-            "cogevent" => self.form_activity(datum, BuiltInActivity::Cogevent, items, 2),
-            "inform" => self.form_activity(datum, BuiltInActivity::Inform, items, 1),
+            "cogevent" => self.form_activity(datum, BuiltInActivity::Cogevent, items),
+            "inform" => self.form_activity(datum, BuiltInActivity::Inform, items),
             "hold-resource" => self.resource_activity(datum, BuiltInActivity::HoldResource, items),
             "release-resource" => self.resource_activity(datum, BuiltInActivity::ReleaseResource, items),
             "print" => {
@@ -76,18 +76,15 @@ impl Lowering {
         Some(Activity::BuiltIn(which, arguments))
     }
 
-    fn form_activity(
-        &mut self,
-        datum: &Datum,
-        which: BuiltInActivity,
-        items: &[Datum],
-        most: usize,
-    ) -> Option<Activity> {
-        let Some((form, rest)) = items.split_first().filter(|_| items.len() <= most) else {
+    fn form_activity(&mut self, datum: &Datum, which: BuiltInActivity, items: &[Datum]) -> Option<Activity> {
+        let Some((form, rest)) = items.split_first().filter(|_| items.len() <= 2) else {
             let name = datum.head_name();
-            let shape = if most == 2 { "(cogevent FORM [agent])".to_string() } else { format!("({name} FORM)") };
+            let to = if which == BuiltInActivity::Inform { "router" } else { "agent" };
+            let shape = format!("({name} FORM [{to}])");
             return self.missing_part(datum.span, &format!("this `{name}` has the wrong parts"), &shape);
         };
+        let kind = if which == BuiltInActivity::Inform { NameKind::Router } else { NameKind::Agent };
+        rest.iter().for_each(|name| self.use_name(kind, name));
         self.pure("an activity", |lowering| {
             let form = lowering.form(form);
             let rest = lowering.body(rest);

@@ -1,13 +1,12 @@
-//! Applications and agents (`pdl.md` section 8).
+//! Applications (`pdl.md` section 8).
 
-use super::clauses::{groups, values_of};
-use super::{Goal, Lowering};
+use super::Lowering;
+use super::clauses::groups;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames;
-use apex_model::expression::Template;
-use apex_model::library::{AgentDeclaration, Application, Library};
+use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
@@ -44,6 +43,7 @@ impl Lowering {
                     None => complete = false,
                 },
                 "agents" => complete &= self.agents(group.values, library).is_some(),
+                "routers" => complete &= self.routers(group.values, library).is_some(),
                 other => {
                     let value = match group.values {
                         [] => Value::nil(),
@@ -71,6 +71,23 @@ impl Lowering {
         }
     }
 
+    /// One router or a list of routers.
+    fn routers(&mut self, values: &[Datum], library: &mut Library) -> Option<()> {
+        for value in values {
+            let forms = match value.as_list() {
+                Some(forms) if Lowering::is_nested(value) => forms,
+                _ => std::slice::from_ref(value),
+            };
+            for form in forms {
+                if form.head_name() != "router" {
+                    return self.missing_part(form.span, "this is no router", "(router NAME [:carries (TOPIC..)])");
+                }
+                self.router(form, library)?;
+            }
+        }
+        Some(())
+    }
+
     /// One agent or a list of agents.
     fn agents(&mut self, values: &[Datum], library: &mut Library) -> Option<()> {
         for value in values {
@@ -88,60 +105,4 @@ impl Lowering {
         }
         Some(())
     }
-
-    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)])`
-    pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
-        let (before, options) = groups(form.tail());
-        let [named @ Datum { kind: DatumKind::Symbol(name), span }] = before else {
-            return self.missing_part(form.span, "this agent has no name", "(agent NAME [:initial-task GOAL] ..)");
-        };
-        if library.agents.iter().any(|agent| agent.name == *name) {
-            let message = format!("agent `{name}` is defined twice");
-            return self
-                .refuse(Diagnostic::error(codes::DUPLICATE_DEFINITION, *span, message).help("rename one of them"));
-        }
-        const KNOWN: &[&str] = &["initial-task", "use-bundles", "routers"];
-        self.check_groups(&options, KNOWN, "`agent`")?;
-        let task = self.optional(&options, "initial-task", |lowering, datum| lowering.initial_task(datum))?;
-        let (initial_task, source) = match task {
-            Some(source) => (source.to_value(), source),
-            None => (Value::list([Value::symbol("do-domain")]), named.clone()),
-        };
-        self.goals.push(Goal { template: Template::Constant(initial_task.clone()), source });
-        Some(AgentDeclaration {
-            name: name.clone(),
-            initial_task,
-            bundles: names_in(values_of(&options, "use-bundles")),
-            routers: names_in(values_of(&options, "routers")),
-            place: form.span.place(),
-        })
-    }
-
-    fn initial_task(&mut self, datum: &Datum) -> Option<Datum> {
-        let inner = match &datum.kind {
-            DatumKind::Quote(inner) => inner,
-            _ => datum,
-        };
-        if inner.head().is_none() || inner.has_holes() {
-            let diagnostic =
-                Diagnostic::error(codes::MALFORMED, datum.span, "an initial task is a goal without variables")
-                    .help("for example `:initial-task (fly mission)`");
-            return self.refuse(diagnostic);
-        }
-        Some(inner.clone())
-    }
-}
-
-/// Names in a list or in a row, without colons.
-fn names_in(values: &[Datum]) -> Vec<Symbol> {
-    let mut names = Vec::new();
-    for value in values {
-        match &value.kind {
-            DatumKind::Symbol(name) => names.push(Symbol::new(name.printed().trim_start_matches(':'))),
-            DatumKind::List(items) => names.extend(names_in(items)),
-            DatumKind::Text(text) => names.push(Symbol::new(text)),
-            _ => {}
-        }
-    }
-    names
 }

@@ -1,7 +1,7 @@
 //! Calls of functions: resolution, arity, purity, function-valued arguments, literal dimensions.
 
 use super::expected::{dimension_of, zero_of};
-use super::{Callable, Lowering};
+use super::{Callable, Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
@@ -59,6 +59,11 @@ impl Lowering {
         }
         if position == 0 && FORM_FIRST.contains(&name) {
             return self.form(datum);
+        }
+        match (name, position) {
+            ("cogevent", 1) => self.use_name(NameKind::Agent, datum),
+            ("inform", 1) | ("publish", 2) => self.use_name(NameKind::Router, datum),
+            _ => {}
         }
         self.expression(datum)
     }

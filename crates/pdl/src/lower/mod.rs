@@ -3,6 +3,7 @@
 //! Convention: a lowering method returns `None` when it has reported why there is no result.
 
 mod activity;
+mod agents;
 mod application;
 mod calls;
 mod clauses;
@@ -30,6 +31,7 @@ mod support;
 mod template;
 mod timing;
 
+pub(crate) use agents::{NameKind, NameUse};
 pub(crate) use compose::ALLEN;
 pub(crate) use goals::{Goal, Served};
 pub(crate) use indexes::shape;
@@ -74,6 +76,10 @@ pub(crate) struct Lowering {
     pub(crate) bundle: Option<Symbol>,
     /// The index at hand is a solver's.
     pub(crate) is_solver: bool,
+    /// Names of agents, routers and bundles that other forms must define.
+    pub(crate) named: Vec<NameUse>,
+    /// Bundles that `in-apex-bundle` has opened.
+    pub(crate) bundle_names: BTreeSet<Symbol>,
     /// A form was refused that may serve goals or define names: what it defines must not be missed.
     pub(crate) refused_form: bool,
 }
@@ -95,6 +101,8 @@ impl Lowering {
             had_effect: false,
             bundle: None,
             is_solver: false,
+            named: Vec::new(),
+            bundle_names: BTreeSet::new(),
             refused_form: false,
         }
     }

@@ -201,12 +201,12 @@ fn built_in_text(which: BuiltInActivity, arguments: &[Expr]) -> String {
         BuiltInActivity::Reprioritize => plain("reprioritize"),
         BuiltInActivity::Print => plain("print"),
         BuiltInActivity::EndApplication => plain("end-application"),
-        BuiltInActivity::Inform => forms("inform"),
         BuiltInActivity::HoldResource => forms("hold-resource"),
         BuiltInActivity::ReleaseResource => forms("release-resource"),
-        BuiltInActivity::Cogevent => {
-            let (form, agent) = arguments.split_at_checked(1).unwrap_or((arguments, &[]));
-            list_text("cogevent", form.iter().map(form_text).chain(agent.iter().map(expression_text)))
+        BuiltInActivity::Cogevent | BuiltInActivity::Inform => {
+            let (form, to) = arguments.split_at_checked(1).unwrap_or((arguments, &[]));
+            let head = if which == BuiltInActivity::Inform { "inform" } else { "cogevent" };
+            list_text(head, form.iter().map(form_text).chain(to.iter().map(expression_text)))
         }
         BuiltInActivity::AskOperator => {
             let names = ["question", ":options", ":by", ":default"];

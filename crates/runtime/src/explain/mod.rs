@@ -1,9 +1,11 @@
 //! Why: explains one task of a recorded flight at an instant: how it came to its state, what it waits for and since
 //! when, who took its resource, why it ended.
 
+mod crew;
 mod find;
 mod history;
 
+pub use crew::why_of_any;
 pub use find::find_task;
 pub use history::Moment;
 

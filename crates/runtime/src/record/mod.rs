@@ -15,6 +15,6 @@ mod writer;
 pub use reader::{RecordReader, Sample, StoredSource, TaskRow};
 pub use restore::{LoadProgram, Program};
 pub use rows::{TargetRow, TargetState};
-pub use schema::{APPLICATION_ID, SCHEMA_VERSION};
+pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, look_at_agent};
 pub use steps::{RecordedEffect, RecordedStep, Steps};
 pub use writer::{RecordOptions, Recorder};

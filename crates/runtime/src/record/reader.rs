@@ -5,7 +5,9 @@ use super::schema::{self, read_error};
 use super::steps::Steps;
 use crate::error::RecordError;
 use apex_model::event::{EventKind, StateVariable};
+use apex_model::library::AgentDeclaration;
 use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -17,6 +19,10 @@ use std::sync::Arc;
 pub struct RecordReader {
     pub(super) path: PathBuf,
     pub(super) connection: Connection,
+    /// The names of the agents; empty in an old record.
+    agents: Vec<String>,
+    /// The agent that is looked at.
+    pub(super) agent: usize,
 }
 
 /// A file that the mission was made from.
@@ -68,8 +74,53 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError`] for a missing file, a file that is no record, and a record of a newer Apex.
     pub fn open(path: &Path) -> Result<RecordReader, RecordError> {
+        RecordReader::open_at(path, 0)
+    }
+
+    /// The same record, looking at agent `agent` (from 0, in the order of [`RecordReader::agents`]): its steps, tasks
+    /// and snapshots are then all that there are.
+    ///
+    /// # Errors
+    /// As [`RecordReader::open`].
+    pub fn of_agent(&self, agent: usize) -> Result<RecordReader, RecordError> {
+        RecordReader::open_at(&self.path, agent)
+    }
+
+    fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
         let connection = schema::open(path)?;
-        Ok(RecordReader { path: path.to_path_buf(), connection })
+        let fail = |error| read_error(path, "the agents", error);
+        let agents = schema::agents(&connection).map_err(fail)?;
+        if agents.len() > 1 {
+            schema::look_at_agent(&connection, agent).map_err(fail)?;
+        }
+        Ok(RecordReader { path: path.to_path_buf(), connection, agents, agent })
+    }
+
+    /// The names of the agents that ran, in the order of their declarations; none in a record of an older version.
+    pub fn agents(&self) -> &[String] {
+        &self.agents
+    }
+
+    /// True when several agents ran: a task's number alone does not name it then.
+    pub fn has_several_agents(&self) -> bool {
+        self.agents.len() > 1
+    }
+
+    /// The number of the agent called `name`, in any case.
+    ///
+    /// # Errors
+    /// [`RecordError::Question`] with the names that there are.
+    pub fn agent_called(&self, name: &str) -> Result<usize, RecordError> {
+        self.agents.iter().position(|agent| agent.eq_ignore_ascii_case(name)).ok_or_else(|| {
+            let known = if self.agents.is_empty() { "no names of agents".into() } else { self.agents.join(", ") };
+            RecordError::Question(format!("No agent is called {name}; the record has {known}."))
+        })
+    }
+
+    /// Declarations with the names of the recorded agents, where several ran.
+    pub(crate) fn stand_ins(&self) -> Vec<AgentDeclaration> {
+        let of = |name: &String| AgentDeclaration { name: Symbol::new(name), ..AgentDeclaration::of_program() };
+        if self.has_several_agents() { self.agents.iter().map(of).collect() } else { Vec::new() }
     }
 
     /// The record's file.
@@ -116,7 +167,7 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn span(&self) -> Result<Option<(Time, Time)>, RecordError> {
-        let sql = "SELECT min(t_ns), max(t_ns) FROM batch";
+        let sql = "SELECT min(t_ns), max(t_ns) FROM main.batch";
         let both: (Option<i64>, Option<i64>) = self
             .connection
             .query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?)))
@@ -224,6 +275,14 @@ impl RecordReader {
             .query_row(sql, [from.0], |row| row.get::<_, i64>(0))
             .map_err(|error| self.damaged("the steps", error))?;
         Steps::new(self, first, to)
+    }
+
+    /// The steps of all agents up to `to`, in the order in which they were executed.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn steps_of_all(&self, to: Time) -> Result<Steps<'_>, RecordError> {
+        Steps::new(self, 1, to).map(Steps::of_all)
     }
 
     pub(super) fn variable_table(&self) -> Result<Variables, RecordError> {

@@ -60,8 +60,18 @@ impl RecordReader {
 
     /// The agent before its first step.
     pub(crate) fn fresh_agent(&self, program: &Program) -> Result<Agent, RecordError> {
+        self.fresh_agent_number(program, self.agent)
+    }
+
+    /// Agent `agent` before its first step.
+    pub(crate) fn fresh_agent_number(&self, program: &Program, agent: usize) -> Result<Agent, RecordError> {
         let (library, declaration, host) = program;
-        apex_executive::load(Arc::clone(library), declaration, host.clone())
+        let declaration = if self.has_several_agents() { library.agents.get(agent) } else { Some(declaration) };
+        let missing = || RecordError::Load {
+            path: self.path.clone(),
+            message: format!("its PDL declares no agent number {}", agent + 1),
+        };
+        apex_executive::load(Arc::clone(library), declaration.ok_or_else(missing)?, host.clone())
             .map_err(|message| RecordError::Load { path: self.path.clone(), message })
     }
 }

@@ -23,13 +23,14 @@ const TABLES: &str = "
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID;
 CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
 CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT, body BLOB);
-CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB);
+CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT);
+CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB, agent INTEGER);
 CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER,
-    from_state TEXT, to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB);
-CREATE TABLE task (id INTEGER PRIMARY KEY, parent INTEGER, tag TEXT, goal TEXT, created_ns INTEGER,
-    ended_ns INTEGER, outcome TEXT, method TEXT, place TEXT);
+    from_state TEXT, to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB, agent INTEGER);
+CREATE TABLE task (id INTEGER, parent INTEGER, tag TEXT, goal TEXT, created_ns INTEGER,
+    ended_ns INTEGER, outcome TEXT, method TEXT, place TEXT, agent INTEGER, PRIMARY KEY (id, agent)) WITHOUT ROWID;
 CREATE TABLE note (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, text TEXT);
-CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB);
+CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB, agent INTEGER);
 CREATE TABLE track (t_ns INTEGER PRIMARY KEY, latitude_deg REAL, longitude_deg REAL, altitude_m REAL,
     heading_deg REAL, roll_deg REAL, ground_speed_mps REAL, fuel_kg REAL);
 CREATE TABLE target (id TEXT PRIMARY KEY, name TEXT, latitude_deg REAL, longitude_deg REAL, value REAL,
@@ -153,6 +154,32 @@ pub(super) fn open(path: &Path) -> Result<Connection, RecordError> {
         return Err(RecordError::Older { path: path.to_path_buf(), found, known: SCHEMA_VERSION });
     }
     Ok(connection)
+}
+
+/// The names of the agents in the record, in the order of their numbers; none in a record of version 1, which has one.
+///
+/// # Errors
+/// SQLite's own.
+pub fn agents(connection: &Connection) -> rusqlite::Result<Vec<String>> {
+    let sql = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'agent'";
+    if connection.query_row(sql, [], |row| row.get::<_, i64>(0))? == 0 {
+        return Ok(Vec::new());
+    }
+    connection.prepare("SELECT name FROM agent ORDER BY id")?.query_map([], |row| row.get(0))?.collect()
+}
+
+/// Lets every later query on `connection` see one agent of several: the tables that belong to an agent are covered by
+/// views of the same names. `main.batch` and the like still show everything.
+///
+/// # Errors
+/// SQLite's own.
+pub fn look_at_agent(connection: &Connection, agent: usize) -> rusqlite::Result<()> {
+    for table in ["batch", "effect", "task", "snapshot"] {
+        connection.execute_batch(&format!(
+            "DROP VIEW IF EXISTS temp.{table}; CREATE TEMP VIEW {table} AS SELECT * FROM main.{table} WHERE agent = {agent};"
+        ))?;
+    }
+    Ok(())
 }
 
 /// SQLite's trouble while writing, as a sentence.

@@ -15,6 +15,8 @@ const PAGE_BATCHES: i64 = 256;
 /// One recorded executive step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedStep {
+    /// The number of the agent that stepped, from 0.
+    pub agent: usize,
     /// The batch's number, from 1.
     pub batch_number: i64,
     /// What went in.
@@ -59,6 +61,8 @@ pub struct Steps<'a> {
     next_batch: i64,
     to: Time,
     with_effects: bool,
+    /// Of all agents, not only of the one that the reader looks at.
+    of_all: bool,
     page: VecDeque<RecordedStep>,
     ended: bool,
     failure: Option<RecordError>,
@@ -69,7 +73,17 @@ impl<'a> Steps<'a> {
     pub(super) fn new(reader: &'a RecordReader, first: i64, to: Time) -> Result<Steps<'a>, RecordError> {
         let variables = reader.variable_table()?;
         let (page, ended) = (VecDeque::new(), first == 0);
-        Ok(Steps { reader, variables, next_batch: first, to, with_effects: true, page, ended, failure: None })
+        Ok(Steps {
+            reader,
+            variables,
+            next_batch: first,
+            to,
+            with_effects: true,
+            of_all: false,
+            page,
+            ended,
+            failure: None,
+        })
     }
 
     /// The same steps without their effects: faster where only inputs count.
@@ -79,35 +93,61 @@ impl<'a> Steps<'a> {
         self
     }
 
+    /// The steps of all agents.
+    #[must_use]
+    pub(super) fn of_all(mut self) -> Steps<'a> {
+        self.of_all = true;
+        self
+    }
+
     fn fill(&mut self) -> Result<(), RecordError> {
-        let (first, last) = (self.next_batch, self.next_batch.saturating_add(PAGE_BATCHES - 1));
-        self.next_batch = last.saturating_add(1);
-        let mut effects = if self.with_effects { self.effects(first, last)? } else { BTreeMap::new() };
         let reader = self.reader;
         let broken = |error| reader.damaged("the steps", error);
-        let sql = "SELECT id, t_ns, events FROM batch WHERE id BETWEEN ?1 AND ?2 ORDER BY id";
-        let mut statement = reader.connection.prepare_cached(sql).map_err(broken)?;
-        let mut rows = statement.query(params![first, last]).map_err(broken)?;
+        // Records of version 1 have one agent and no column for it.
+        let agent = if reader.agents().is_empty() { "0" } else { "agent" };
+        let table = if self.of_all { "main.batch" } else { "batch" };
+        let sql =
+            format!("SELECT id, t_ns, events, {agent} FROM {table} WHERE id >= ?1 ORDER BY id LIMIT {PAGE_BATCHES}");
+        let mut statement = reader.connection.prepare_cached(&sql).map_err(broken)?;
+        let mut rows = statement.query(params![self.next_batch]).map_err(broken)?;
+        let mut last = self.next_batch;
         while let Some(row) = rows.next().map_err(broken)? {
             let batch_number = row.get::<_, i64>(0).map_err(broken)?;
             let now = Time(row.get(1).map_err(broken)?);
             let bytes = row.get_ref(2).and_then(|cell| Ok(cell.as_blob()?)).map_err(broken)?;
+            let agent = row.get::<_, i64>(3).map_err(broken)?;
             if now > self.to {
                 self.ended = true;
                 break;
             }
             let batch = codec::decode(now, bytes, &self.variables)
-                .map_err(|fault| reader.garbled(format!("batch {batch_number} at {now} cannot be read: {fault}")))?;
-            let effects = effects.remove(&batch_number).unwrap_or_default();
-            self.page.push_back(RecordedStep { batch_number, batch, effects });
+                .map_err(|fault| reader.garbled(format!("batch {batch_number} at {now} cannot be read: {fault}")));
+            // What stands before the damage is told before it.
+            let batch = match batch {
+                Ok(batch) => batch,
+                Err(fault) => {
+                    self.failure = Some(fault);
+                    break;
+                }
+            };
+            last = batch_number;
+            let agent = usize::try_from(agent).unwrap_or(0);
+            self.page.push_back(RecordedStep { agent, batch_number, batch, effects: Vec::new() });
         }
         self.ended |= self.page.is_empty();
+        if self.with_effects && !self.page.is_empty() {
+            let mut effects = self.effects(self.next_batch, last)?;
+            for step in &mut self.page {
+                step.effects = effects.remove(&step.batch_number).unwrap_or_default();
+            }
+        }
+        self.next_batch = last.saturating_add(1);
         Ok(())
     }
 
     fn effects(&self, first: i64, last: i64) -> Result<BTreeMap<i64, Vec<RecordedEffect>>, RecordError> {
         let broken = |error| self.reader.damaged("the effects", error);
-        let sql = "SELECT batch, id, body FROM effect WHERE batch BETWEEN ?1 AND ?2 ORDER BY batch, id";
+        let sql = "SELECT batch, id, body FROM main.effect WHERE batch BETWEEN ?1 AND ?2 ORDER BY batch, id";
         let mut statement = self.reader.connection.prepare_cached(sql).map_err(broken)?;
         let mut rows = statement.query(params![first, last]).map_err(broken)?;
         let mut effects: BTreeMap<i64, Vec<RecordedEffect>> = BTreeMap::new();
@@ -125,7 +165,9 @@ impl Iterator for Steps<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.page.is_empty() && !self.ended {
-            self.failure = self.fill().err();
+            if let Err(fault) = self.fill() {
+                self.failure = Some(fault);
+            }
             self.ended |= self.failure.is_some();
         }
         // What stands before the damage is told before it.

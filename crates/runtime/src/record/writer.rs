@@ -29,7 +29,9 @@ pub struct RecordOptions {
 /// Writes a flight record while the flight goes on. Put it first among the observers of a run.
 pub struct Recorder {
     pub(super) store: Store,
-    narrator: Narrator,
+    agents: Vec<RecordedAgent>,
+    /// Whose steps are stored.
+    turn: usize,
     variables: Variables,
     track: Option<Track>,
     bytes: Vec<u8>,
@@ -37,6 +39,11 @@ pub struct Recorder {
     batch: i64,
     effect: i64,
     begun: bool,
+}
+
+/// What is kept of each agent while its steps are stored.
+struct RecordedAgent {
+    narrator: Narrator,
     snapshots: Snapshots,
 }
 
@@ -65,15 +72,20 @@ impl Recorder {
     pub fn create(path: &Path, library: &Library, options: RecordOptions) -> Result<Recorder, RecordError> {
         let mut recorder = Recorder {
             store: Store::create(path, options.bytes_max)?,
-            narrator: Narrator::new(library),
+            agents: Vec::new(),
+            turn: 0,
             variables: Variables::default(),
             track: options.vehicle.as_deref().map(Track::new),
             bytes: Vec::new(),
             batch: 0,
             effect: 0,
             begun: false,
-            snapshots: Snapshots::default(),
         };
+        for (agent, number) in library.crew().iter().zip(0_i64..) {
+            recorder.agents.push(RecordedAgent { narrator: Narrator::new(library), snapshots: Snapshots::default() });
+            let sql = "INSERT INTO agent VALUES (?1, ?2)";
+            recorder.store.write("storing the agents", sql, params![number, agent.name.printed()])?;
+        }
         recorder.meta("apex_version", env!("CARGO_PKG_VERSION"))?;
         recorder.meta("complete", "0")?;
         if let Some(vehicle) = &options.vehicle {
@@ -119,12 +131,14 @@ impl Recorder {
         for number in known..self.variables.len() {
             self.store_variable(number as u64 + 1)?;
         }
-        let sql = "INSERT INTO batch VALUES (?1, ?2, ?3)";
-        self.store.write("storing the inputs", sql, params![self.batch, batch.now.0, bytes])?;
-        self.snapshots.batches_since += 1;
-        self.snapshots.input_bytes_since += bytes.len();
+        let sql = "INSERT INTO batch VALUES (?1, ?2, ?3, ?4)";
+        self.store.write("storing the inputs", sql, params![self.batch, batch.now.0, bytes, self.turn as i64])?;
+        if let Some(agent) = self.agents.get_mut(self.turn) {
+            agent.snapshots.batches_since += 1;
+            agent.snapshots.input_bytes_since += bytes.len();
+            agent.narrator.hear(batch);
+        }
         self.bytes = bytes;
-        self.narrator.hear(batch);
         match self.track.as_mut().and_then(|track| track.hear(batch)) {
             Some(row) => self.store_track(&row),
             None => Ok(()),
@@ -150,14 +164,15 @@ impl Recorder {
     }
 
     fn store_effect(&mut self, effect: &Effect) -> Result<(), RecordError> {
-        let told = self.narrator.tell(effect);
+        let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
+        let told = agent.narrator.tell(effect);
         let body = postcard::to_stdvec(effect).map_err(|error| self.store.unstorable(told.kind, error))?;
         self.effect += 1;
         let states = (told.from.map(TaskState::word), told.to.map(TaskState::word));
         let now = self.store.now.0;
         self.store.write(
             "storing the effects",
-            "INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)",
+            "INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
             params![
                 self.effect,
                 self.batch,
@@ -170,7 +185,8 @@ impl Recorder {
                 told.subject,
                 told.text,
                 told.place,
-                body
+                body,
+                self.turn as i64
             ],
         )?;
         match effect {
@@ -183,29 +199,30 @@ impl Recorder {
     fn keep_task(&mut self, decision: &Decision, told: &Told) -> Result<(), RecordError> {
         let Some(task) = decision.task.map(|task| task.0 as i64) else { return Ok(()) };
         let doing = "keeping the tasks";
-        let now = self.store.now.0;
+        let (now, agent) = (self.store.now.0, self.turn as i64);
         match &decision.kind {
             DecisionKind::Created { parent, .. } => self.store.write(
                 doing,
-                "INSERT OR REPLACE INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6)",
-                params![task, parent.map(|parent| parent.0 as i64), told.tag, told.subject, now, told.place],
+                "INSERT OR REPLACE INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6, ?7)",
+                params![task, parent.map(|parent| parent.0 as i64), told.tag, told.subject, now, told.place, agent],
             ),
             DecisionKind::Selected { method, .. } => {
-                let method = self.narrator.method(method);
+                let method = self.agents.get(self.turn).map(|agent| agent.narrator.method(method));
                 self.store.write(
                     doing,
-                    "UPDATE task SET goal = ?2, method = ?3 WHERE id = ?1",
-                    params![task, told.subject, method],
+                    "UPDATE task SET goal = ?2, method = ?3 WHERE id = ?1 AND agent = ?4",
+                    params![task, told.subject, method, agent],
                 )
             }
             DecisionKind::Transition { to: TaskState::Terminated, outcome, .. } => self.store.write(
                 doing,
-                "UPDATE task SET ended_ns = ?2, outcome = ?3 WHERE id = ?1",
-                params![task, now, outcome.as_ref().map(outcome_word)],
+                "UPDATE task SET ended_ns = ?2, outcome = ?3 WHERE id = ?1 AND agent = ?4",
+                params![task, now, outcome.as_ref().map(outcome_word), agent],
             ),
             // A repeating step lives again.
             DecisionKind::Transition { from: TaskState::Terminated, .. } => {
-                self.store.write(doing, "UPDATE task SET ended_ns = NULL, outcome = NULL WHERE id = ?1", params![task])
+                let sql = "UPDATE task SET ended_ns = NULL, outcome = NULL WHERE id = ?1 AND agent = ?2";
+                self.store.write(doing, sql, params![task, agent])
             }
             _ => Ok(()),
         }
@@ -220,13 +237,14 @@ impl Recorder {
 
     /// Stores the agent when a snapshot is due.
     fn store_snapshot(&mut self, agent: &Agent, now: Time) -> Result<(), RecordError> {
-        if self.snapshots.is_due() {
+        let Some(recorded) = self.agents.get_mut(self.turn) else { return Ok(()) };
+        if recorded.snapshots.is_due() {
             let body = postcard::to_stdvec(agent).map_err(|error| self.store.unstorable("the agent", error))?;
-            self.snapshots = Snapshots { last_bytes: body.len(), ..Snapshots::default() };
-            self.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
-            if !self.snapshots.impossible {
-                let sql = "INSERT OR REPLACE INTO snapshot VALUES (?1, ?2, ?3)";
-                self.store.write("storing a snapshot", sql, params![self.batch, now.0, body])?;
+            recorded.snapshots = Snapshots { last_bytes: body.len(), ..Snapshots::default() };
+            recorded.snapshots.impossible = body.len() > SNAPSHOT_BYTES_MAX;
+            if !recorded.snapshots.impossible {
+                let sql = "INSERT OR REPLACE INTO snapshot VALUES (?1, ?2, ?3, ?4)";
+                self.store.write("storing a snapshot", sql, params![self.batch, now.0, body, self.turn as i64])?;
             }
         }
         self.store.end_step()
@@ -239,6 +257,11 @@ impl Recorder {
 }
 
 impl Observer for Recorder {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        self.turn = agent;
+        Ok(())
+    }
+
     fn begin(&mut self, batch: &Batch) -> Result<(), String> {
         self.begun = true;
         self.store_batch(batch).map_err(|error| error.to_string())

@@ -26,7 +26,10 @@ pub const KINDS: &[&str] = &[
     "print",
     "ask",
     "answer",
+    "tell",
     "note",
+    "stop",
+    "agent-ended",
     "end",
 ];
 
@@ -35,7 +38,9 @@ pub const KINDS: &[&str] = &[
 pub struct TraceFilter {
     /// Only these kinds, out of [`KINDS`]; empty is all but `wake`.
     pub kinds: BTreeSet<String>,
-    /// Only what concerns this task (`T12`), or has this text in its goal, form or state variable, in any case.
+    /// Only what this agent does, where several run.
+    pub agent: Option<String>,
+    /// Only what concerns this task (`T12`, `pilot/T12`), or has this text in its goal, form or state variable, in any case.
     pub object: Option<String>,
     /// Not before this instant.
     pub from: Option<Time>,
@@ -63,12 +68,21 @@ impl TraceFilter {
     pub(super) fn admits(&self, line: &Line) -> bool {
         let kind = if self.kinds.is_empty() { line.kind != "wake" } else { self.kinds.contains(line.kind) };
         let time = self.from.is_none_or(|from| line.at >= from) && self.to.is_none_or(|to| line.at <= to);
-        kind && time && self.object.as_deref().is_none_or(|object| concerns(line, object))
+        let agent = match (self.agent.as_deref(), line.agent.as_deref()) {
+            (Some(wanted), Some(found)) => found.eq_ignore_ascii_case(wanted),
+            (_, None) | (None, _) => true,
+        };
+        kind && time && agent && self.object.as_deref().is_none_or(|object| concerns(line, object))
     }
 }
 
 fn concerns(line: &Line, object: &str) -> bool {
     let object = object.to_lowercase();
+    if let (Some((agent, rest)), Some(own)) = (object.split_once('/'), line.agent.as_deref())
+        && own.to_lowercase() == agent
+    {
+        return concerns(line, rest);
+    }
     let number = object.strip_prefix('t').and_then(|digits| digits.parse::<u64>().ok());
     match number {
         Some(number) => line.task.is_some_and(|task| task.0 == number),

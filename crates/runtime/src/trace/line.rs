@@ -2,7 +2,7 @@
 
 use crate::narrator::{Narrator, Told, cause_text};
 use apex_model::effect::{DecisionKind, Effect};
-use apex_model::event::{Event, EventKind, SolverReport};
+use apex_model::event::{Event, EventKind, Message, SolverReport, StateVariable};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
 use apex_model::value::Value;
@@ -16,6 +16,8 @@ const TIME_COLUMNS: usize = 12;
 #[derive(Clone, Debug)]
 pub(super) struct Line {
     pub(super) at: Time,
+    /// Whose line it is, where several agents run.
+    pub(super) agent: Option<Arc<str>>,
     pub(super) kind: &'static str,
     pub(super) task: Option<TaskId>,
     pub(super) goal: Arc<str>,
@@ -32,7 +34,7 @@ pub(super) struct Line {
 impl Line {
     fn new(at: Time, kind: &'static str, subject: String, words: String) -> Line {
         let (fields, cause) = (Vec::new(), String::new());
-        Line { at, kind, task: None, goal: Arc::from(""), subject, place: None, fields, cause, words }
+        Line { at, agent: None, kind, task: None, goal: Arc::from(""), subject, place: None, fields, cause, words }
     }
 
     fn text_field(&mut self, key: &'static str, text: &str) -> &mut Line {
@@ -50,16 +52,20 @@ impl Line {
         let at = event.at;
         let line = |kind, subject: String, words: String| Line::new(at, kind, subject, words);
         match &event.kind {
-            EventKind::Measurement(variable, value) => {
-                let name = variable.to_string();
-                let mut line = line("measurement", name.clone(), format!("{name} = {value}"));
-                line.text_field("variable", &name).field("value", json_value(value));
+            EventKind::Measurement(variable, value) => Line::of_measurement(at, variable, value),
+            EventKind::Occurrence(form) => Line::of_occurrence(at, form),
+            EventKind::Told(author, message) => {
+                let mut line = match message {
+                    Message::Occurrence(form) => Line::of_occurrence(at, form),
+                    Message::Measurement(variable, value) => Line::of_measurement(at, variable, value),
+                };
+                let _ = write!(line.words, " from {author}");
+                line.text_field("from_agent", author.printed());
                 line
             }
-            EventKind::Occurrence(form) => {
-                let form = form.to_string();
-                let mut line = line("event", form.clone(), format!("event {form}"));
-                line.text_field("form", &form);
+            EventKind::Stop(reason) => {
+                let mut line = line("stop", String::new(), format!("the application ends: {reason}"));
+                line.text_field("reason", reason);
                 line
             }
             EventKind::CommandAcknowledged(command, result) => {
@@ -99,6 +105,20 @@ impl Line {
             }
             EventKind::Woken => line("wake", String::new(), "wake".into()),
         }
+    }
+
+    fn of_measurement(at: Time, variable: &StateVariable, value: &Value) -> Line {
+        let name = variable.to_string();
+        let mut line = Line::new(at, "measurement", name.clone(), format!("{name} = {value}"));
+        line.text_field("variable", &name).field("value", json_value(value));
+        line
+    }
+
+    fn of_occurrence(at: Time, form: &Value) -> Line {
+        let form = form.to_string();
+        let mut line = Line::new(at, "event", form.clone(), format!("event {form}"));
+        line.text_field("form", &form);
+        line
     }
 
     /// The line of something that the shell decided.
@@ -156,6 +176,15 @@ impl Line {
                 if let Some(by) = by {
                     line.field("by", seconds_text(*by)).field("default", json_value(default));
                 }
+            }
+            Effect::Tell { to, message, .. } => {
+                let names: Vec<String> = to.iter().map(ToString::to_string).collect();
+                line.words = format!("tells {}: {message}", names.join(", "));
+                line.text_field("to", &names.join(" ")).text_field("message", &message.to_string());
+            }
+            Effect::AgentEnded { reason } => {
+                line.words = format!("the agent is done: {reason}");
+                line.text_field("reason", reason);
             }
             Effect::EndApplication { reason } => {
                 line.kind = "end";
@@ -225,6 +254,9 @@ impl Line {
         let mut put = |key: &str, value: &str| {
             let _ = write!(json, ",\"{key}\":{value}");
         };
+        if let Some(agent) = &self.agent {
+            put("agent", &json_text(agent));
+        }
         if let Some(task) = self.task {
             put("task", &json_text(&task.to_string()));
             put("goal", &json_text(&self.goal));
@@ -243,8 +275,17 @@ impl Line {
     /// `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
     pub(super) fn text(&self) -> String {
         let mut text = format!("{:>TIME_COLUMNS$}  ", self.at.to_string());
-        if let Some(task) = self.task {
-            let _ = write!(text, "{task} {}: ", self.goal);
+        match (&self.agent, self.task) {
+            (Some(agent), Some(task)) => {
+                let _ = write!(text, "{agent}/{task} {}: ", self.goal);
+            }
+            (Some(agent), None) => {
+                let _ = write!(text, "{agent}: ");
+            }
+            (None, Some(task)) => {
+                let _ = write!(text, "{task} {}: ", self.goal);
+            }
+            (None, None) => {}
         }
         text.push_str(&self.words);
         if !self.cause.is_empty() {

@@ -14,12 +14,13 @@ use crate::ports::Observer;
 use crate::record::RecordReader;
 use apex_model::effect::{DecisionKind, Effect, Method};
 use apex_model::event::Batch;
-use apex_model::library::Library;
+use apex_model::library::{AgentDeclaration, Library};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use line::Line;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::sync::Arc;
 
 /// How lines look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,15 @@ pub struct Tracer<W: Write> {
     out: W,
     format: TraceFormat,
     filter: TraceFilter,
+    voices: Vec<Voice>,
+    /// Whose steps are told.
+    turn: usize,
+}
+
+/// What must be known of an agent to tell its steps.
+struct Voice {
+    /// Its name, where several agents run.
+    name: Option<Arc<str>>,
     narrator: Narrator,
     tasks: BTreeMap<TaskId, Ancestry>,
 }
@@ -47,9 +57,16 @@ struct Ancestry {
 }
 
 impl<W: Write> Tracer<W> {
-    /// A tracer for a run of `library`, from the run's first step on.
+    /// A tracer for a run of `library` with all of its agents, from the run's first step on.
     pub fn new(out: W, format: TraceFormat, filter: TraceFilter, library: &Library) -> Tracer<W> {
-        Tracer { out, format, filter, narrator: Narrator::new(library), tasks: BTreeMap::new() }
+        let several = library.has_several_agents();
+        let voice = |agent: &AgentDeclaration| Voice {
+            name: several.then(|| Arc::from(agent.name.printed())),
+            narrator: Narrator::new(library),
+            tasks: BTreeMap::new(),
+        };
+        let voices = library.crew().iter().map(voice).collect();
+        Tracer { out, format, filter, voices, turn: 0 }
     }
 
     /// Writes what is left and gives the output back.
@@ -62,31 +79,25 @@ impl<W: Write> Tracer<W> {
     }
 
     fn trace(&mut self, batch: &Batch, effects: &[Effect]) -> io::Result<()> {
-        self.narrator.hear(batch);
+        let Some(voice) = self.voices.get_mut(self.turn) else { return Ok(()) };
+        voice.narrator.hear(batch);
         for event in &batch.events {
-            self.write(&Line::of_event(event))?;
+            self.write_own(Line::of_event(event))?;
         }
         for effect in effects {
-            self.remember(effect);
-            let told = self.narrator.tell(effect);
-            let line = Line::of_effect(batch.now, effect, &told, &self.narrator);
-            self.write(&line)?;
+            let Some(voice) = self.voices.get_mut(self.turn) else { return Ok(()) };
+            voice.remember(effect);
+            let told = voice.narrator.tell(effect);
+            let line = Line::of_effect(batch.now, effect, &told, &voice.narrator);
+            self.write_own(line)?;
         }
         Ok(())
     }
 
-    fn remember(&mut self, effect: &Effect) {
-        let Effect::Decided(decision) = effect else { return };
-        let Some(task) = decision.task else { return };
-        match &decision.kind {
-            DecisionKind::Created { parent, .. } => {
-                self.tasks.insert(task, Ancestry { parent: *parent, method: None });
-            }
-            DecisionKind::Selected { method: Method::Procedure(place) | Method::Primitive(place), .. } => {
-                self.tasks.entry(task).or_default().method = Some(self.narrator.place(*place));
-            }
-            _ => {}
-        }
+    /// Writes a line of the agent whose turn it is.
+    fn write_own(&mut self, mut line: Line) -> io::Result<()> {
+        line.agent = self.voices.get(self.turn).and_then(|voice| voice.name.clone());
+        self.write(&line)
     }
 
     fn write(&mut self, line: &Line) -> io::Result<()> {
@@ -103,14 +114,36 @@ impl<W: Write> Tracer<W> {
     /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
     fn is_of_procedure(&self, line: &Line) -> bool {
         let Some(place) = &self.filter.place else { return true };
-        let own = line.task.and_then(|task| self.tasks.get(&task));
-        let parent = own.and_then(|own| own.parent).and_then(|parent| self.tasks.get(&parent));
+        let Some(voice) = self.voices.get(self.turn) else { return true };
+        let own = line.task.and_then(|task| voice.tasks.get(&task));
+        let parent = own.and_then(|own| own.parent).and_then(|parent| voice.tasks.get(&parent));
         let methods = [own, parent].into_iter().flatten().filter_map(|ancestry| ancestry.method.as_deref());
         methods.chain(line.place.as_deref()).any(|found| filter::is_place_within(found, place))
     }
 }
 
+impl Voice {
+    fn remember(&mut self, effect: &Effect) {
+        let Effect::Decided(decision) = effect else { return };
+        let Some(task) = decision.task else { return };
+        match &decision.kind {
+            DecisionKind::Created { parent, .. } => {
+                self.tasks.insert(task, Ancestry { parent: *parent, method: None });
+            }
+            DecisionKind::Selected { method: Method::Procedure(place) | Method::Primitive(place), .. } => {
+                self.tasks.entry(task).or_default().method = Some(self.narrator.place(*place));
+            }
+            _ => {}
+        }
+    }
+}
+
 impl<W: Write> Observer for Tracer<W> {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        self.turn = agent;
+        Ok(())
+    }
+
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
         self.trace(batch, effects).map_err(|error| unwritable(&error))
     }
@@ -138,17 +171,18 @@ pub fn trace_record<W: Write>(
     format: TraceFormat,
     filter: TraceFilter,
 ) -> Result<W, RecordError> {
-    let library = Library { sources: reader.pdl_sources()?, ..Library::default() };
+    let library = Library { sources: reader.pdl_sources()?, agents: reader.stand_ins(), ..Library::default() };
     let to = filter.to.unwrap_or(Time::END);
     let mut tracer = Tracer::new(out, format, filter, &library);
     let failed = |error: io::Error| RecordError::Question(unwritable(&error));
     let mut notes = reader.notes()?.into_iter().peekable();
-    for step in reader.steps_between(Time::BEGINNING, to)? {
+    for step in reader.steps_of_all(to)? {
         let step = step?;
         while let Some((at, text)) = notes.next_if(|(at, _)| *at < step.batch.now) {
             tracer.write(&Line::of_note(at, &text)).map_err(failed)?;
         }
         let effects = step.decoded_effects().map_err(|what| reader.garbled(what))?;
+        tracer.turn = step.agent;
         tracer.trace(&step.batch, &effects).map_err(failed)?;
     }
     for (at, text) in notes {

@@ -55,12 +55,12 @@ pub(crate) fn program(pdl: &str) -> Program {
 
 pub(crate) fn event(seconds: f64, form: &str) -> Input {
     let form = apex_pdl::read_value(form).unwrap();
-    Input { at: Time::from_seconds(seconds), kind: EventKind::Occurrence(form) }
+    Input::new(Time::from_seconds(seconds), EventKind::Occurrence(form))
 }
 
 pub(crate) fn altitude(seconds: f64, value: i64) -> Input {
     let variable = StateVariable::new(Symbol::new("altitude"), Value::symbol("ac-1"));
-    Input { at: Time::from_seconds(seconds), kind: EventKind::Measurement(variable, Value::Integer(value)) }
+    Input::new(Time::from_seconds(seconds), EventKind::Measurement(variable, Value::Integer(value)))
 }
 
 pub(crate) fn camera_inputs() -> Vec<Input> {

@@ -1,0 +1,238 @@
+//! The crew: the agents of one application, each with an inbox of its own, at one clock.
+//!
+//! At an instant agents step in rounds, within a round in the order of their declarations. What an agent says to another
+//! in a round reaches it at the same instant in the next round, so no agent depends on its place in the order. Rounds are
+//! bounded: what agents say to each other after the last round of an instant is dropped, and that is noted.
+
+use crate::error::RunError;
+use crate::inbox::Inbox;
+use crate::limits::CONVERSATION_ROUNDS_MAX;
+use crate::ports::Input;
+use apex_executive::Agent;
+use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
+use apex_model::event::{Batch, EventKind, Message};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+
+/// Numbers of commands and requests outside of the crew: every agent counts from 0, the world must tell them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Numbering {
+    agent: u64,
+    agents: u64,
+}
+
+impl Numbering {
+    /// The numbering of agent `agent` (from 0) of `agents`.
+    pub fn new(agent: usize, agents: usize) -> Numbering {
+        Numbering { agent: agent as u64, agents: (agents as u64).max(1) }
+    }
+
+    /// The number outside of what this agent calls `own`. An only agent's numbers are the same outside.
+    pub fn outer(self, own: u64) -> u64 {
+        own.saturating_mul(self.agents).saturating_add(self.agent)
+    }
+
+    /// Whose number `outer` is, and what that agent calls it.
+    fn inner(outer: u64, agents: usize) -> (usize, u64) {
+        let agents = (agents as u64).max(1);
+        (usize::try_from(outer % agents).unwrap_or(0), outer / agents)
+    }
+}
+
+/// Agents with their inboxes, and what they said to each other in this round.
+pub(crate) struct Crew<'a> {
+    agents: &'a mut [Agent],
+    inboxes: Vec<Inbox>,
+    post: Vec<(usize, EventKind)>,
+    rounds: u32,
+}
+
+impl<'a> Crew<'a> {
+    pub(crate) fn new(agents: &'a mut [Agent]) -> Crew<'a> {
+        let inboxes = agents.iter().map(|_| Inbox::new()).collect();
+        Crew { agents, inboxes, post: Vec::new(), rounds: 0 }
+    }
+
+    /// How many agents there are.
+    pub(crate) fn len(&self) -> usize {
+        self.agents.len()
+    }
+
+    /// The agent with this number.
+    pub(crate) fn agent(&self, index: usize) -> Option<&Agent> {
+        self.agents.get(index)
+    }
+
+    /// The agent with this number, to step it.
+    pub(crate) fn agent_mut(&mut self, index: usize) -> Option<&mut Agent> {
+        self.agents.get_mut(index)
+    }
+
+    /// True when no input waits.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.inboxes.iter().all(Inbox::is_empty)
+    }
+
+    /// Why all are finished, if they are: each agent with its reason.
+    pub(crate) fn finish(&self) -> Option<String> {
+        let reasons: Option<Vec<(&Symbol, &String)>> =
+            self.agents.iter().map(|agent| Some((&agent.name, agent.finished.as_ref()?))).collect();
+        match reasons?.as_slice() {
+            [_] => Some("the agent is finished".into()),
+            several => {
+                let words: Vec<String> = several.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();
+                Some(format!("all agents are done; {}", words.join("; ")))
+            }
+        }
+    }
+
+    /// The next instant at which an agent wants to be woken.
+    pub(crate) fn next_wake(&self) -> Option<Time> {
+        self.agents.iter().filter_map(|agent| agent.next_wake().map(|(at, _)| at)).min()
+    }
+
+    /// Wakes the agents that want it by `now`; answers with the first reason.
+    pub(crate) fn wake(&mut self, now: Time) -> Result<Option<String>, RunError> {
+        let mut cause = None;
+        for (agent, inbox) in self.agents.iter().zip(&mut self.inboxes) {
+            if let Some((_, why)) = agent.next_wake().filter(|(at, _)| *at <= now) {
+                inbox.push(Input::new(now, EventKind::Woken))?;
+                let named = format!("{why}, of {}", agent.name);
+                cause.get_or_insert(if self.agents.len() > 1 { named } else { why });
+            }
+        }
+        Ok(cause)
+    }
+
+    /// Puts an input into the inboxes of those that it is for.
+    pub(crate) fn deliver(&mut self, mut input: Input) -> Result<(), RunError> {
+        let one = match &mut input.kind {
+            EventKind::CommandAcknowledged(command, _) => {
+                let (agent, own) = Numbering::inner(command.0, self.agents.len());
+                *command = CommandId(own);
+                Some(agent)
+            }
+            EventKind::SolverReported(request, _) => {
+                let (agent, own) = Numbering::inner(request.0, self.agents.len());
+                *request = SolveRequestId(own);
+                Some(agent)
+            }
+            EventKind::OperatorAnswered(question, _) if input.agent.is_none() => Some(self.asker(*question)),
+            _ => None,
+        };
+        let one = match (&input.agent, one) {
+            (_, Some(one)) => Some(one),
+            (Some(name), None) => Some(self.index_of(name)?),
+            (None, None) => None,
+        };
+        match one {
+            Some(index) => match self.inboxes.get_mut(index) {
+                Some(inbox) => inbox.push(input),
+                None => Ok(()),
+            },
+            None => self.inboxes.iter_mut().try_for_each(|inbox| inbox.push(input.clone())),
+        }
+    }
+
+    /// Checks that an input can be delivered.
+    ///
+    /// # Errors
+    /// [`RunError::Options`] when it is for an agent that does not exist.
+    pub(crate) fn check(&self, input: &Input) -> Result<(), RunError> {
+        input.agent.as_ref().map_or(Ok(()), |name| self.index_of(name).map(|_| ()))
+    }
+
+    fn index_of(&self, name: &Symbol) -> Result<usize, RunError> {
+        self.agents.iter().position(|agent| agent.name == *name).ok_or_else(|| {
+            let names: Vec<&str> = self.agents.iter().map(|agent| agent.name.printed()).collect();
+            RunError::Options(format!(
+                "An input is for the agent {name}, which does not exist; there is {}.",
+                names.join(", ")
+            ))
+        })
+    }
+
+    /// Who asked question `question`: the first that has it open, else the first that has ever asked so many.
+    fn asker(&self, question: QuestionId) -> usize {
+        let open = self.agents.iter().position(|agent| agent.questions.contains_key(&question));
+        let asked = || self.agents.iter().position(|agent| agent.next.question > question.0);
+        open.or_else(asked).unwrap_or(0)
+    }
+
+    /// The batch of agent `index` at `now`; none when nothing is there for it, or it is finished.
+    pub(crate) fn take(&mut self, index: usize, now: Time) -> Option<Batch> {
+        let batch = self.inboxes.get_mut(index)?.take(now);
+        // What comes for an agent that is done is taken off the queue, and not executed.
+        batch.filter(|_| self.agents.get(index).is_some_and(|agent| !agent.is_finished()))
+    }
+
+    /// Keeps what agent `from` said to others for the next round; answers with notes about what cannot be delivered.
+    pub(crate) fn post(&mut self, from: usize, told: Vec<(Symbol, Message)>) -> Vec<String> {
+        let mut notes = Vec::new();
+        let Some(author) = self.agents.get(from).map(|agent| agent.name.clone()) else { return notes };
+        for (name, message) in told {
+            let found = self.agents.iter().enumerate().find(|(_, agent)| agent.name == name);
+            let undelivered = match found {
+                None => Some("it does not run".to_string()),
+                Some((_, agent)) if agent.is_finished() => Some("it has ended".to_string()),
+                Some(_) if self.rounds >= CONVERSATION_ROUNDS_MAX => {
+                    Some(format!("the agents have answered each other {CONVERSATION_ROUNDS_MAX} times at one instant"))
+                }
+                Some((index, _)) => {
+                    self.post.push((index, EventKind::Told(author.clone(), message.clone())));
+                    None
+                }
+            };
+            notes.extend(
+                undelivered.map(|why| format!("{author} told {name} {message}, but {why}: it is not delivered")),
+            );
+        }
+        notes
+    }
+
+    /// A new instant begins: agents may answer each other again.
+    pub(crate) fn new_instant(&mut self) {
+        self.rounds = 0;
+    }
+
+    /// Ends a round: what was said in it is delivered at `now`.
+    pub(crate) fn end_round(&mut self, now: Time) -> Result<(), RunError> {
+        if !self.post.is_empty() {
+            self.rounds += 1;
+        }
+        for (index, kind) in std::mem::take(&mut self.post) {
+            if let Some(inbox) = self.inboxes.get_mut(index) {
+                inbox.push(Input::new(now, kind))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells the agents that are not finished, but for `except`, that the application ends; answers with their numbers.
+    pub(crate) fn stop(&mut self, except: Option<usize>, now: Time, reason: &str) -> Result<Vec<usize>, RunError> {
+        let mut stopped = Vec::new();
+        for (index, (agent, inbox)) in self.agents.iter().zip(&mut self.inboxes).enumerate() {
+            if Some(index) != except && agent.started && !agent.is_finished() {
+                inbox.push(Input::new(now, EventKind::Stop(reason.to_string())))?;
+                stopped.push(index);
+            }
+        }
+        Ok(stopped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_come_back_to_whoever_counts_so() {
+        for agents in 1..4 {
+            for agent in 0..agents {
+                let outer = Numbering::new(agent, agents).outer(7);
+                assert_eq!(Numbering::inner(outer, agents), (agent, 7));
+            }
+        }
+        assert_eq!(Numbering::new(0, 1).outer(7), 7, "an only agent keeps its numbers");
+    }
+}

@@ -1,0 +1,48 @@
+//! Why, where several agents ran: `pilot/T12` names a task, and so does a name that only one of them has.
+
+use super::{Why, find_task, why};
+use crate::error::RecordError;
+use crate::record::{LoadProgram, RecordReader};
+use apex_model::time::Time;
+
+/// As [`why`], of the agent that `name` begins with (`pilot/T12`), else of the only one that has such a task.
+///
+/// # Errors
+/// As [`why`]; [`RecordError::Question`] with the full names when tasks of several agents are called so.
+pub fn why_of_any(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -> Result<Why, RecordError> {
+    if !reader.has_several_agents() {
+        return why(reader, name, at, load);
+    }
+    let (agent, name) =
+        match name.split_once('/').and_then(|(agent, name)| Some((reader.agent_called(agent).ok()?, name))) {
+            Some(named) => named,
+            None => (only_agent_with(reader, name, at)?, name),
+        };
+    let mut found = why(&reader.of_agent(agent)?, name, at, load)?;
+    if let Some(agent) = reader.agents().get(agent) {
+        found.task = format!("{agent}/{}", found.task);
+    }
+    Ok(found)
+}
+
+fn only_agent_with(reader: &RecordReader, name: &str, at: Time) -> Result<usize, RecordError> {
+    let mut found = Vec::new();
+    let mut refusal = None;
+    for (agent, called) in reader.agents().iter().enumerate() {
+        match find_task(&reader.of_agent(agent)?.tasks()?, name, at) {
+            Ok(row) => found.push((agent, format!("{called}/{} {}", row.id, row.goal))),
+            Err(error) => refusal = refusal.or(Some(format!("{called}: {error}"))),
+        }
+    }
+    match (found.as_slice(), refusal) {
+        ([(agent, _)], _) => Ok(*agent),
+        ([], Some(refusal)) => {
+            let names = reader.agents().join(", ");
+            Err(RecordError::Question(format!("{refusal} Several agents ran ({names}): write AGENT/TASK.")))
+        }
+        _ => {
+            let names: Vec<&str> = found.iter().map(|(_, name)| name.as_str()).collect();
+            Err(RecordError::Question(format!("Several agents have a task {name}: {}.", names.join(", "))))
+        }
+    }
+}
