@@ -106,7 +106,7 @@ impl Vehicle for PageVehicle {
             VehicleManner::Refuses(reason) => (at, Err(reason.clone())),
             VehicleManner::Silent => return,
         };
-        self.answers.push((command, Input { at, kind: EventKind::CommandAcknowledged(command, answer) }));
+        self.answers.push((command, Input::new(at, EventKind::CommandAcknowledged(command, answer))));
     }
 
     fn withdraw(&mut self, command: CommandId, _: Time) {

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 const APPLICATION_ID: i64 = 0x4150_4558;
 /// The schema that this program reads.
-const SCHEMA_VERSION: i64 = 2;
+const SCHEMA_VERSION: i64 = 3;
 /// How long to wait for a writer that holds the file.
 const BUSY_PATIENCE: Duration = Duration::from_secs(2);
 
@@ -32,7 +32,7 @@ pub enum RecordError {
     #[error("{} is a database, but not a flight record; give a `*.apex` file that `apex fly` wrote", .0.display())]
     Foreign(PathBuf),
     /// It was written by another version of the schema.
-    #[error("{} has record version {found}, and this program reads versions up to {SCHEMA_VERSION}; use the Apex that wrote it", .path.display())]
+    #[error("{} has record version {found}, and this program reads version {SCHEMA_VERSION}; use the Apex that wrote it", .path.display())]
     Version {
         /// The file.
         path: PathBuf,
@@ -68,12 +68,10 @@ impl Record {
             return Err(RecordError::Foreign(path.to_path_buf()));
         }
         let found = pragma(&connection, "user_version").map_err(unreadable)?;
-        if !(1..=SCHEMA_VERSION).contains(&found) {
+        if found != SCHEMA_VERSION {
             return Err(RecordError::Version { path: path.to_path_buf(), found });
         }
-        if found > 1 {
-            look_at_agent(&connection, agent).map_err(unreadable)?;
-        }
+        look_at_agent(&connection, agent).map_err(unreadable)?;
         let reader = Reader { path: path.to_path_buf(), connection, index: TaskIndex::default() };
         Ok(Record { reader: Mutex::new(reader) })
     }

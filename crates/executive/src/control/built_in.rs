@@ -3,7 +3,9 @@
 //! Runs: act phase.  Reads: arguments.  Writes: tasks named by the arguments, effects.
 //! Bound: O(1) besides the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
-use crate::control::{correspondence, instantiation, interruption, repetition, resources, restart, selection, termination};
+use crate::control::{
+    correspondence, instantiation, interruption, repetition, resources, restart, selection, termination,
+};
 use crate::cycle::Cycle;
 use crate::deliberation::planner_invocation;
 use crate::expression::{evaluate, printed};

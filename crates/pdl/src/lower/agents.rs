@@ -3,7 +3,7 @@
 use super::clauses::{groups, values_of};
 use super::{Goal, Lowering, Scope};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
 use apex_model::expression::Template;
@@ -126,7 +126,12 @@ impl Lowering {
             let place = item.span.place();
             if let Some(name) = item.as_symbol() {
                 let router = Symbol::new(name.printed().trim_start_matches(':'));
-                lowering.named.push(NameUse { kind: NameKind::Router, name: router.clone(), span: item.span, marked: item.keyword().is_some() });
+                lowering.named.push(NameUse {
+                    kind: NameKind::Router,
+                    name: router.clone(),
+                    span: item.span,
+                    marked: item.keyword().is_some(),
+                });
                 return Some(RouterUse::everything(router, place));
             }
             let shape = "NAME or (NAME [:publish (TOPIC..)] [:subscribe (TOPIC..)])";
@@ -138,7 +143,12 @@ impl Lowering {
                 return lowering.missing_part(item.span, "this use of a router has the wrong parts", shape);
             }
             lowering.check_groups(&options, &["publish", "subscribe"], "a use of a router")?;
-            lowering.named.push(NameUse { kind: NameKind::Router, name: router.clone(), span: item.head_span(), marked: false });
+            lowering.named.push(NameUse {
+                kind: NameKind::Router,
+                name: router.clone(),
+                span: item.head_span(),
+                marked: false,
+            });
             let nothing = Topics::Matching(Vec::new());
             let publish = lowering.optional(&options, "publish", Lowering::topics)?.unwrap_or(nothing.clone());
             let subscribe = lowering.optional(&options, "subscribe", Lowering::topics)?.unwrap_or(nothing);
@@ -207,12 +217,11 @@ impl Lowering {
                 NameKind::Router => name.is(DEFAULT_ROUTER),
                 NameKind::Bundle => name.is("default") || name.is("all"),
             };
-            if always || known.iter().any(|each| name.is(&each.to_lowercase())) {
+            if always || known.iter().any(|each| *name == Symbol::new(each)) {
                 continue;
             }
-            let severity = if *kind == NameKind::Bundle { Severity::Warning } else { self.undefined() };
             let message = format!("no {what} is called `{name}`");
-            let diagnostic = Diagnostic::new(severity, code, *span, message);
+            let diagnostic = Diagnostic::new(self.undefined(), code, *span, message);
             let list = || match known.as_slice() {
                 [] => "there is none".to_string(),
                 some => format!("there are {}", some.join(", ")),

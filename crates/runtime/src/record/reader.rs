@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct RecordReader {
     pub(super) path: PathBuf,
     pub(super) connection: Connection,
-    /// The names of the agents; empty in an old record.
+    /// The names of the agents.
     agents: Vec<String>,
     /// The agent that is looked at.
     pub(super) agent: usize,
@@ -96,7 +96,7 @@ impl RecordReader {
         Ok(RecordReader { path: path.to_path_buf(), connection, agents, agent })
     }
 
-    /// The names of the agents that ran, in the order of their declarations; none in a record of an older version.
+    /// The names of the agents that ran, in the order of their declarations.
     pub fn agents(&self) -> &[String] {
         &self.agents
     }
@@ -112,8 +112,7 @@ impl RecordReader {
     /// [`RecordError::Question`] with the names that there are.
     pub fn agent_called(&self, name: &str) -> Result<usize, RecordError> {
         self.agents.iter().position(|agent| agent.eq_ignore_ascii_case(name)).ok_or_else(|| {
-            let known = if self.agents.is_empty() { "no names of agents".into() } else { self.agents.join(", ") };
-            RecordError::Question(format!("No agent is called {name}; the record has {known}."))
+            RecordError::Question(format!("No agent is called {name}; the record has {}.", self.agents.join(", ")))
         })
     }
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the latest that it reads.
-pub const SCHEMA_VERSION: i64 = 2;
+pub const SCHEMA_VERSION: i64 = 3;
 
 /// How long to wait for another program that holds the file.
 const BUSY_PATIENCE: Duration = Duration::from_secs(2);
@@ -156,15 +156,11 @@ pub(super) fn open(path: &Path) -> Result<Connection, RecordError> {
     Ok(connection)
 }
 
-/// The names of the agents in the record, in the order of their numbers; none in a record of version 1, which has one.
+/// The names of the agents in the record, in the order of their numbers.
 ///
 /// # Errors
 /// SQLite's own.
 pub fn agents(connection: &Connection) -> rusqlite::Result<Vec<String>> {
-    let sql = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'agent'";
-    if connection.query_row(sql, [], |row| row.get::<_, i64>(0))? == 0 {
-        return Ok(Vec::new());
-    }
     connection.prepare("SELECT name FROM agent ORDER BY id")?.query_map([], |row| row.get(0))?.collect()
 }
 

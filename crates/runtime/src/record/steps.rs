@@ -103,11 +103,9 @@ impl<'a> Steps<'a> {
     fn fill(&mut self) -> Result<(), RecordError> {
         let reader = self.reader;
         let broken = |error| reader.damaged("the steps", error);
-        // Records of version 1 have one agent and no column for it.
-        let agent = if reader.agents().is_empty() { "0" } else { "agent" };
         let table = if self.of_all { "main.batch" } else { "batch" };
         let sql =
-            format!("SELECT id, t_ns, events, {agent} FROM {table} WHERE id >= ?1 ORDER BY id LIMIT {PAGE_BATCHES}");
+            format!("SELECT id, t_ns, events, agent FROM {table} WHERE id >= ?1 ORDER BY id LIMIT {PAGE_BATCHES}");
         let mut statement = reader.connection.prepare_cached(&sql).map_err(broken)?;
         let mut rows = statement.query(params![self.next_batch]).map_err(broken)?;
         let mut last = self.next_batch;

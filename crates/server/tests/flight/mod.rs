@@ -12,11 +12,13 @@ use story::{Entry, Sample, Story};
 
 const SCHEMA: &str = "
 PRAGMA application_id = 0x41504558;
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 PRAGMA journal_mode = WAL;
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
 CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT);
+CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT);
+INSERT INTO agent VALUES (0, 'predator-1');
 CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB);
 CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER, from_state TEXT,
   to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB);
