@@ -44,8 +44,10 @@ test: ## Everything that CI runs: check, tests, spec pages, flights with replay,
 spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (review the diff).
 	UPDATE=$(UPDATE) cargo test --locked $(CI_PROFILE) --package apex-spec
 
-bench: ## Measure latency, throughput and load time.
+bench: .venv/.peers ## Measure latency, throughput and load time; peers beside it in the same run, against the bars.
 	cargo bench --locked --package apex-benches
+	.venv/bin/python benches/peers/py_trees_peer.py > $(TARGET)/py_trees.json
+	cargo run --locked --quiet --release --package apex-benches --bin report -- $(TARGET)/criterion $(TARGET)/py_trees.json
 
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
@@ -61,6 +63,11 @@ clean: ## Remove everything that was built.
 	rm -rf $(TARGET) web/dist web/node_modules web/test-results
 
 # --- parts of the above -------------------------------------------------------------------------------------------
+
+.venv/.peers: benches/peers/requirements.txt
+	python3 -m venv .venv
+	.venv/bin/pip install --quiet --requirement $<
+	touch $@
 
 web/node_modules/.installed: web/package.json web/package-lock.json
 	cd web && npm ci --no-audit --no-fund --loglevel=error

@@ -1,18 +1,29 @@
-//! Checking a long program.
+//! From text to an agent that could begin: reading, checking, indexing.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 
-use apex_benches::{check, long_program};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use apex_benches::{agent, check, library, programs};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
-fn check_a_long_file(criterion: &mut Criterion) {
-    let text = long_program(2_000);
-    let mut group = criterion.benchmark_group("check");
-    group.throughput(Throughput::Bytes(text.len() as u64));
-    assert!(!check(&text).has_errors(), "the generated program has mistakes");
-    group.bench_function(format!("{} lines", text.lines().count()), |bencher| bencher.iter(|| check(black_box(&text))));
+/// The time must grow with the steps and no faster, however they are arranged.
+fn load(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("load");
+    group.sample_size(10);
+    for steps in [100_usize, 1_000, 10_000, 100_000] {
+        group.throughput(Throughput::Elements(steps as u64));
+        for (shape, text) in [
+            ("one sequence", programs::sequence(steps)),
+            ("one chain of waitfors", programs::chain(steps)),
+            ("many procedures", programs::procedures(steps)),
+        ] {
+            assert!(!check(&text).has_errors(), "the generated program has mistakes");
+            group.bench_function(BenchmarkId::new(shape, steps), |bencher| {
+                bencher.iter(|| agent(&library(black_box(&text))));
+            });
+        }
+    }
     group.finish();
 }
 
-criterion_group!(benches, check_a_long_file);
+criterion_group!(benches, load);
 criterion_main!(benches);

@@ -1,6 +1,8 @@
 //! Programs and agents that the measurements share.
 #![allow(clippy::panic, reason = "a measurement that cannot be set up must stop at once")]
 
+pub mod programs;
+
 use apex_executive::{Agent, load, step};
 use apex_model::effect::{CommandId, Effect};
 use apex_model::event::{Batch, Event, EventKind, StateVariable};
@@ -111,27 +113,4 @@ pub fn command_in(effects: &[Effect]) -> Option<CommandId> {
         Effect::Command { command, .. } => Some(*command),
         _ => None,
     })
-}
-
-/// A PDL text of about `lines` lines, with everything that the checker has to look at.
-pub fn long_program(lines: usize) -> String {
-    let mut text = String::from("(procedure (index (do-domain))\n  (step s (job 0 alpha)))\n");
-    for number in 0..lines / 9 {
-        text.push_str(&format!(
-            "(procedure (index (job {number} ?target))
-  (profile camera-{number})
-  (step go (move to ?target for {number} => ?where))
-  (step aim (aim camera-{number} at ?target 5deg)
-    (waitfor (:and (ready camera-{number}) (location +self+ = ?where))))
-  (step shoot (shoot {number})
-    (waitfor (end ?aim)) (priority (+ 1 {number})))
-  (step stop (terminate >> ?where)
-    (waitfor (end ?shoot))))\n"
-        ));
-    }
-    text.push_str("(primitive (index (move to ?target for ?n)) (duration 5s) (return ?target))\n");
-    text.push_str(
-        "(primitive (index (aim ?camera at ?target ?angle)) (duration 1s))\n(primitive (index (shoot ?n)))\n",
-    );
-    text
 }

@@ -1,0 +1,130 @@
+//! Sets what Criterion measured beside the bars and beside the peers, as a Markdown table.
+//!
+//! `report CRITERION_FOLDER [PEER.json]..`: reads the medians of the last run, so it must follow one.
+#![allow(clippy::print_stdout, reason = "the table is what the program is for")]
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// A bar: what is measured, at which count, and what the median must not exceed.
+struct Bar {
+    quantity: &'static str,
+    group: &'static str,
+    function: &'static str,
+    count: &'static str,
+    at_most: f64,
+    /// The peer's row of the same work.
+    peer: Option<&'static str>,
+}
+
+const fn bar(
+    quantity: &'static str,
+    [group, function, count]: [&'static str; 3],
+    at_most: f64,
+    peer: Option<&'static str>,
+) -> Bar {
+    Bar { quantity, group, function, count, at_most, peer }
+}
+
+/// Bars in nanoseconds, per element where a row has elements.
+const BARS: &[Bar] = &[
+    bar("event to command, own variable", ["event to command", "one step", "1000"], 700.0, Some("event to command")),
+    bar("event to command, own variable", ["event to command", "one step", "100000"], 2_000.0, None),
+    bar("load 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
+    bar("load 100,000 steps", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
+    bar("load 100,000 steps", ["load", "many procedures", "100000"], 0.5e9, None),
+];
+
+/// (group, function) -> count -> median in nanoseconds, per element where the row says elements.
+type Rows = BTreeMap<(String, String), BTreeMap<u64, f64>>;
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let Some(folder) = arguments.next() else {
+        eprintln!("usage: report CRITERION_FOLDER [PEER.json]..");
+        return ExitCode::FAILURE;
+    };
+    let mut rows = Rows::new();
+    collect(Path::new(&folder), &mut rows);
+    if rows.is_empty() {
+        eprintln!("no measurements under {folder}: run `cargo bench -p apex-benches` first");
+        return ExitCode::FAILURE;
+    }
+    let peers: Vec<Value> = arguments.filter_map(|path| read_json(Path::new(&path))).collect();
+    print_growth(&rows);
+    print_bars(&rows, &peers);
+    ExitCode::SUCCESS
+}
+
+fn read_json(path: &Path) -> Option<Value> {
+    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+/// Criterion keeps `new/benchmark.json` and `new/estimates.json` for each row, at varying depth.
+fn collect(folder: &Path, rows: &mut Rows) {
+    let new = folder.join("new");
+    let row = read_json(&new.join("benchmark.json")).zip(read_json(&new.join("estimates.json")));
+    if let Some((benchmark, estimates)) = row {
+        let word = |key: &str| benchmark.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
+        let count = word("value_str").parse().unwrap_or(0);
+        let elements = benchmark.pointer("/throughput/Elements").and_then(Value::as_f64).unwrap_or(1.0);
+        // A throughput of one row is for reading; only rows of many small lives are divided by it.
+        let divisor = if word("group_id") == "task life" { elements } else { 1.0 };
+        if let Some(median) = estimates.pointer("/median/point_estimate").and_then(Value::as_f64) {
+            rows.entry((word("group_id"), word("function_id"))).or_default().insert(count, median / divisor);
+        }
+        return;
+    }
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    entries.flatten().filter(|entry| entry.path().is_dir()).for_each(|entry| collect(&entry.path(), rows));
+}
+
+/// Every row with its growth: how many times longer the greatest count takes than the least.
+fn print_growth(rows: &Rows) {
+    println!("| measured | median at each count | growth |\n|---|---|---|");
+    for ((group, function), counts) in rows {
+        let cells: Vec<String> = counts
+            .iter()
+            .map(|(count, ns)| if *count == 0 { time(*ns) } else { format!("{count}: {}", time(*ns)) })
+            .collect();
+        let growth = match (counts.first_key_value(), counts.last_key_value()) {
+            (Some((least, first)), Some((most, last))) if most > least => {
+                format!("{:.1} x time for {} x count", last / first, most / (*least).max(1))
+            }
+            _ => String::new(),
+        };
+        println!("| {group}: {function} | {} | {growth} |", cells.join(", "));
+    }
+    println!();
+}
+
+fn print_bars(rows: &Rows, peers: &[Value]) {
+    println!("| quantity | count | bar | measured | | peer in the same run | ratio |\n|---|---|---|---|---|---|---|");
+    for bar in BARS {
+        let count = bar.count.parse().unwrap_or(0);
+        let row = rows.get(&(bar.group.to_string(), bar.function.to_string()));
+        let Some(measured) = row.and_then(|counts| counts.get(&count)) else {
+            println!("| {} | {} | {} | not measured | | | |", bar.quantity, bar.count, time(bar.at_most));
+            continue;
+        };
+        let verdict = if *measured <= bar.at_most { "met" } else { "MISSED" };
+        let peer = peers.iter().find_map(|peer| {
+            let ns = peer.get("rows")?.get(bar.peer?)?.get(bar.count)?.as_f64()?;
+            Some((format!("{} {}", peer.get("name")?.as_str()?, time(ns)), format!("{:.0} x", ns / measured)))
+        });
+        let (peer, ratio) = peer.unwrap_or_default();
+        let (quantity, at_most, measured) = (bar.quantity, time(bar.at_most), time(*measured));
+        println!("| {quantity} | {count} | {at_most} | {measured} | {verdict} | {peer} | {ratio} |");
+    }
+}
+
+fn time(ns: f64) -> String {
+    match ns {
+        ns if ns >= 1e9 => format!("{:.2} s", ns / 1e9),
+        ns if ns >= 1e6 => format!("{:.1} ms", ns / 1e6),
+        ns if ns >= 1e3 => format!("{:.2} us", ns / 1e3),
+        ns => format!("{ns:.0} ns"),
+    }
+}
