@@ -51,7 +51,7 @@ impl Observer for Log {
                     }
                     self.states.push((tag, *to));
                 }
-                DecisionKind::Satisfied { clause, .. } => self.satisfied.push((tag, clause.clone())),
+                DecisionKind::Satisfied { clause, .. } => self.satisfied.push((tag, clause.to_string())),
                 _ => {}
             }
         }

@@ -6,10 +6,11 @@
 use crate::monitoring::Stimulus;
 use crate::view::View;
 use apex_model::agent::Agent;
-use apex_model::because::{Because, Cause, Evidence};
+use apex_model::because::{Because, Cause};
 use apex_model::clause::{Clause, Level, MonitorId};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::library::Library;
 use apex_model::monitor::Satisfaction;
 use apex_model::procedure::{Procedure, Step};
@@ -47,7 +48,7 @@ pub(crate) struct Work {
     /// Enable: clauses that came true.
     pub(crate) firings: Vec<Firing>,
     /// Enable: evidence for tasks about to be enabled.
-    pub(crate) evidence: BTreeMap<TaskId, Vec<Evidence>>,
+    pub(crate) evidence: BTreeMap<TaskId, EvidenceList>,
     /// Enable: what freed a pending task last, where it was neither its waitfor nor the end of the step before it.
     pub(crate) freed: BTreeMap<TaskId, Cause>,
     /// Enable: pending tasks that may be free now.

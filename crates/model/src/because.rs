@@ -2,6 +2,8 @@
 //!
 //! Texts are made here and nowhere else, so that the trace, `apex why`, Sherpa and Python say the same words.
 
+use crate::event::StateVariable;
+use crate::evidence_list::EvidenceList;
 use crate::library::Library;
 use crate::source::Place;
 use crate::task::TaskId;
@@ -19,7 +21,7 @@ pub struct Because {
     /// The clause of PDL that made it so.
     pub place: Option<Place>,
     /// What was seen: samples, events, ends of tasks.
-    pub evidence: Vec<Evidence>,
+    pub evidence: EvidenceList,
 }
 
 /// A fact that a decision rests on.
@@ -27,8 +29,8 @@ pub struct Because {
 pub enum Evidence {
     /// A sample.
     Sample {
-        /// The state variable as text, `(roll-angle aircraft-1)`.
-        variable: String,
+        /// The state variable, `(roll-angle aircraft-1)`; of a task's state `(state T1)`.
+        variable: StateVariable,
         /// Its value.
         value: Value,
         /// When.
@@ -59,8 +61,8 @@ pub enum Evidence {
     },
     /// An episode over a run of samples.
     Run {
-        /// The state variable as text.
-        variable: String,
+        /// The state variable.
+        variable: StateVariable,
         /// First sample's time.
         start: Time,
         /// Last sample's time.
@@ -145,7 +147,7 @@ impl std::fmt::Display for Strength {
 impl Because {
     /// A cause with a place and no evidence.
     pub fn new(cause: Cause, place: Option<Place>) -> Because {
-        Because { cause, place, evidence: Vec::new() }
+        Because { cause, place, evidence: EvidenceList::default() }
     }
 
     /// The cause as a sentence fragment after "because", with evidence and place: what the trace prints.

@@ -23,7 +23,13 @@ impl Bindings {
     pub fn set(&mut self, name: Symbol, value: Value) {
         match self.0.iter_mut().find(|(key, _)| *key == name) {
             Some((_, slot)) => *slot = value,
-            None => self.0.push((name, value)),
+            None => {
+                // Most contexts hold one or two variables, and a hundred thousand tasks may wait.
+                if self.0.len() == self.0.capacity() {
+                    self.0.reserve_exact(self.0.len().max(1));
+                }
+                self.0.push((name, value));
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use crate::task::TaskId;
 use crate::time::Duration;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Causes of decisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,7 +74,7 @@ pub enum Cause {
     /// A clause's condition holds (`end-when`, `restart-when`, `suspend-when`, ..).
     ConditionSatisfied {
         /// The clause's name.
-        clause: String,
+        clause: Cow<'static, str>,
     },
     /// All resources were granted, or none is needed.
     ResourcesGranted {
@@ -117,7 +118,7 @@ pub enum Cause {
         /// The task that did it.
         by: TaskId,
         /// The activity's name.
-        activity: String,
+        activity: Cow<'static, str>,
     },
     /// All steps have ended.
     StepsEnded {
@@ -134,7 +135,7 @@ pub enum Cause {
     /// A built-in activity is done as soon as it begins.
     BuiltInDone {
         /// The activity's name.
-        activity: String,
+        activity: Cow<'static, str>,
     },
     /// A primitive with nothing to wait for was complete at once.
     CompletedAtOnce,
@@ -202,7 +203,7 @@ pub enum Cause {
     /// The activity is built in: there is nothing to choose.
     BuiltIn {
         /// The activity's name.
-        activity: String,
+        activity: Cow<'static, str>,
     },
     /// The step has a `forall`: its work is one task for each item.
     ForAll {
@@ -233,12 +234,12 @@ pub enum Cause {
     /// A `waitfor`, `select`, `=>` or `setq` bound a variable.
     Binding {
         /// The clause's name.
-        clause: String,
+        clause: Cow<'static, str>,
     },
     /// A form of this clause sent the command.
     FormRan {
         /// `on-start`, `update`, `on-resume`, ..
-        clause: String,
+        clause: Cow<'static, str>,
     },
     /// The command was taken back at an interruption, and is sent again.
     SentAgain,

@@ -50,7 +50,7 @@ pub enum Level {
     Procedure,
 }
 
-/// A monitor with its place in a task.
+/// A monitor with its place in a task. Small, because a hundred thousand may wait.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watch {
     /// The task.
@@ -61,10 +61,17 @@ pub struct Watch {
     pub level: Level,
     /// The condition's state.
     pub monitor: Monitor,
-    /// Under what the monitor is filed in the agent's table of interests.
+    /// Under what the monitor is filed in the agent's table of interests, where the monitor alone does not say.
+    pub filing: Option<Box<Filing>>,
+    /// The wake that the monitor asked for.
+    pub wake: Option<WakeKey>,
+}
+
+/// Under what a monitor is filed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Filing {
+    /// Its interests, sorted.
     pub interests: Vec<Interest>,
     /// The second word of the message it waits for, where that is known.
     pub second: Option<Value>,
-    /// The wake that the monitor asked for.
-    pub wake: Option<WakeKey>,
 }

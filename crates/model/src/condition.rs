@@ -8,6 +8,7 @@ use crate::pattern::Pattern;
 use crate::source::Place;
 use crate::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A condition and where it stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,9 +25,9 @@ pub struct Condition {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ConditionKind {
     /// One sample of a state variable.
-    Measurement(Box<MeasurementCondition>),
+    Measurement(Arc<MeasurementCondition>),
     /// A run of samples of a state variable.
-    Episode(Box<EpisodeCondition>),
+    Episode(Arc<EpisodeCondition>),
     /// All parts hold; constraints over the parts' tags.
     And(Vec<Condition>, Vec<Expr>),
     /// One part holds; constraints over the parts' tags.
@@ -55,9 +56,9 @@ pub enum ConditionKind {
     /// An event (atomic episode) whose form matches.
     Event {
         /// The form waited for.
-        pattern: Pattern,
+        pattern: Arc<Pattern>,
         /// Constraints on when it happened.
-        timing: Timing,
+        timing: Arc<Timing>,
     },
     /// `?s1`, `(end ?s1)`, `(terminated ?s1)`: the task of that step has ended.
     TaskEnded(Symbol),

@@ -1,6 +1,7 @@
 //! Controllers: what carries out an ongoing task (paper, section III). One per way of pursuing a goal.
 
 use crate::bindings::Bindings;
+use crate::children::Children;
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::procedure::BuiltInActivity;
 use crate::resource::Need;
@@ -9,7 +10,7 @@ use crate::time::{Duration, Time};
 use crate::value::Value;
 use crate::wake::WakeKey;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use smallvec::SmallVec;
 
 /// How a task's goal is pursued: chosen when it is enabled, kept until it ends or starts over.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,9 +71,9 @@ pub struct ProcedureController {
     /// Its variables: index bindings, `=>` results. Tags are read from `current`.
     pub context: Bindings,
     /// The task that each step's tag stands for now.
-    pub current: Vec<Option<TaskId>>,
+    pub current: SmallVec<[Option<TaskId>; 1]>,
     /// All children that still exist, ended ones included.
-    pub children: BTreeSet<TaskId>,
+    pub children: Children,
     /// Steps that the end of the procedure waits for.
     pub open: u32,
     /// How often a plan that repeats was begun again at `instant`.
@@ -118,7 +119,7 @@ pub struct PrimitiveController {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ItemsController {
     /// Children that still exist.
-    pub children: BTreeSet<TaskId>,
+    pub children: Children,
     /// How many have not ended.
     pub open: u64,
     /// How many there were.
@@ -162,8 +163,8 @@ impl Controller {
     /// The children that still exist, in order of creation.
     pub fn children(&self) -> Vec<TaskId> {
         match self {
-            Controller::Procedure(controller) => controller.children.iter().copied().collect(),
-            Controller::Items(controller) => controller.children.iter().copied().collect(),
+            Controller::Procedure(controller) => controller.children.iter().collect(),
+            Controller::Items(controller) => controller.children.iter().collect(),
             Controller::Planning(controller) => controller.meanwhile.into_iter().collect(),
             Controller::Handling(controller) => vec![controller.handler],
             Controller::Primitive(_) | Controller::Question(_) | Controller::BuiltIn => Vec::new(),

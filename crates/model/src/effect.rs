@@ -8,6 +8,7 @@ use crate::task::{Outcome, TaskId, TaskState};
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Numbers a command; from a counter of the agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -151,7 +152,7 @@ pub enum DecisionKind {
     /// A monitor's condition became true.
     Satisfied {
         /// Which clause: `waitfor`, `end-when`, ..
-        clause: String,
+        clause: Cow<'static, str>,
         /// The hull of the evidence.
         interval: (Time, Time),
     },

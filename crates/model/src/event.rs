@@ -69,7 +69,7 @@ impl fmt::Display for Message {
 }
 
 /// A state variable: an attribute of an object, for example `(altitude aircraft-1)`.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct StateVariable {
     /// The attribute.
     pub attribute: Symbol,

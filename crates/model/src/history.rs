@@ -5,6 +5,7 @@
 //! that a question about the time before it is answered with "unknown", never with "no".
 
 use crate::event::StateVariable;
+use crate::history_table::HistoryTable;
 use crate::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
 use crate::symbol::Symbol;
 use crate::time::{Duration, Time};
@@ -94,8 +95,7 @@ pub struct OpenLog {
 /// All histories of an agent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Histories {
-    #[serde(with = "crate::pairs")]
-    variables: BTreeMap<StateVariable, History>,
+    variables: HistoryTable,
     lookbacks: BTreeMap<Symbol, Duration>,
     lookback_of_all: Duration,
     logs: BTreeMap<u64, OpenLog>,
@@ -249,10 +249,7 @@ impl Histories {
 
     /// The variables of one attribute, in order of their objects.
     pub fn of_attribute(&self, attribute: &Symbol) -> impl Iterator<Item = (&StateVariable, &History)> {
-        // `Value::Integer(i64::MIN)` is the least value of the structural order.
-        let first = StateVariable { attribute: attribute.clone(), object: Value::Integer(i64::MIN) };
-        let attribute = attribute.clone();
-        self.variables.range(first..).take_while(move |(variable, _)| variable.attribute == attribute)
+        self.variables.of_attribute(attribute)
     }
 
     /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all).
@@ -298,19 +295,15 @@ impl Histories {
         let slot = self.lookbacks.entry(attribute.clone()).or_default();
         *slot = (*slot).max(lookback);
         let lookback = (*slot).max(self.lookback_of_all);
-        for (variable, history) in &mut self.variables {
-            if variable.attribute == *attribute {
-                history.retention.lookback = lookback;
-            }
-        }
+        let of_attribute = |variable: &StateVariable| variable.attribute == *attribute;
+        self.variables.change(of_attribute, |history| history.retention.lookback = lookback);
     }
 
     /// Somebody may ask for samples of any attribute up to `lookback` before the newest.
     pub fn require_lookback_of_all(&mut self, lookback: Duration) {
         self.lookback_of_all = self.lookback_of_all.max(lookback);
-        for history in self.variables.values_mut() {
-            history.retention.lookback = history.retention.lookback.max(lookback);
-        }
+        self.variables
+            .change(|_| true, |history| history.retention.lookback = history.retention.lookback.max(lookback));
     }
 
     /// Somebody may ask for messages up to `lookback` before the newest.

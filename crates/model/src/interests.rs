@@ -3,28 +3,49 @@
 use crate::clause::MonitorId;
 use crate::event::StateVariable;
 use crate::monitor::Interest;
+use crate::monitor_set::MonitorSet;
 use crate::symbol::Symbol;
 use crate::task::TaskId;
+use crate::thresholds::{Threshold, Thresholds};
 use crate::value::Value;
+use crate::variable_map::VariableMap;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Monitors by interest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Interests {
-    variables: BTreeMap<StateVariable, BTreeSet<MonitorId>>,
-    attributes: BTreeMap<Symbol, BTreeSet<MonitorId>>,
+    variables: VariableMap<Watchers>,
+    attributes: BTreeMap<Symbol, MonitorSet>,
     heads: BTreeMap<Symbol, HeadInterests>,
-    any_event: BTreeSet<MonitorId>,
-    tasks: BTreeMap<TaskId, BTreeSet<MonitorId>>,
-    any_task: BTreeSet<MonitorId>,
+    any_event: MonitorSet,
+    tasks: BTreeMap<TaskId, MonitorSet>,
+    any_task: MonitorSet,
+}
+
+/// Monitors of samples of one variable.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Watchers {
+    /// Must be told of every sample. A monitor that is alone is here whatever it compares.
+    every: MonitorSet,
+    /// Must be told of samples on their side of a bound.
+    thresholds: Option<Box<Thresholds>>,
 }
 
 /// Monitors of messages that begin with one word, divided further by the second word where it is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct HeadInterests {
-    general: BTreeSet<MonitorId>,
-    by_second: BTreeMap<Value, BTreeSet<MonitorId>>,
+    general: MonitorSet,
+    by_second: BTreeMap<Value, MonitorSet>,
+}
+
+/// What is known about a monitor beyond its interest, so that fewer stimuli touch it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Narrowed<'a> {
+    /// The second word of the messages it waits for.
+    pub second: Option<&'a Value>,
+    /// The comparison without which no sample satisfies it.
+    pub threshold: Option<Threshold>,
 }
 
 /// Only values that are equal in one way only may divide messages: a number has several spellings, a string two cases.
@@ -36,24 +57,47 @@ fn second_word(form: &Value) -> Option<&Value> {
     form.as_list().and_then(|items| items.get(1))
 }
 
-fn drop_from<K: Ord>(map: &mut BTreeMap<K, BTreeSet<MonitorId>>, key: &K, monitor: MonitorId) {
+fn drop_from<K: Ord>(map: &mut BTreeMap<K, MonitorSet>, key: &K, monitor: MonitorId) {
     if let Some(set) = map.get_mut(key) {
-        set.remove(&monitor);
+        set.remove(monitor);
         if set.is_empty() {
             map.remove(key);
         }
     }
 }
 
+impl Watchers {
+    fn insert(&mut self, threshold: Option<Threshold>, monitor: MonitorId) {
+        match threshold {
+            Some(threshold) if !self.every.is_empty() || self.thresholds.is_some() => {
+                self.thresholds.get_or_insert_default().insert(threshold, monitor);
+            }
+            _ => self.every.insert(monitor),
+        }
+    }
+
+    fn remove(&mut self, threshold: Option<Threshold>, monitor: MonitorId) {
+        if self.every.remove(monitor) {
+            return;
+        }
+        if let (Some(threshold), Some(thresholds)) = (threshold, &mut self.thresholds) {
+            thresholds.remove(threshold, monitor);
+            if thresholds.is_empty() {
+                self.thresholds = None;
+            }
+        }
+    }
+}
+
 impl Interests {
-    /// Files `monitor` under `interest`. `second` is the second word of the messages it waits for, where that is known.
-    pub fn insert(&mut self, interest: &Interest, second: Option<&Value>, monitor: MonitorId) {
+    /// Files `monitor` under `interest`, and under what else is known about it.
+    pub fn insert(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
         match interest {
-            Interest::Variable(variable) => self.variables.entry(variable.clone()).or_default().insert(monitor),
+            Interest::Variable(variable) => self.variables.entry(variable).insert(narrowed.threshold, monitor),
             Interest::Attribute(attribute) => self.attributes.entry(attribute.clone()).or_default().insert(monitor),
             Interest::EventHead(head) => {
                 let entry = self.heads.entry(head.clone()).or_default();
-                match second.filter(|second| divides(second)) {
+                match narrowed.second.filter(|second| divides(second)) {
                     Some(second) => entry.by_second.entry(second.clone()).or_default().insert(monitor),
                     None => entry.general.insert(monitor),
                 }
@@ -64,18 +108,24 @@ impl Interests {
         };
     }
 
-    /// Takes `monitor` out from under `interest`.
-    pub fn remove(&mut self, interest: &Interest, second: Option<&Value>, monitor: MonitorId) {
+    /// Takes `monitor` out from under `interest`; `narrowed` is what it was filed with.
+    pub fn remove(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
         match interest {
-            Interest::Variable(variable) => drop_from(&mut self.variables, variable, monitor),
+            Interest::Variable(variable) => {
+                let Some(watchers) = self.variables.get_mut(variable) else { return };
+                watchers.remove(narrowed.threshold, monitor);
+                if watchers.every.is_empty() && watchers.thresholds.is_none() {
+                    self.variables.remove(variable);
+                }
+            }
             Interest::Attribute(attribute) => drop_from(&mut self.attributes, attribute, monitor),
-            Interest::EventHead(head) => self.remove_head(head, second, monitor),
+            Interest::EventHead(head) => self.remove_head(head, narrowed.second, monitor),
             Interest::AnyEvent => {
-                self.any_event.remove(&monitor);
+                self.any_event.remove(monitor);
             }
             Interest::Task(task) => drop_from(&mut self.tasks, task, monitor),
             Interest::AnyTask => {
-                self.any_task.remove(&monitor);
+                self.any_task.remove(monitor);
             }
         }
     }
@@ -85,7 +135,7 @@ impl Interests {
         match second.filter(|second| divides(second)) {
             Some(second) => drop_from(&mut entry.by_second, second, monitor),
             None => {
-                entry.general.remove(&monitor);
+                entry.general.remove(monitor);
             }
         }
         if entry.general.is_empty() && entry.by_second.is_empty() {
@@ -93,27 +143,41 @@ impl Interests {
         }
     }
 
-    /// Who must be told of a sample of `variable`.
-    pub fn of_sample(&self, variable: &StateVariable, found: &mut Vec<MonitorId>) {
-        found.extend(self.variables.get(variable).into_iter().flatten());
-        found.extend(self.attributes.get(&variable.attribute).into_iter().flatten());
+    /// Who must be told of a sample of `variable`. One that is not the newest of its variable, or takes the place of
+    /// another one, can undo what its forerunner did: all who watch the variable must see it.
+    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Vec<MonitorId>) {
+        if let Some(watchers) = self.variables.get(variable) {
+            watchers.every.collect_into(found);
+            match &watchers.thresholds {
+                Some(thresholds) if newest => thresholds.of_value(value, found),
+                Some(thresholds) => thresholds.all(found),
+                None => {}
+            }
+        }
+        if let Some(set) = self.attributes.get(&variable.attribute) {
+            set.collect_into(found);
+        }
     }
 
     /// Who must be told of a message.
     pub fn of_event(&self, form: &Value, found: &mut Vec<MonitorId>) {
-        found.extend(&self.any_event);
+        self.any_event.collect_into(found);
         let head = match form {
             Value::Symbol(symbol) => Some(symbol),
             other => other.as_list().and_then(|items| items.first()).and_then(Value::as_symbol),
         };
         let Some(entry) = head.and_then(|head| self.heads.get(head)) else { return };
-        found.extend(&entry.general);
+        entry.general.collect_into(found);
         match second_word(form) {
-            Some(second) if divides(second) => found.extend(entry.by_second.get(second).into_iter().flatten()),
+            Some(second) if divides(second) => {
+                if let Some(set) = entry.by_second.get(second) {
+                    set.collect_into(found);
+                }
+            }
             // A message whose second word has another spelling of the same value: a real for an integer, say.
             Some(second) if !entry.by_second.is_empty() => {
                 let alike = entry.by_second.iter().filter(|(key, _)| key.matches(second));
-                found.extend(alike.flat_map(|(_, monitors)| monitors));
+                alike.for_each(|(_, monitors)| monitors.collect_into(found));
             }
             _ => {}
         }
@@ -121,8 +185,10 @@ impl Interests {
 
     /// Who must be told of a transition of `task`.
     pub fn of_task(&self, task: TaskId, found: &mut Vec<MonitorId>) {
-        found.extend(self.tasks.get(&task).into_iter().flatten());
-        found.extend(&self.any_task);
+        if let Some(set) = self.tasks.get(&task) {
+            set.collect_into(found);
+        }
+        self.any_task.collect_into(found);
     }
 
     /// True when nobody must be told of transitions of `task`.

@@ -3,10 +3,10 @@
 //! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's
 //! `monitoring` folder create it, feed it and ask it.
 
-use crate::because::Evidence;
 use crate::bindings::Bindings;
-use crate::condition::{Constraint, EpisodeCondition, MeasurementCondition, Relation, Timing};
+use crate::condition::{EpisodeCondition, MeasurementCondition, Relation, Timing};
 use crate::event::StateVariable;
+use crate::evidence_list::EvidenceList;
 use crate::expression::Expr;
 use crate::pattern::Pattern;
 use crate::source::Place;
@@ -15,6 +15,7 @@ use crate::task::TaskId;
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ pub struct Satisfaction {
     /// Pattern variables, object variables and tags (as intervals).
     pub bindings: Bindings,
     /// What was seen.
-    pub evidence: Vec<Evidence>,
+    pub evidence: EvidenceList,
 }
 
 /// What a monitor says about its condition.
@@ -106,6 +107,13 @@ pub struct Monitor {
     pub root: Part,
     /// When the verdict was last asked.
     pub asked_at: Time,
+    /// What few monitors have.
+    pub notes: Option<Box<Notes>>,
+}
+
+/// Rarely used parts of a monitor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Notes {
     /// When a delay at the end of an order is over, as the last verdict found.
     pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
@@ -157,21 +165,21 @@ pub enum PartKind {
     /// A message.
     Event(Box<EventPart>),
     /// The end of a task.
-    TaskEnded(TaskEndedPart),
+    TaskEnded(Box<TaskEndedPart>),
     /// A task's state.
     TaskState(Box<TaskStatePart>),
     /// All parts, with constraints over them.
-    And(Composite),
+    And(Box<Composite>),
     /// One of the parts, with constraints over it.
-    Or(Composite),
+    Or(Box<Composite>),
     /// All parts, each ending before the next starts.
-    InOrder(Composite),
+    InOrder(Box<Composite>),
     /// No result of the part.
     Not(Box<Part>),
     /// An instant, or a span of instants, has come.
-    Timestamp(TimePart),
+    Timestamp(Box<TimePart>),
     /// So long after the window's start.
-    Delay(TimePart),
+    Delay(Box<TimePart>),
 }
 
 /// Parts under `:and`, `:or`, `:in-order`.
@@ -195,9 +203,12 @@ pub enum Test {
         /// The right side.
         right: Value,
     },
-    /// Anything else, evaluated for each sample.
-    General(Constraint),
+    /// Anything else, evaluated for each sample: the constraint's place among those of the condition.
+    General(u32),
 }
+
+/// Value tests in written order; most conditions have one.
+pub type Tests = SmallVec<[Test; 1]>;
 
 /// State of a measurement condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -205,7 +216,7 @@ pub struct MeasurementPart {
     /// What is wanted.
     pub condition: Arc<MeasurementCondition>,
     /// The value tests, prepared.
-    pub tests: Vec<Test>,
+    pub tests: Tests,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
     /// For how long a sample is valid after its instant, when `:persist` is asked; none is its instant only.
@@ -214,9 +225,78 @@ pub struct MeasurementPart {
     pub blind: bool,
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
-    /// The newest sample of each object.
-    #[serde(with = "crate::pairs")]
-    pub newest: BTreeMap<Value, NewestSample>,
+    /// The newest sample of each object that it was told of.
+    pub newest: Newest,
+}
+
+/// The newest samples of the objects that a measurement condition follows. One that follows a known variable is not
+/// told of samples that cannot satisfy it; what it missed stands in the variable's history.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Newest {
+    /// No sample yet.
+    #[default]
+    None,
+    /// Of one object, while there is no other.
+    One(Value, NewestSample),
+    /// Of several.
+    Several(#[serde(with = "crate::pairs")] BTreeMap<Value, NewestSample>),
+}
+
+impl Newest {
+    /// How many objects there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Newest::None => 0,
+            Newest::One(..) => 1,
+            Newest::Several(map) => map.len(),
+        }
+    }
+
+    /// True without any sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The newest sample of `object`.
+    pub fn get(&self, object: &Value) -> Option<&NewestSample> {
+        match self {
+            Newest::None => None,
+            Newest::One(present, sample) => (present == object).then_some(sample),
+            Newest::Several(map) => map.get(object),
+        }
+    }
+
+    /// The newest sample of `object`, to change it.
+    pub fn get_mut(&mut self, object: &Value) -> Option<&mut NewestSample> {
+        match self {
+            Newest::None => None,
+            Newest::One(present, sample) => (present == object).then_some(sample),
+            Newest::Several(map) => map.get_mut(object),
+        }
+    }
+
+    /// Adds or replaces the newest sample of `object`.
+    pub fn insert(&mut self, object: Value, sample: NewestSample) {
+        *self = match std::mem::take(self) {
+            Newest::None => Newest::One(object, sample),
+            Newest::One(present, _) if present == object => Newest::One(object, sample),
+            Newest::One(present, first) => Newest::Several(BTreeMap::from([(present, first), (object, sample)])),
+            Newest::Several(mut map) => {
+                map.insert(object, sample);
+                Newest::Several(map)
+            }
+        };
+    }
+
+    /// All newest samples, in order of their objects.
+    pub fn samples(&self) -> impl Iterator<Item = &NewestSample> {
+        let (one, several) = match self {
+            Newest::None => (None, None),
+            Newest::One(_, sample) => (Some(sample), None),
+            Newest::Several(map) => (None, Some(map.values())),
+        };
+        one.into_iter().chain(several.into_iter().flatten())
+    }
 }
 
 /// The newest sample of one object, which a later arrival of the same instant may still replace.
@@ -227,7 +307,7 @@ pub struct NewestSample {
     /// The sample's instant.
     pub at: Time,
     /// Its result, if it satisfies the condition.
-    pub result: Option<Satisfaction>,
+    pub result: Option<Box<Satisfaction>>,
 }
 
 /// State of an episode condition.
@@ -236,7 +316,7 @@ pub struct EpisodePart {
     /// What is wanted.
     pub condition: Arc<EpisodeCondition>,
     /// The value tests, prepared.
-    pub tests: Vec<Test>,
+    pub tests: Tests,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
     /// The greatest gap between samples; none is no constraint.

@@ -1,9 +1,10 @@
 //! Symbols: case-insensitive names, folded for matching and printed as written (`pdl.md` section 1).
 
+use rustc_hash::FxBuildHasher;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::cmp::Ordering;
 use std::fmt;
-use std::hash::{Hash, Hasher};
+use std::hash::{BuildHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// A name of PDL. Two symbols are equal when they differ in case only.
@@ -13,6 +14,8 @@ pub struct Symbol(Arc<SymbolText>);
 struct SymbolText {
     folded: Box<str>,
     printed: Option<Box<str>>,
+    /// Of the folded text: two symbols with different numbers differ.
+    hash: u64,
 }
 
 impl Symbol {
@@ -20,7 +23,8 @@ impl Symbol {
     pub fn new(text: &str) -> Symbol {
         let folded: Box<str> = text.to_lowercase().into();
         let printed = (*folded != *text).then(|| text.into());
-        Symbol(Arc::new(SymbolText { folded, printed }))
+        let hash = FxBuildHasher.hash_one(&*folded);
+        Symbol(Arc::new(SymbolText { folded, printed, hash }))
     }
 
     /// The folded (lower case) text: the symbol's identity.
@@ -41,7 +45,7 @@ impl Symbol {
 
 impl PartialEq for Symbol {
     fn eq(&self, other: &Symbol) -> bool {
-        Arc::ptr_eq(&self.0, &other.0) || self.0.folded == other.0.folded
+        Arc::ptr_eq(&self.0, &other.0) || (self.0.hash == other.0.hash && self.0.folded == other.0.folded)
     }
 }
 
@@ -61,7 +65,7 @@ impl Ord for Symbol {
 
 impl Hash for Symbol {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.0.folded.hash(state);
+        state.write_u64(self.0.hash);
     }
 }
 

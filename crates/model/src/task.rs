@@ -8,6 +8,7 @@ use crate::time::{Duration, Time};
 use crate::value::Value;
 use crate::wake::WakeKey;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use std::collections::BTreeSet;
 use std::fmt;
 
@@ -133,7 +134,7 @@ pub struct Task {
     /// Its own variables: `waitfor` bindings, `select`, the item of a `forall`.
     pub bindings: Bindings,
     /// Its monitors, in order of making.
-    pub monitors: Vec<MonitorId>,
+    pub monitors: SmallVec<[MonitorId; 2]>,
     /// How its goal is pursued; none while pending.
     pub selection: Option<Box<Selection>>,
     /// What carries it out; none until it is ongoing.

@@ -11,6 +11,7 @@ use crate::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::fmt;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// A PDL value.
@@ -202,6 +203,29 @@ impl PartialEq for Value {
 }
 
 impl Eq for Value {}
+
+/// Agrees with the structural equality.
+impl Hash for Value {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u8(self.rank());
+        match self {
+            Value::Integer(integer) => state.write_i64(*integer),
+            Value::Real(real) => state.write_u64(real.to_bits()),
+            Value::Quantity(quantity) => state.write_u64(quantity.si.to_bits()),
+            Value::Duration(duration) => state.write_i64(duration.0),
+            Value::Time(time) => state.write_i64(time.0),
+            Value::Symbol(symbol) => symbol.hash(state),
+            Value::Text(text) => text.hash(state),
+            Value::List(items) => items.iter().for_each(|item| item.hash(state)),
+            Value::Interval(start, end) => {
+                state.write_i64(start.0);
+                state.write_i64(end.0);
+            }
+            Value::Task(task) => state.write_u64(task.0),
+            Value::Closure(_) => {}
+        }
+    }
+}
 
 impl fmt::Display for Value {
     /// PDL text that reads back as the same value, except for tasks, intervals, instants and functions.

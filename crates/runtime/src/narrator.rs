@@ -141,7 +141,7 @@ impl Narrator {
             }
             DecisionKind::Satisfied { clause, interval } => {
                 told.kind = "satisfied";
-                told.subject = clause.clone();
+                told.subject = clause.to_string();
                 told.text = format!("{} in [{}, {}]", told.text, interval.0, interval.1);
             }
             DecisionKind::Bound { variable, value } => {

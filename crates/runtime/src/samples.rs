@@ -124,11 +124,11 @@ fn second_effects() -> Vec<Effect> {
     let granted =
         Cause::ResourcesGranted { resources: vec![Share { resource: Value::symbol("camera-1"), amount: None }] };
     let evidence = Evidence::Sample {
-        variable: "(roll-angle aircraft-1)".into(),
+        variable: StateVariable::new(Symbol::new("roll-angle"), Value::symbol("aircraft-1")),
         value: quantity(7.25, "deg"),
         at: Time::from_seconds(1.5),
     };
-    let seen = Because { cause: Cause::PreconditionsSatisfied, place: place(5), evidence: vec![evidence] };
+    let seen = Because { cause: Cause::PreconditionsSatisfied, place: place(5), evidence: vec![evidence].into() };
     let interval = (Time::from_seconds(0.5), Time::from_seconds(1.5));
     let primitive = Method::Primitive(Place { file: 0, line: 9, column: 1 });
     let selected = DecisionKind::Selected {

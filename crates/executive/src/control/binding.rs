@@ -14,6 +14,7 @@ use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::{StepRef, TaskId};
@@ -24,9 +25,9 @@ pub(crate) fn bind_locally(
     cycle: &mut Cycle<'_>,
     id: TaskId,
     (name, value): (&Symbol, Value),
-    clause: &str,
+    clause: &'static str,
     place: Place,
-    evidence: Vec<Evidence>,
+    evidence: EvidenceList,
 ) {
     if let Some(task) = cycle.agent.task_mut(id) {
         task.bindings.set(name.clone(), value.clone());
@@ -38,9 +39,9 @@ fn decide(
     cycle: &mut Cycle<'_>,
     id: TaskId,
     (name, value): (&Symbol, Value),
-    clause: &str,
+    clause: &'static str,
     place: Place,
-    evidence: Vec<Evidence>,
+    evidence: EvidenceList,
 ) {
     let because = Because { cause: Cause::Binding { clause: clause.into() }, place: Some(place), evidence };
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
@@ -55,7 +56,7 @@ pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, P
     let Some(step) = handle.get() else { return Ok(()) };
     for (name, expr) in &step.select {
         let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| (error.message, error.place))?;
-        bind_locally(cycle, id, (name, value), "select", expr.place, Vec::new());
+        bind_locally(cycle, id, (name, value), "select", expr.place, EvidenceList::default());
     }
     Ok(())
 }
@@ -80,7 +81,7 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
     }
     for (name, value) in bindings.iter() {
         set_in_context(cycle, parent, name, value.clone());
-        let evidence = vec![Evidence::TaskEnd { task: id, at: cycle.now }];
+        let evidence = EvidenceList::one(Evidence::TaskEnd { task: id, at: cycle.now });
         decide(cycle, parent, (name, value.clone()), "=>", step.place, evidence);
     }
     cycle.work.priorities_changed = true;
@@ -117,18 +118,18 @@ pub(crate) fn assign(cycle: &mut Cycle<'_>, id: TaskId, level: Level, name: &Sym
     let own = matches!(task.controller.as_deref(), Some(Controller::Procedure(_) | Controller::Primitive(_)));
     if level == Level::Procedure && own {
         set_in_context(cycle, id, name, value.clone());
-        decide(cycle, id, (name, value), "setq", place, Vec::new());
+        decide(cycle, id, (name, value), "setq", place, EvidenceList::default());
     } else if task.bindings.get(name).is_some() {
-        bind_locally(cycle, id, (name, value), "setq", place, Vec::new());
+        bind_locally(cycle, id, (name, value), "setq", place, EvidenceList::default());
     } else if let Some(parent) = procedure_above(cycle, id) {
         set_in_context(cycle, parent, name, value.clone());
-        decide(cycle, parent, (name, value), "setq", place, Vec::new());
+        decide(cycle, parent, (name, value), "setq", place, EvidenceList::default());
         let mut bindings = Bindings::new();
         bindings.set(name.clone(), Value::nil());
         let waiting = waiting_for(cycle, parent, &bindings);
         instantiation::result_arrived(cycle, waiting, name);
     } else {
-        bind_locally(cycle, id, (name, value), "setq", place, Vec::new());
+        bind_locally(cycle, id, (name, value), "setq", place, EvidenceList::default());
     }
     cycle.work.priorities_changed = true;
 }

@@ -59,7 +59,7 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, which: BuiltInActivity) {
     }
 }
 
-fn done(cycle: &mut Cycle<'_>, id: TaskId, activity: &str, value: Value) {
+fn done(cycle: &mut Cycle<'_>, id: TaskId, activity: &'static str, value: Value) {
     if cycle.state(id) == TaskState::Ongoing {
         let because = Because::new(Cause::BuiltInDone { activity: activity.into() }, cycle.place_of(id));
         termination::end(cycle, id, Outcome::Success(value), because);
@@ -106,8 +106,9 @@ fn carry_out(
 }
 
 fn on_task(cycle: &mut Cycle<'_>, id: TaskId, which: BuiltInActivity, task: TaskId) {
-    let because =
-        |activity: &str| Because::new(Cause::Activity { by: id, activity: activity.into() }, cycle.place_of(id));
+    let because = |activity: &'static str| {
+        Because::new(Cause::Activity { by: id, activity: activity.into() }, cycle.place_of(id))
+    };
     match which {
         BuiltInActivity::Reset => {
             let because = because("reset");

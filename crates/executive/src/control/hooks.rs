@@ -37,7 +37,7 @@ pub(crate) struct Wanted {
 }
 
 /// Runs a hook; its errors are troubles, its commands are sent without waiting for answers.
-pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &str, forms: &[Expr]) {
+pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
     if forms.is_empty() {
         return;
     }
@@ -64,7 +64,7 @@ pub(crate) fn run_forms(
     cycle: &mut Cycle<'_>,
     id: TaskId,
     level: Level,
-    clause: &str,
+    clause: &'static str,
     forms: &[Expr],
 ) -> Result<Wants, Because> {
     if forms.is_empty() {

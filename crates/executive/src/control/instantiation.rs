@@ -22,6 +22,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{HeldBack, Origin, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
+use smallvec::SmallVec;
 
 /// What a new task is made from.
 pub(crate) struct Seed {
@@ -66,7 +67,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
         started_at: None,
         after_sequence: seed.after_sequence,
         bindings: seed.bindings,
-        monitors: Vec::new(),
+        monitors: SmallVec::new(),
         selection: None,
         controller: None,
         outcome: None,

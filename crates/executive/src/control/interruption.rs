@@ -12,6 +12,7 @@ use apex_model::because::{Because, Cause};
 use apex_model::clause::{Clause, Level, MonitorId};
 use apex_model::condition::Condition;
 use apex_model::controller::{Controller, Way};
+use apex_model::evidence_list::EvidenceList;
 use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
 use apex_model::task::{Origin, Task, TaskId, TaskState};
@@ -40,7 +41,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
 pub(crate) fn run_hooks(
     cycle: &mut Cycle<'_>,
     id: TaskId,
-    clause: &str,
+    clause: &'static str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
     let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| match &selection.way {
@@ -62,7 +63,7 @@ pub(crate) fn run_hooks(
 pub(crate) fn run_step_hook(
     cycle: &mut Cycle<'_>,
     id: TaskId,
-    clause: &str,
+    clause: &'static str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
@@ -123,7 +124,7 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     task.suspended = false;
     for each in reclaim(cycle, id) {
         let cause = if each == id { because.cause.clone() } else { Cause::AncestorResumed { ancestor: id } };
-        let evidence = if each == id { because.evidence.clone() } else { Vec::new() };
+        let evidence = if each == id { because.evidence.clone() } else { EvidenceList::default() };
         cycle.work.resumed.insert(each, Because { cause, place: because.place, evidence });
     }
 }

@@ -10,14 +10,16 @@ use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::{self, Stimulus};
 use crate::view::View;
 use apex_model::because::Evidence;
-use apex_model::clause::{Clause, Level, MonitorId, Watch};
+use apex_model::clause::{Clause, Filing, Level, MonitorId, Watch};
 use apex_model::condition::Condition;
 use apex_model::expression::ExprKind;
-use apex_model::monitor::{Monitor, PartKind, Satisfaction, Verdict, Window};
+use apex_model::interests::{Interests, Narrowed};
+use apex_model::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
 use apex_model::pattern::Pattern;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
+use smallvec::SmallVec;
 
 /// Makes the monitor of a clause; it is judged in the next notice phase.
 ///
@@ -39,16 +41,43 @@ pub(crate) fn watch(
     };
     let id = MonitorId(cycle.agent.next.monitor);
     cycle.agent.next.monitor += 1;
-    let interests = monitoring::interests(&monitor);
-    for interest in &interests {
-        cycle.agent.interests.insert(interest, second.as_ref(), id);
-    }
-    cycle.agent.watches.insert(id.0, Watch { task, clause, level, monitor, interests, second, wake: None });
+    let filing = filing(&monitor, second);
+    let watch = Watch { task, clause, level, monitor, filing, wake: None };
+    file(&mut cycle.agent.interests, &watch, id);
+    cycle.agent.watches.insert(id.0, watch);
     if let Some(task) = cycle.agent.task_mut(task) {
         task.monitors.push(id);
     }
     cycle.work.touched.push(id);
     Ok(id)
+}
+
+/// What must be written down to find the monitor again in the table of interests.
+fn filing(monitor: &Monitor, second: Option<Value>) -> Option<Box<Filing>> {
+    let lasts = second.is_none() && monitoring::lasting_interest(monitor).is_some();
+    (!lasts).then(|| Box::new(Filing { interests: monitoring::interests(monitor), second }))
+}
+
+/// Calls `act` with each interest under which the monitor is filed, and what narrows it.
+fn for_each_interest(watch: &Watch, mut act: impl FnMut(&Interest, Narrowed<'_>)) {
+    match &watch.filing {
+        Some(filing) => {
+            let narrowed = Narrowed { second: filing.second.as_ref(), threshold: None };
+            filing.interests.iter().for_each(|interest| act(interest, narrowed));
+        }
+        None => {
+            let narrowed = Narrowed { second: None, threshold: monitoring::threshold(&watch.monitor) };
+            monitoring::lasting_interest(&watch.monitor).iter().for_each(|interest| act(interest, narrowed));
+        }
+    }
+}
+
+fn file(interests: &mut Interests, watch: &Watch, id: MonitorId) {
+    for_each_interest(watch, |interest, narrowed| interests.insert(interest, narrowed, id));
+}
+
+fn take_out(interests: &mut Interests, watch: &Watch, id: MonitorId) {
+    for_each_interest(watch, |interest, narrowed| interests.remove(interest, narrowed, id));
 }
 
 /// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
@@ -74,7 +103,10 @@ fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
 /// Removes all monitors of `task` that `unwanted` names.
 pub(crate) fn unwatch(cycle: &mut Cycle<'_>, task: TaskId, unwanted: impl Fn(Clause, Level) -> bool) {
     let Some(list) = cycle.agent.task_mut(task).map(|task| std::mem::take(&mut task.monitors)) else { return };
-    let mut kept = Vec::new();
+    if list.is_empty() {
+        return;
+    }
+    let mut kept = SmallVec::new();
     for id in list {
         match cycle.agent.watches.get(id.0) {
             Some(watch) if !unwanted(watch.clause, watch.level) => kept.push(id),
@@ -89,9 +121,7 @@ pub(crate) fn unwatch(cycle: &mut Cycle<'_>, task: TaskId, unwanted: impl Fn(Cla
 
 fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(watch) = cycle.agent.watches.remove(id.0) else { return };
-    for interest in &watch.interests {
-        cycle.agent.interests.remove(interest, watch.second.as_ref(), id);
-    }
+    take_out(&mut cycle.agent.interests, &watch, id);
     if let Some(wake) = watch.wake {
         cycle.agent.wakes.cancel(wake);
     }
@@ -104,8 +134,8 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     for stimulus in &stimuli {
         found.clear();
         match stimulus {
-            Stimulus::Sample { variable, .. } => {
-                cycle.agent.interests.of_sample(variable, &mut found);
+            Stimulus::Sample { variable, value, newest, .. } => {
+                cycle.agent.interests.of_sample(variable, value, *newest, &mut found);
                 cycle.work.priorities_changed |= !cycle.agent.unsteady.is_empty();
             }
             Stimulus::Event { form, .. } => cycle.agent.interests.of_event(form, &mut found),
@@ -131,15 +161,15 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     monitoring::notice(&mut watch.monitor, stimulus, &view);
-    let interests = monitoring::interests(&watch.monitor);
-    if interests != watch.interests {
-        for interest in &watch.interests {
-            cycle.agent.interests.remove(interest, watch.second.as_ref(), id);
+    if let Some(filing) = &watch.filing
+        && monitoring::lasting_interest(&watch.monitor).is_none()
+    {
+        let interests = monitoring::interests(&watch.monitor);
+        if interests != filing.interests {
+            take_out(&mut cycle.agent.interests, &watch, id);
+            watch.filing = Some(Box::new(Filing { interests, second: None }));
+            file(&mut cycle.agent.interests, &watch, id);
         }
-        for interest in &interests {
-            cycle.agent.interests.insert(interest, watch.second.as_ref(), id);
-        }
-        watch.interests = interests;
     }
     cycle.agent.watches.put(id.0, watch);
     cycle.work.touched.push(id);

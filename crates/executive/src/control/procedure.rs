@@ -10,6 +10,7 @@ use crate::cycle::Cycle;
 use crate::expression::instantiate;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
+use apex_model::children::Children;
 use apex_model::clause::Level;
 use apex_model::controller::{Controller, ItemsController, ProcedureController};
 use apex_model::event::StateVariable;
@@ -20,7 +21,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, Outcome, ProcedureRef, StepRef, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use std::collections::BTreeSet;
+use smallvec::smallvec;
 use std::sync::Arc;
 
 /// Begins an instance of the procedure as the task's controller.
@@ -34,8 +35,8 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
     let controller = ProcedureController {
         procedure: reference,
         context,
-        current: vec![None; procedure.steps.len()],
-        children: BTreeSet::new(),
+        current: smallvec![None; procedure.steps.len()],
+        children: Children::default(),
         open: 0,
         rounds: 0,
         instant: Time::BEGINNING,
@@ -139,10 +140,10 @@ pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
         cycle.agent.procedure(step.procedure).is_some_and(|procedure| procedure.kind == ProcedureKind::Sequential);
     let Some(Controller::Procedure(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(u32::from(counts));
-    let is_current = controller.current.contains(&Some(child));
+    let is_current = controller.current.get(step.step as usize) == Some(&Some(child));
     let next = controller.current.get(step.step as usize + 1).copied().flatten().filter(|_| sequential);
     if !is_current {
-        controller.children.remove(&child);
+        controller.children.remove(child);
         cycle.agent.tasks.remove(child.0);
     }
     if let Some(next) = next {
@@ -197,7 +198,7 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
     termination::end_children(cycle, id, &ended);
     if let Some(Controller::Procedure(controller)) = self::controller(cycle, id) {
         controller.children.clear();
-        controller.current = vec![None; procedure.steps.len()];
+        controller.current = smallvec![None; procedure.steps.len()];
     }
     instantiate_steps(cycle, id, reference, &procedure, cause);
 }
@@ -207,7 +208,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
     let Some(step_ref) = cycle.task(id).and_then(|task| task.step()) else { return };
     let name = cycle.step_of(id).and_then(|handle| handle.get()?.forall.as_ref().map(|forall| forall.0.clone()));
     let count = items.len() as u64;
-    let controller = ItemsController { children: BTreeSet::new(), open: count, items: count };
+    let controller = ItemsController { children: Children::default(), open: count, items: count };
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::Items(controller)));
     }
@@ -245,7 +246,7 @@ pub(crate) fn start_items(cycle: &mut Cycle<'_>, id: TaskId, items: &[Value]) {
 pub(crate) fn item_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Controller::Items(controller)) = controller(cycle, id) else { return };
     controller.open = controller.open.saturating_sub(1);
-    controller.children.remove(&child);
+    controller.children.remove(child);
     let (open, items) = (controller.open, controller.items);
     cycle.agent.tasks.remove(child.0);
     if open == 0 {

@@ -14,7 +14,7 @@ use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
-use apex_model::monitor::Test;
+use apex_model::monitor::{Test, Tests};
 use apex_model::pattern::Pattern;
 use apex_model::quantity::{Dimension, Unit, unit_named};
 use apex_model::source::Place;
@@ -47,17 +47,18 @@ pub(super) fn prepare(
     constraints: &[Constraint],
     unit: Option<&'static Unit>,
     surroundings: &dyn Surroundings,
-) -> Result<Vec<Test>, EvaluationError> {
+) -> Result<Tests, EvaluationError> {
     constraints
         .iter()
-        .map(|constraint| match constraint {
+        .zip(0..)
+        .map(|(constraint, index)| match constraint {
             Constraint::Compare { relation, right, tolerance: None }
                 if never_changes(right, surroundings.library(), 8) =>
             {
                 let right = read(evaluate(right, surroundings)?, Reading::Value(unit), right.place)?;
                 Ok(Test::Fixed { relation: *relation, right })
             }
-            other => Ok(Test::General(other.clone())),
+            _ => Ok(Test::General(index)),
         })
         .collect()
 }
@@ -82,12 +83,13 @@ fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
     }
 }
 
-/// Does `value` satisfy all `tests`? Patterns may bind.
+/// Does `value` satisfy all `tests`, prepared from `constraints`? Patterns may bind.
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
 pub(super) fn satisfies_all(
     tests: &[Test],
+    constraints: &[Constraint],
     value: &Value,
     attribute: &Symbol,
     bindings: &mut Bindings,
@@ -100,7 +102,8 @@ pub(super) fn satisfies_all(
                 Some(order) => ordered(*relation, order),
                 None => related(*relation, value, right, place)?,
             },
-            Test::General(constraint) => {
+            Test::General(index) => {
+                let Some(constraint) = constraints.get(*index as usize) else { continue };
                 let unit = unit_of(attribute, surroundings.library());
                 satisfies(constraint, value, Reading::Value(unit), bindings, surroundings, place)?
             }

@@ -59,11 +59,11 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             if !timing.start.is_empty() || !timing.end.is_empty() {
                 window = whole_past;
             }
-            let (pattern, timing) = (Arc::new(pattern.clone()), Arc::new(timing.clone()));
+            let (pattern, timing) = (Arc::clone(pattern), Arc::clone(timing));
             PartKind::Event(Box::new(EventPart { pattern, timing, blind: false, settled: Vec::new() }))
         }
         ConditionKind::TaskEnded(variable) => {
-            PartKind::TaskEnded(TaskEndedPart { variable: variable.clone(), task: None, ended: None })
+            PartKind::TaskEnded(Box::new(TaskEndedPart { variable: variable.clone(), task: None, ended: None }))
         }
         ConditionKind::TaskState { task, state } => PartKind::TaskState(Box::new(TaskStatePart {
             expression: task.clone(),
@@ -72,11 +72,13 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             settled: Vec::new(),
         })),
         ConditionKind::And(parts, constraints) => {
-            PartKind::And(composite(parts, constraints, role, false, surroundings)?)
+            PartKind::And(Box::new(composite(parts, constraints, role, false, surroundings)?))
         }
-        ConditionKind::Or(parts, constraints) => PartKind::Or(alternatives(parts, constraints, role, surroundings)?),
+        ConditionKind::Or(parts, constraints) => {
+            PartKind::Or(Box::new(alternatives(parts, constraints, role, surroundings)?))
+        }
         ConditionKind::InOrder(parts, constraints) => {
-            PartKind::InOrder(composite(parts, constraints, role, true, surroundings)?)
+            PartKind::InOrder(Box::new(composite(parts, constraints, role, true, surroundings)?))
         }
         ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, surroundings)?)),
         ConditionKind::Timestamp(from, to) => PartKind::Timestamp(time_part(from, to.as_ref())),
@@ -93,8 +95,8 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
 }
 
-fn time_part(from: &Expr, to: Option<&Expr>) -> TimePart {
-    TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None }
+fn time_part(from: &Expr, to: Option<&Expr>) -> Box<TimePart> {
+    Box::new(TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None })
 }
 
 fn composite(

@@ -10,7 +10,7 @@
 use super::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
 use super::runs::{Judged, advance_run};
 use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
-use super::{Site, Troubles, Truth, quick_runs, remember};
+use super::{Site, Troubles, Truth, WakeReason, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::bindings::Bindings;
@@ -31,7 +31,7 @@ pub(super) const TICK: Duration = Duration(1);
 /// # Errors
 /// When they cannot be.
 pub(super) fn create(
-    condition: &EpisodeCondition,
+    condition: &Arc<EpisodeCondition>,
     any_pair: bool,
     surroundings: &dyn Surroundings,
 ) -> Result<EpisodePart, EvaluationError> {
@@ -55,7 +55,7 @@ pub(super) fn create(
         blind: false,
         settled: Vec::new(),
         runs: BTreeMap::new(),
-        condition: Arc::new(condition.clone()),
+        condition: Arc::clone(condition),
     })
 }
 
@@ -234,7 +234,15 @@ fn holds(
     let Seen { variable, value, .. } = sample;
     let known = part.variable.is_some();
     Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
-        && satisfies_all(&part.tests, value, &variable.attribute, bindings, surroundings, site.place)?)
+        && satisfies_all(
+            &part.tests,
+            &condition.value,
+            value,
+            &variable.attribute,
+            bindings,
+            surroundings,
+            site.place,
+        )?)
 }
 
 /// All results up to `now`, earliest recognised first.
@@ -290,7 +298,7 @@ pub(super) fn truth(
 }
 
 /// The next instant at which time alone can decide, and why.
-pub(super) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(Time, String)> {
+pub(super) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(Time, WakeReason)> {
     let gap = part.gap_max?;
     if part.any_pair || (site.keep == Keep::First && !part.settled.is_empty()) {
         return None;
@@ -302,11 +310,11 @@ pub(super) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(
             let licensed_until = run.last + gap;
             if part.at_close {
                 let over = licensed_until + TICK;
-                return (over > after).then(|| (over, format!("no sample for more than {gap} ends the episode")));
+                return (over > after).then_some((over, WakeReason::GapEnds(gap)));
             }
             let reached = run.start + part.duration_min;
             let waits = reached > run.last && reached > after && reached <= licensed_until;
-            waits.then(|| (reached, format!(":duration {} of the episode is reached", part.duration_min)))
+            waits.then_some((reached, WakeReason::DurationReached(part.duration_min)))
         })
         .min()
 }

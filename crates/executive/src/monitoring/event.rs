@@ -13,6 +13,7 @@ use super::{Site, Troubles, remember};
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::history::Occurrence;
 use apex_model::monitor::{EventPart, Interest, Keep, Satisfaction};
 use apex_model::pattern::Pattern;
@@ -44,7 +45,7 @@ pub(super) fn notice(
     let mut bindings = Bindings::new();
     match holds(part, site, form, at, &mut bindings, surroundings) {
         Ok(true) => {
-            let evidence = vec![Evidence::Event { form: form.clone(), at }];
+            let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at });
             remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
         }
         Ok(false) => {}

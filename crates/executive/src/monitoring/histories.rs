@@ -54,9 +54,11 @@ pub(crate) fn record_sample(
     };
     let lateness = declaration.and_then(|declared| declared.lateness.as_ref()).and_then(|value| duration(value).ok());
     let sample = Sample { at, sequence, value: value.clone() };
-    match histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO)) {
+    let recorded = histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO));
+    match recorded {
         Recorded::Appended | Recorded::Inserted | Recorded::Replaced => {
-            Recording { stimulus: Some(Stimulus::Sample { variable, value, at, sequence }), trouble: None }
+            let newest = recorded == Recorded::Appended;
+            Recording { stimulus: Some(Stimulus::Sample { variable, value, at, sequence, newest }), trouble: None }
         }
         Recorded::Repeated | Recorded::Missing => Recording { stimulus: None, trouble: None },
         Recorded::TooLate => {

@@ -12,6 +12,7 @@ use super::{Asking, Truth, episode, measurement, task_state, time_conditions};
 use crate::expression::{WithBindings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
 use apex_model::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
@@ -88,8 +89,17 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
     results
 }
 
+/// The earliest recognised result of the part, as [`results`] would list it.
+pub(super) fn first_result(part: &Part, asking: &mut Asking<'_>) -> Option<Satisfaction> {
+    match (&part.kind, &part.tag) {
+        (PartKind::Measurement(leaf), None) => measurement::first_result(leaf),
+        (PartKind::Event(leaf), None) => leaf.settled.iter().min_by_key(|result| result.recognised_at).cloned(),
+        _ => results(part, asking).into_iter().next(),
+    }
+}
+
 fn nothing_until(inner: &Part, now: Time) -> Satisfaction {
-    let evidence = vec![absence(inner, now)];
+    let evidence = EvidenceList::one(absence(inner, now));
     Satisfaction { interval: (now, now), recognised_at: now, bindings: Bindings::new(), evidence }
 }
 
@@ -148,7 +158,7 @@ struct Partial {
     end: Time,
     recognised_at: Time,
     bindings: Bindings,
-    evidence: Vec<Evidence>,
+    evidence: EvidenceList,
 }
 
 /// A part with the results to choose from, and the delay before it.
@@ -195,7 +205,7 @@ impl<'a> Combination<'a> {
             end: self.part.window.start,
             recognised_at: self.part.window.start,
             bindings: Bindings::new(),
-            evidence: absent,
+            evidence: absent.into(),
         };
         self.extend(&steps, &nots, delay, start, asking);
         self.found.sort_by_key(|result| result.recognised_at);
@@ -232,7 +242,7 @@ impl<'a> Combination<'a> {
                 end: result.interval.1,
                 recognised_at: partial.recognised_at.max(result.recognised_at),
                 bindings,
-                evidence: partial.evidence.iter().chain(&result.evidence).cloned().collect(),
+                evidence: partial.evidence.joined(&result.evidence),
             };
             self.extend(rest, nots, last_delay, next, asking);
             // Without choices further on the first combination is the earliest.
@@ -273,7 +283,8 @@ impl<'a> Combination<'a> {
                 asking.wake_at(over);
                 return;
             }
-            partial.evidence.push(Evidence::Instant { since: Some(partial.end), at: over });
+            let instant = EvidenceList::one(Evidence::Instant { since: Some(partial.end), at: over });
+            partial.evidence = partial.evidence.joined(&instant);
         }
         if self.found.len() < MONITOR_RESULTS_MAX {
             let Partial { recognised_at, bindings, evidence, .. } = partial;

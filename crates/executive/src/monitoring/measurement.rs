@@ -15,11 +15,13 @@ use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Estimation, MeasurementCondition};
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_OBJECTS_MAX;
-use apex_model::monitor::{Keep, MeasurementPart, NewestSample, Satisfaction};
+use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, Test, Window};
+use apex_model::thresholds::Threshold;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The part for `condition`, not yet looked back.
@@ -27,7 +29,7 @@ use std::sync::Arc;
 /// # Errors
 /// When a timeout or a value that never changes cannot be evaluated.
 pub(super) fn create(
-    condition: &MeasurementCondition,
+    condition: &Arc<MeasurementCondition>,
     surroundings: &dyn Surroundings,
 ) -> Result<MeasurementPart, EvaluationError> {
     let unit = unit_of(&condition.variable.attribute, surroundings.library());
@@ -42,11 +44,11 @@ pub(super) fn create(
     Ok(MeasurementPart {
         tests: prepare(&condition.value, unit, surroundings)?,
         variable: known_variable(&condition.variable, surroundings),
-        condition: Arc::new(condition.clone()),
+        condition: Arc::clone(condition),
         persistence,
         blind: false,
         settled: Vec::new(),
-        newest: BTreeMap::new(),
+        newest: Newest::None,
     })
 }
 
@@ -58,7 +60,7 @@ pub(super) fn look_back(
     troubles: &mut Troubles,
 ) {
     part.settled.clear();
-    part.newest.clear();
+    part.newest = Newest::None;
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
     carry_into_window(part, site, surroundings, troubles);
@@ -83,23 +85,38 @@ fn carry_into_window(part: &mut MeasurementPart, site: Site, surroundings: &dyn 
         if let Some(mut result) = judge(part, site, seen, surroundings, troubles) {
             result.recognised_at = start;
             let rank = part.newest.len() as u64;
-            part.newest.insert(variable.object.clone(), NewestSample { rank, at: start, result: Some(result) });
+            part.newest
+                .insert(variable.object.clone(), NewestSample { rank, at: start, result: Some(Box::new(result)) });
         }
     }
 }
 
-/// A sample has arrived.
+/// The comparison that no sample can do without, where nothing but the value decides and nothing else is remembered.
+pub(super) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
+    let plain = part.variable.is_some()
+        && part.persistence.is_none()
+        && part.condition.object.is_empty()
+        && part.condition.timestamp.is_empty();
+    match part.tests.first().filter(|_| plain)? {
+        Test::Fixed { relation, right } => Threshold::of(*relation, right),
+        Test::General(_) => None,
+    }
+}
+
+/// A sample has arrived; `newest` when no sample of its variable is as new.
 pub(super) fn notice(
     part: &mut MeasurementPart,
     site: Site,
     sample: Seen<'_>,
+    newest: bool,
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
-    let late = part.newest.get(&sample.variable.object).is_some_and(|newest| sample.at < newest.at);
+    let late =
+        !newest && newest_seen(part, site.window, sample.variable, surroundings).is_some_and(|at| sample.at < at);
     if late && sample.at >= site.window.start {
         let kept =
             surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
@@ -125,7 +142,7 @@ fn feed(
         && sample.at > newest.at
         && let Some(result) = newest.result.take()
     {
-        remember(&mut part.settled, result);
+        remember(&mut part.settled, *result);
         if site.keep == Keep::First {
             return;
         }
@@ -135,13 +152,13 @@ fn feed(
     match part.newest.get_mut(&sample.variable.object) {
         Some(newest) => {
             newest.at = sample.at;
-            newest.result = result;
+            newest.result = result.map(Box::new);
         }
         None if objects >= MONITOR_OBJECTS_MAX => {
             troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place)
         }
         None => {
-            let newest = NewestSample { rank: objects as u64, at: sample.at, result };
+            let newest = NewestSample { rank: objects as u64, at: sample.at, result: result.map(Box::new) };
             part.newest.insert(sample.variable.object.clone(), newest);
         }
     }
@@ -160,11 +177,11 @@ fn judge(
             interval: (sample.at, sample.at),
             recognised_at: sample.at,
             bindings,
-            evidence: vec![Evidence::Sample {
-                variable: sample.variable.to_string(),
+            evidence: EvidenceList::one(Evidence::Sample {
+                variable: sample.variable.clone(),
                 value: sample.value.clone(),
                 at: sample.at,
-            }],
+            }),
         }),
         Ok(false) => None,
         Err(error) => {
@@ -186,26 +203,59 @@ fn holds(
     let known = part.variable.is_some();
     let stamp = Value::Time(at);
     Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
-        && satisfies_all(&part.tests, value, &variable.attribute, bindings, surroundings, site.place)?
+        && satisfies_all(
+            &part.tests,
+            &condition.value,
+            value,
+            &variable.attribute,
+            bindings,
+            surroundings,
+            site.place,
+        )?
         && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
 }
 
 /// All results up to now, earliest first.
 pub(super) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
-    let mut pending: Vec<&NewestSample> = part.newest.values().filter(|newest| newest.result.is_some()).collect();
+    let mut pending: Vec<&NewestSample> = part.newest.samples().filter(|newest| newest.result.is_some()).collect();
     pending.sort_by_key(|newest| newest.rank);
-    let mut all: Vec<Satisfaction> =
-        part.settled.iter().chain(pending.into_iter().filter_map(|newest| newest.result.as_ref())).cloned().collect();
+    let pending = pending.into_iter().filter_map(|newest| newest.result.as_deref());
+    let mut all: Vec<Satisfaction> = part.settled.iter().chain(pending).cloned().collect();
     all.sort_by_key(|result| result.recognised_at);
     all
 }
 
-/// Is there any result?
-pub(super) fn any(part: &MeasurementPart) -> bool {
-    !part.settled.is_empty() || part.newest.values().any(|newest| newest.result.is_some())
+/// The first of [`results`].
+pub(super) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
+    match (&part.newest, part.settled.is_empty()) {
+        (Newest::One(_, newest), true) => newest.result.as_deref().cloned(),
+        _ => results(part).into_iter().next(),
+    }
 }
 
-/// The newest sample that was seen, for explanations.
-pub(super) fn last_seen(part: &MeasurementPart) -> Option<Time> {
-    part.newest.values().map(|newest| newest.at).max()
+/// Is there any result?
+pub(super) fn any(part: &MeasurementPart) -> bool {
+    !part.settled.is_empty() || part.newest.samples().any(|newest| newest.result.is_some())
+}
+
+/// The newest sample of `variable` that counts for the part, told of or not.
+fn newest_seen(
+    part: &MeasurementPart,
+    window: Window,
+    variable: &StateVariable,
+    surroundings: &dyn Surroundings,
+) -> Option<Time> {
+    if part.variable.is_none() || part.persistence.is_some() {
+        return part.newest.get(&variable.object).map(|newest| newest.at);
+    }
+    let mut samples = surroundings.histories().get(variable)?.samples().rev();
+    samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
+}
+
+/// Has any sample counted so far? For explanations.
+pub(super) fn has_seen_any(part: &MeasurementPart, window: Window, surroundings: &dyn Surroundings) -> bool {
+    match &part.variable {
+        Some(variable) => newest_seen(part, window, variable, surroundings).is_some(),
+        None => !part.newest.is_empty(),
+    }
 }

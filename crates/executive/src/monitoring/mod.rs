@@ -32,9 +32,11 @@ use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{Interest, Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
 use apex_model::source::Place;
 use apex_model::task::{TaskId, TaskState};
-use apex_model::time::Time;
+use apex_model::thresholds::Threshold;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use samples::Seen;
+use std::fmt;
 use time_conditions::Kind;
 
 /// Something that a monitor may notice. Histories have recorded it before.
@@ -50,6 +52,8 @@ pub(crate) enum Stimulus {
         at: Time,
         /// Arrival number.
         sequence: u64,
+        /// No sample of the variable is as new.
+        newest: bool,
     },
     /// A message.
     Event {
@@ -118,6 +122,33 @@ fn site(part: &Part) -> Site {
     Site { window: part.window, keep: part.keep, place: part.place }
 }
 
+/// Why time alone may change a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum WakeReason {
+    /// A run without samples for longer than this is over.
+    GapEnds(Duration),
+    /// A run has lasted so long.
+    DurationReached(Duration),
+    /// A `:delay` at the end of an order is over.
+    OrderDelay,
+    /// A `:delay` is over.
+    Delay,
+    /// A `:timestamp` is reached.
+    Timestamp,
+}
+
+impl fmt::Display for WakeReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WakeReason::GapEnds(gap) => write!(f, "no sample for more than {gap} ends the episode"),
+            WakeReason::DurationReached(span) => write!(f, ":duration {span} of the episode is reached"),
+            WakeReason::OrderDelay => f.write_str("a :delay is over"),
+            WakeReason::Delay => f.write_str(":delay is over"),
+            WakeReason::Timestamp => f.write_str(":timestamp is reached"),
+        }
+    }
+}
+
 /// Errors met while judging, each once.
 #[derive(Default)]
 struct Troubles(Vec<Trouble>);
@@ -137,9 +168,10 @@ impl Troubles {
     /// Moves what is new into the monitor.
     fn tell(self, monitor: &mut Monitor) {
         for trouble in self.0 {
-            if !monitor.told.contains(&trouble) {
-                monitor.told.push(trouble.clone());
-                monitor.troubles.push(trouble);
+            let notes = monitor.notes.get_or_insert_default();
+            if !notes.told.contains(&trouble) {
+                notes.told.push(trouble.clone());
+                notes.troubles.push(trouble);
             }
         }
     }
@@ -183,15 +215,8 @@ pub(crate) fn create(
     let mut root = creation::tree(condition, window, surroundings)?;
     let mut troubles = Troubles::default();
     creation::look_back(&mut root, surroundings, &mut troubles);
-    let mut monitor = Monitor {
-        created_at: surroundings.now(),
-        window,
-        root,
-        asked_at: surroundings.now(),
-        delay_over_at: None,
-        troubles: Vec::new(),
-        told: Vec::new(),
-    };
+    let mut monitor =
+        Monitor { created_at: surroundings.now(), window, root, asked_at: surroundings.now(), notes: None };
     troubles.tell(&mut monitor);
     Ok(monitor)
 }
@@ -199,26 +224,53 @@ pub(crate) fn create(
 /// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
 pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     let mut interests = Vec::new();
-    collect_interests(&monitor.root, &mut interests);
+    collect_interests(&monitor.root, &mut |interest| interests.push(interest));
     interests.sort();
     interests.dedup();
     interests
 }
 
-fn collect_interests(part: &Part, interests: &mut Vec<Interest>) {
+/// The only interest of a monitor that never has another one; none for all other monitors.
+pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
+    match &monitor.root.kind {
+        PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {
+            let mut only = None;
+            collect_interests(&monitor.root, &mut |interest| only = Some(interest));
+            only
+        }
+        PartKind::TaskEnded(_)
+        | PartKind::TaskState(_)
+        | PartKind::And(_)
+        | PartKind::Or(_)
+        | PartKind::InOrder(_)
+        | PartKind::Not(_)
+        | PartKind::Timestamp(_)
+        | PartKind::Delay(_) => None,
+    }
+}
+
+/// The comparison without which no sample can change what the monitor says. Never changes.
+pub(crate) fn threshold(monitor: &Monitor) -> Option<Threshold> {
+    match &monitor.root.kind {
+        PartKind::Measurement(leaf) => measurement::threshold(leaf),
+        _ => None,
+    }
+}
+
+fn collect_interests(part: &Part, add: &mut dyn FnMut(Interest)) {
     let samples = |variable: &Option<StateVariable>, attribute: &apex_model::symbol::Symbol| {
         variable.clone().map_or_else(|| Interest::Attribute(attribute.clone()), Interest::Variable)
     };
     match &part.kind {
-        PartKind::Measurement(leaf) => interests.push(samples(&leaf.variable, &leaf.condition.variable.attribute)),
-        PartKind::Episode(leaf) => interests.push(samples(&leaf.variable, &leaf.condition.variable.attribute)),
-        PartKind::Event(leaf) => interests.push(event::interest(&leaf.pattern)),
-        PartKind::TaskEnded(leaf) => interests.push(task_state::interest(leaf.task)),
-        PartKind::TaskState(leaf) => interests.push(task_state::interest(leaf.task)),
+        PartKind::Measurement(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Episode(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Event(leaf) => add(event::interest(&leaf.pattern)),
+        PartKind::TaskEnded(leaf) => add(task_state::interest(leaf.task)),
+        PartKind::TaskState(leaf) => add(task_state::interest(leaf.task)),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
-            composite.parts.iter().for_each(|part| collect_interests(part, interests));
+            composite.parts.iter().for_each(|part| collect_interests(part, add));
         }
-        PartKind::Not(inner) => collect_interests(inner, interests),
+        PartKind::Not(inner) => collect_interests(inner, add),
         PartKind::Timestamp(_) | PartKind::Delay(_) => {}
     }
 }
@@ -233,11 +285,11 @@ pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &
 fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let site = site(part);
     match (&mut part.kind, stimulus) {
-        (PartKind::Measurement(leaf), Stimulus::Sample { variable, value, at, sequence }) => {
+        (PartKind::Measurement(leaf), Stimulus::Sample { variable, value, at, sequence, newest }) => {
             let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            measurement::notice(leaf, site, sample, surroundings, troubles);
+            measurement::notice(leaf, site, sample, *newest, surroundings, troubles);
         }
-        (PartKind::Episode(leaf), Stimulus::Sample { variable, value, at, sequence }) => {
+        (PartKind::Episode(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
             let sample = Seen { variable, value, at: *at, sequence: *sequence };
             episode::notice(leaf, site, sample, surroundings, troubles);
         }
@@ -278,11 +330,13 @@ pub(crate) fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) ->
     advance(&mut monitor.root, surroundings, &mut asking.troubles);
     let truth = logic::truth(&monitor.root, &mut asking);
     let best = match truth {
-        Truth::True => logic::results(&monitor.root, &mut asking).into_iter().next(),
+        Truth::True => logic::first_result(&monitor.root, &mut asking),
         Truth::False | Truth::Unknown => None,
     };
     monitor.asked_at = asking.now;
-    monitor.delay_over_at = asking.wake;
+    if asking.wake.is_some() || monitor.notes.is_some() {
+        monitor.notes.get_or_insert_default().delay_over_at = asking.wake;
+    }
     let created_at = monitor.created_at;
     asking.troubles.tell(monitor);
     match (best, truth) {
@@ -295,13 +349,13 @@ pub(crate) fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) ->
 }
 
 /// When the verdict can change by time alone, strictly after the last `verdict`, and why.
-pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, String)> {
+pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     let after = monitor.asked_at;
-    let delay = monitor.delay_over_at.filter(|at| *at > after).map(|at| (at, "a :delay is over".to_owned()));
-    wake_of(&monitor.root, after).into_iter().chain(delay).min()
+    let delay = monitor.notes.as_ref().and_then(|notes| notes.delay_over_at).filter(|at| *at > after);
+    wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::OrderDelay))).min()
 }
 
-fn wake_of(part: &Part, after: Time) -> Option<(Time, String)> {
+fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
     match &part.kind {
         PartKind::Episode(leaf) => episode::next_wake(leaf, site(part), after),
         PartKind::Timestamp(leaf) => time_conditions::next_wake(leaf, Kind::Timestamp, after),
@@ -331,5 +385,5 @@ pub(crate) fn unmet(monitor: &Monitor, surroundings: &dyn Surroundings) -> Vec<U
 
 /// Errors met while judging since the last call: to be reported as trouble.
 pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<Trouble> {
-    std::mem::take(&mut monitor.troubles)
+    monitor.notes.as_mut().map(|notes| std::mem::take(&mut notes.troubles)).unwrap_or_default()
 }

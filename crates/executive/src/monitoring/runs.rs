@@ -14,6 +14,7 @@ use crate::expression::{EvaluationError, Surroundings};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, Satisfaction};
 use apex_model::time::{Duration, Time};
@@ -208,12 +209,12 @@ impl Judge<'_> {
             interval: (run.start, run.last),
             recognised_at,
             bindings: run.bindings.clone(),
-            evidence: vec![Evidence::Run {
-                variable: variable.to_string(),
+            evidence: EvidenceList::one(Evidence::Run {
+                variable,
                 start: run.start,
                 end: run.last,
                 samples: run.samples,
-            }],
+            }),
         }
     }
 }

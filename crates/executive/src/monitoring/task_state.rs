@@ -12,6 +12,7 @@ use super::{Site, Troubles, remember};
 use crate::expression::{Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::monitor::{Interest, Keep, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
@@ -41,7 +42,7 @@ pub(super) fn notice_ended(part: &mut TaskEndedPart, task: TaskId, at: Time) {
 /// The result of a wait for a task's end.
 pub(super) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     let (task, at) = part.task.zip(part.ended)?;
-    let evidence = vec![Evidence::TaskEnd { task, at }];
+    let evidence = EvidenceList::one(Evidence::TaskEnd { task, at });
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
@@ -96,7 +97,7 @@ fn note(
     let (mut bindings, value) = (Bindings::new(), Value::symbol(word));
     match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
         Ok(true) => {
-            let evidence = vec![Evidence::TaskState { task, state: value, at }];
+            let evidence = EvidenceList::one(Evidence::TaskState { task, state: value, at });
             remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
         }
         Ok(false) => {}

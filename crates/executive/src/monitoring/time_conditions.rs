@@ -7,11 +7,12 @@
 //! PDL: `(:timestamp T1 [T2])`, `(:delay D1 [D2])`.
 //! Paper: Appendix B, timestamp constraints.
 
-use super::Site;
+use super::{Site, WakeReason};
 use crate::expression::arithmetic::{duration, instant};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::monitor::{Satisfaction, TimePart};
 use apex_model::time::{Duration, Time};
@@ -84,16 +85,16 @@ pub(super) fn delays(
 pub(super) fn result(part: &TimePart, kind: Kind, start: Time) -> Option<Satisfaction> {
     let at = part.reached?;
     let since = matches!(kind, Kind::Delay).then_some(start);
-    let evidence = vec![Evidence::Instant { since, at }];
+    let evidence = EvidenceList::one(Evidence::Instant { since, at });
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
 /// When the instant comes.
-pub(super) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, String)> {
+pub(super) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, WakeReason)> {
     let (from, to) = part.span.filter(|_| part.reached.is_none())?;
     let what = match kind {
-        Kind::Timestamp => ":timestamp is reached",
-        Kind::Delay => ":delay is over",
+        Kind::Timestamp => WakeReason::Timestamp,
+        Kind::Delay => WakeReason::Delay,
     };
-    (from > after && from <= to).then(|| (from, what.into()))
+    (from > after && from <= to).then_some((from, what))
 }

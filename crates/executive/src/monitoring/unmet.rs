@@ -13,7 +13,7 @@ use super::{Asking, Truth, logic, measurement, task_state};
 use crate::explanation::words;
 use apex_model::event::StateVariable;
 use apex_model::history::Sample;
-use apex_model::monitor::{Composite, EpisodePart, MeasurementPart, Part, PartKind, TimePart, Unmet};
+use apex_model::monitor::{Composite, EpisodePart, MeasurementPart, Part, PartKind, TimePart, Unmet, Window};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -84,7 +84,7 @@ pub(super) fn text(part: &Part) -> String {
 fn state(part: &Part, asking: &Asking<'_>) -> (String, Option<Time>) {
     let start = part.window.start;
     match &part.kind {
-        PartKind::Measurement(leaf) => measurement_state(leaf, start, asking),
+        PartKind::Measurement(leaf) => measurement_state(leaf, part.window, asking),
         PartKind::Episode(leaf) => episode_state(leaf, asking),
         PartKind::Event(leaf) if leaf.blind => ("older messages are no longer remembered".into(), None),
         PartKind::Event(_) => ("no such event yet".into(), (start != Time::BEGINNING).then_some(start)),
@@ -107,16 +107,16 @@ fn newest(known: Option<&StateVariable>, attribute: &Symbol, asking: &Asking<'_>
     }
 }
 
-fn measurement_state(leaf: &MeasurementPart, start: Time, asking: &Asking<'_>) -> (String, Option<Time>) {
+fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>) -> (String, Option<Time>) {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
         return ("no sample yet".into(), None);
     };
     let mut now = format!("{variable} = {}", sample.value);
-    if sample.at < start {
+    if sample.at < window.start {
         now.push_str(", measured before this was waited for");
     } else if leaf.blind {
         now.push_str("; older samples are no longer kept");
-    } else if measurement::last_seen(leaf).is_none() {
+    } else if !measurement::has_seen_any(leaf, window, asking.surroundings) {
         now.push_str(", which is not among what this waits for");
     }
     (now, Some(sample.at))

@@ -261,7 +261,7 @@ fn answered_form<'p>(step: &'p Step, given: &BTreeSet<Symbol>) -> Option<&'p Pat
     let [condition] = step.waitfor.as_slice() else { return None };
     let ConditionKind::Event { pattern, timing } = &condition.kind else { return None };
     let bounded =
-        !is_endless(clause) || !clause.for_new.is_empty() || has_interval(clause) || *timing != Timing::default();
+        !is_endless(clause) || !clause.for_new.is_empty() || has_interval(clause) || **timing != Timing::default();
     let mut fixed = false;
     variables::of_pattern(pattern, &mut |name| fixed |= given.contains(name));
     let free = !bounded && !fixed && is_plain_step(step) && step.forall.is_none() && step.on_failure.is_none();

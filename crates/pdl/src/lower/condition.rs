@@ -109,7 +109,7 @@ impl Lowering {
             }
             _ => {
                 let pattern = self.pattern(datum)?;
-                plain(ConditionKind::Event { pattern, timing: Timing::default() })
+                plain(ConditionKind::Event { pattern: pattern.into(), timing: Timing::default().into() })
             }
         }
     }

@@ -68,7 +68,7 @@ impl Lowering {
             stats: stats?,
             trend: trend?,
         };
-        let kind = ConditionKind::Episode(Box::new(episode));
+        let kind = ConditionKind::Episode(episode.into());
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
     }
 
@@ -223,7 +223,7 @@ impl Lowering {
         self.check_groups(&options, &["timing", "probing"], "`:atomic-episode`")?;
         let pattern = self.pattern(form);
         let timing = self.timing(values_of(&options, "timing"), true);
-        let kind = ConditionKind::Event { pattern: pattern?, timing: timing? };
+        let kind = ConditionKind::Event { pattern: pattern?.into(), timing: timing?.into() };
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
     }
 

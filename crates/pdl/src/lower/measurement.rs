@@ -17,13 +17,9 @@ impl Lowering {
     /// `(ATTR OBJ REL VAL [+/- E])`, a relation being present.
     pub(crate) fn short_measurement(&mut self, datum: &Datum, items: &[Datum]) -> Option<ConditionKind> {
         let (variable, value) = self.variable_with_value(datum, items)?;
-        Some(ConditionKind::Measurement(Box::new(MeasurementCondition {
-            variable,
-            value,
-            object: Vec::new(),
-            timestamp: Vec::new(),
-            estimation: None,
-        })))
+        let (object, timestamp) = (Vec::new(), Vec::new());
+        let measurement = MeasurementCondition { variable, value, object, timestamp, estimation: None };
+        Some(ConditionKind::Measurement(measurement.into()))
     }
 
     /// `ATTR OBJ.. [REL VAL [+/- E]]..`
@@ -96,7 +92,7 @@ impl Lowering {
         let measurement =
             MeasurementCondition { variable, value, object: object?, timestamp: timestamp?, estimation: estimation? };
         let condition =
-            Condition { tag, kind: ConditionKind::Measurement(Box::new(measurement)), place: datum.span.place() };
+            Condition { tag, kind: ConditionKind::Measurement(measurement.into()), place: datum.span.place() };
         self.probing(condition, &options)
     }
 

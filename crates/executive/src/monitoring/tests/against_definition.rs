@@ -43,7 +43,7 @@ impl Wanted {
             Bound::LessThan(most) => vec![compare(Relation::Less, span(most))],
         };
         let value = vec![compare(Relation::GreaterOrEqual, int(5))];
-        ConditionKind::Episode(Box::new(episode(uav("a"), value, self.gap, duration)))
+        ConditionKind::Episode(Arc::new(episode(uav("a"), value, self.gap, duration)))
     }
 
     fn close(self, from: i64, to: i64) -> bool {
@@ -241,7 +241,7 @@ proptest! {
 
     #[test]
     fn measurements_agree_with_the_definition(trace in traces(), limit in 0..10_i64, start in 0..20_i64) {
-        let wanted = condition(ConditionKind::Measurement(Box::new(measurement(uav("a"), vec![compare(Relation::Greater, int(limit))]))));
+        let wanted = condition(ConditionKind::Measurement(Arc::new(measurement(uav("a"), vec![compare(Relation::Greater, int(limit))]))));
         // Half of the trace is history when the monitor is made.
         let (past, future): (Trace, Trace) = trace.iter().partition(|(at, _)| *at <= start);
         let mut world = World::new(&wanted);

@@ -3,6 +3,7 @@
 mod against_definition;
 mod combinations;
 mod stories;
+mod thresholds;
 
 use super::*;
 use crate::test_support::View;
@@ -13,6 +14,7 @@ use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
+use std::sync::Arc;
 
 /// An expression of a value.
 fn constant(value: Value) -> Expr {
@@ -79,7 +81,7 @@ fn tagged(tag: &str, kind: ConditionKind) -> Condition {
 }
 
 fn event(parts: Vec<Pattern>) -> ConditionKind {
-    ConditionKind::Event { pattern: Pattern::List(parts), timing: Timing::default() }
+    ConditionKind::Event { pattern: Pattern::List(parts).into(), timing: Timing::default().into() }
 }
 
 fn word(name: &str) -> Pattern {

@@ -13,11 +13,11 @@ fn equals(attribute: &str, value: i64) -> MeasurementCondition {
 
 #[test]
 fn delays_inside_order_give_the_manuals_instants() {
-    let is = |value: i64| condition(ConditionKind::Measurement(Box::new(equals("t", value))));
+    let is = |value: i64| condition(ConditionKind::Measurement(equals("t", value).into()));
     let lasting = |value: i64| {
         let duration = vec![compare(Relation::GreaterOrEqual, span(10 * SECOND))];
         let value = vec![compare(Relation::Equal, int(value))];
-        condition(ConditionKind::Episode(Box::new(episode(uav("t"), value, Some(10 * SECOND), duration))))
+        condition(ConditionKind::Episode(Arc::new(episode(uav("t"), value, Some(10 * SECOND), duration))))
     };
     let delay = |least: i64, most: Option<i64>| {
         condition(ConditionKind::Delay(span(least * SECOND), most.map(|most| span(most * SECOND))))
@@ -49,12 +49,12 @@ fn one_tick_divides_more_than_from_at_least() {
     for (relation, expected) in [(Relation::GreaterOrEqual, 5 * SECOND), (Relation::Greater, 5 * SECOND + 1)] {
         let value = vec![compare(Relation::Greater, int(10))];
         let wanted = episode(uav("roll"), value, Some(6 * SECOND), vec![compare(relation, span(5 * SECOND))]);
-        let mut world = World::new(&condition(ConditionKind::Episode(Box::new(wanted))));
+        let mut world = World::new(&condition(ConditionKind::Episode(Arc::new(wanted))));
         world.sample("roll", "uav", Value::Integer(12), 0);
         assert_eq!(world.ask(0), Verdict::Unknown);
         let (wake, why) = next_wake(&world.monitor).unwrap();
         assert_eq!(wake, Time(expected));
-        assert!(why.contains(":duration"));
+        assert!(why.to_string().contains(":duration"));
         assert_eq!(world.answer(expected - 1), None);
         assert_eq!(world.answer(expected), Some((0, 0, expected)));
     }
@@ -85,17 +85,17 @@ fn a_question_about_a_forgotten_past_is_unknown_never_false() {
     view.now = Time(9);
     let mut past = equals("a", 3);
     past.timestamp = vec![compare(Relation::Less, call("start-of", vec![constant(Value::Time(Time(9)))]))];
-    let mut world = World::in_view(&condition(ConditionKind::Measurement(Box::new(past.clone()))), view);
+    let mut world = World::in_view(&condition(ConditionKind::Measurement(past.clone().into())), view);
     assert_eq!(world.ask(9), Verdict::Unknown);
     past.value = vec![compare(Relation::Equal, int(1))];
     world.monitor =
-        create(&condition(ConditionKind::Measurement(Box::new(past))), Window::from(Time(9)), &world.view).unwrap();
+        create(&condition(ConditionKind::Measurement(past.into())), Window::from(Time(9)), &world.view).unwrap();
     assert_eq!(world.answer(9), Some((3, 3, 9)));
 }
 
 #[test]
 fn an_unbound_value_binds_and_a_bound_one_compares() {
-    let wanted = condition(ConditionKind::Measurement(Box::new(measurement(
+    let wanted = condition(ConditionKind::Measurement(Arc::new(measurement(
         uav("location"),
         vec![Constraint::Matches(free("loc"))],
     ))));
@@ -117,7 +117,7 @@ fn an_object_variable_follows_each_object_on_its_own() {
     let duration = vec![compare(Relation::GreaterOrEqual, span(4))];
     let value = vec![compare(Relation::Greater, int(5))];
     let wanted = episode(of("temperature", free("engine")), value, None, duration);
-    let mut world = World::new(&condition(ConditionKind::Episode(Box::new(wanted))));
+    let mut world = World::new(&condition(ConditionKind::Episode(Arc::new(wanted))));
     assert_eq!(interests(&world.monitor), [Interest::Attribute(Symbol::new("temperature"))]);
     for (at, engine, value) in [(0, "left", 9), (1, "right", 9), (3, "left", 1), (4, "left", 9), (5, "right", 9)] {
         world.sample("temperature", engine, Value::Integer(value), at);
@@ -132,7 +132,7 @@ fn an_object_variable_follows_each_object_on_its_own() {
 fn values_bound_within_an_episode_stay_the_same_or_begin_a_new_run() {
     let duration = vec![compare(Relation::GreaterOrEqual, span(4))];
     let wanted = episode(uav("location"), vec![Constraint::Matches(free("place"))], None, duration);
-    let mut world = World::new(&condition(ConditionKind::Episode(Box::new(wanted))));
+    let mut world = World::new(&condition(ConditionKind::Episode(Arc::new(wanted))));
     for (at, place) in [(0, "a"), (3, "a"), (5, "b"), (8, "b"), (9, "b")] {
         world.sample("location", "uav", Value::symbol(place), at);
     }
@@ -145,7 +145,7 @@ fn values_bound_within_an_episode_stay_the_same_or_begin_a_new_run() {
 fn persistence_carries_the_last_value_into_the_window_for_its_timeout() {
     let mut wanted = equals("a", 3);
     wanted.estimation = Some(Estimation::Persist(Some(span(10))));
-    let wanted = condition(ConditionKind::Measurement(Box::new(wanted)));
+    let wanted = condition(ConditionKind::Measurement(wanted.into()));
     for (now, expected) in [(12, Some((2, 2, 12))), (13, None)] {
         let mut view = View { now: Time(now), ..View::default() };
         let variable = StateVariable::new(Symbol::new("a"), Value::symbol("uav"));
@@ -163,7 +163,7 @@ fn first_and_last_values_are_of_the_run() {
     let mut wanted = episode(uav("a"), vec![compare(Relation::Greater, int(0))], None, vec![]);
     wanted.first_value = vec![compare(Relation::Equal, int(1))];
     wanted.last_value = vec![compare(Relation::GreaterOrEqual, int(3))];
-    let mut world = World::new(&condition(ConditionKind::Episode(Box::new(wanted))));
+    let mut world = World::new(&condition(ConditionKind::Episode(Arc::new(wanted))));
     for (at, value, expected) in
         [(0, 2, None), (1, 5, None), (2, 0, None), (3, 1, None), (4, 2, None), (5, 3, Some((3, 5, 5)))]
     {
@@ -185,7 +185,7 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     };
     view.library.state_variables.insert(Symbol::new("altitude"), declaration);
     let above = |right: Expr| {
-        condition(ConditionKind::Measurement(Box::new(measurement(
+        condition(ConditionKind::Measurement(Arc::new(measurement(
             uav("altitude"),
             vec![compare(Relation::Greater, right)],
         ))))
@@ -260,8 +260,8 @@ fn unmet_parts_say_what_is_known_and_since_when() {
     let held = episode(uav("b"), vec![compare(Relation::Greater, int(5))], Some(2 * SECOND), duration);
     let whole = condition(ConditionKind::And(
         vec![
-            condition(ConditionKind::Measurement(Box::new(above))),
-            condition(ConditionKind::Episode(Box::new(held))),
+            condition(ConditionKind::Measurement(above.into())),
+            condition(ConditionKind::Episode(Arc::new(held))),
             condition(event(vec![word("ready"), free("who")])),
             condition(ConditionKind::TaskEnded(Symbol::new("s1"))),
         ],
@@ -306,7 +306,7 @@ fn interests_route_by_head_variable_and_task() {
         vec![
             condition(event(vec![word("Ready"), free("who")])),
             condition(event(vec![free("what"), free("who")])),
-            condition(ConditionKind::Measurement(Box::new(equals("a", 1)))),
+            condition(ConditionKind::Measurement(equals("a", 1).into())),
             condition(ConditionKind::TaskEnded(Symbol::new("unknown"))),
         ],
         vec![],
