@@ -1,7 +1,8 @@
 //! Resource conflict resolution (TC)
 //! What: decides which claimants get their resources, who loses them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
-//! Bound: O(c log c) for c claimants of the resources concerned; O(c^2) where ranks are stated, O(c^3) where they clash.
+//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated, O(c^3) where they clash;
+//! O(h^2) besides for a claimant that has to displace some of h holders.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{
@@ -9,6 +10,7 @@ use crate::control::competition::{
     rank_path, related,
 };
 use crate::control::priority;
+use crate::control::sharing::{Use, UseKind, has_room, matters};
 use crate::cycle::Cycle;
 use apex_model::agent::Agent;
 use apex_model::because::{ConflictRule, Strength};
@@ -25,8 +27,8 @@ pub(crate) struct Arbitration {
     pub(crate) granted: Vec<TaskId>,
     /// Holders that lose what they hold.
     pub(crate) displaced: Vec<Loss>,
-    /// Claimants that get nothing.
-    pub(crate) refused: Vec<Loss>,
+    /// Claimants that get nothing, holders that were displaced among them.
+    pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
 }
@@ -50,28 +52,20 @@ pub(crate) struct Loss {
     pub(crate) winner_holds: bool,
 }
 
-/// A share of a resource that counts against later claimants.
-struct Use {
-    task: TaskId,
-    amount: f64,
-    kind: UseKind,
-}
-
-#[derive(PartialEq)]
-enum UseKind {
-    /// Held by an ongoing task, which can lose it.
-    Held,
-    /// Granted in this arbitration.
-    Granted,
-    /// Claimed by an earlier claimant that is itself refused, which cannot go on before this instant if it is known.
-    Awaited(Option<Time>),
+/// A claimant that gets nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    /// The conflict that is told.
+    pub(crate) loss: Loss,
+    /// All who stand in its way, and whether they have the resource: at least one of them would have to yield.
+    pub(crate) rivals: Vec<(TaskId, bool)>,
 }
 
 /// Arbitrates all resources in `dirty`, with everything their claimants need besides.
 pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut remaining = claimants(cycle, dirty);
     let ranked = remaining.len() > 1 && rank_all(cycle, &mut remaining);
-    let mut field = Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new() };
+    let mut field = Field { cycle, uses: BTreeMap::new() };
     let mut result = Arbitration::default();
     while !remaining.is_empty() {
         let index = if ranked { first_unbeaten(&remaining) } else { 0 };
@@ -88,22 +82,19 @@ pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbi
                 }
                 result.granted.push(claimant.id);
             }
-            Placement::Refused(loss) => result.refused.push(loss),
+            Placement::Refused(refusal) => result.refused.push(refusal),
             Placement::Impossible(need, total) => {
                 result.impossible.push((claimant.id, need.resource, need.amount, total));
             }
         }
     }
-    // A holder that was displaced claims again at once; being refused then is the loss itself, not another one.
-    let displaced = field.displaced;
-    result.refused.retain(|loss| !displaced.contains(&loss.loser));
     result
 }
 
 /// What becomes of one claimant.
 enum Placement {
     Granted(Vec<Loss>),
-    Refused(Loss),
+    Refused(Refusal),
     Impossible(Need, f64),
 }
 
@@ -111,7 +102,6 @@ enum Placement {
 struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
-    displaced: BTreeSet<TaskId>,
 }
 
 impl Field<'_, '_> {
@@ -123,41 +113,136 @@ impl Field<'_, '_> {
         });
     }
 
-    /// Gives the claimant all it needs, or notes what it waits for.
+    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: nobody
+    /// who beats it, and nobody where weaker ones suffice.
     fn place(&mut self, claimant: &Claimant) -> Placement {
-        let mut losses: Vec<Loss> = Vec::new();
-        let mut refusal = None;
         for need in &claimant.needs {
             self.load(need.resource);
-            let total = self.cycle.agent.resources.get(need.resource).map_or(0.0, |resource| resource.total);
+            let total = self.total(need.resource);
             if need.amount > total {
                 return Placement::Impossible(*need, total);
             }
-            match self.make_room(claimant, *need, &losses) {
-                Ok(more) => losses.extend(more),
-                Err(loss) => {
-                    refusal = Some(loss);
-                    break;
+        }
+        let mut losses: Vec<Loss> = Vec::new();
+        let mut weakest_first = None;
+        while let Some(need) = self.lacking(claimant, &losses) {
+            let beaten = weakest_first.get_or_insert_with(|| self.beaten(claimant).into_iter());
+            match beaten.next() {
+                Some(loss) => losses.push(loss),
+                None => return Placement::Refused(self.refuse(claimant, need, &losses)),
+            }
+        }
+        for index in (0..losses.len()).rev() {
+            let spared = losses.remove(index);
+            if self.lacking(claimant, &losses).is_some() {
+                losses.insert(index, spared);
+            }
+        }
+        for uses in self.uses.values_mut() {
+            uses.retain(|each| each.kind != UseKind::Held || losses.iter().all(|loss| loss.loser != each.task));
+        }
+        self.note(claimant, UseKind::Granted);
+        Placement::Granted(losses)
+    }
+
+    fn note(&mut self, claimant: &Claimant, kind: UseKind) {
+        for need in &claimant.needs {
+            let granted = Use { task: claimant.id, amount: need.amount, kind };
+            self.uses.entry(need.resource).or_default().push(granted);
+        }
+    }
+
+    fn total(&self, id: ResourceId) -> f64 {
+        self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
+    }
+
+    /// The uses that count against the claimant when those in `losses` are gone.
+    fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Loss]) -> Vec<&Use> {
+        let agent = &*self.cycle.agent;
+        let uses = self.uses.get(&id).map(Vec::as_slice).unwrap_or_default();
+        let counts = |each: &&Use| match each.kind {
+            UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
+            UseKind::Granted => true,
+            UseKind::Awaited(_) => !related(agent, each.task, claimant.id) && !self.leaves_a_gap(claimant, each),
+        };
+        uses.iter().filter(counts).collect()
+    }
+
+    /// The first need of the claimant for which there is no room.
+    fn lacking(&self, claimant: &Claimant, losses: &[Loss]) -> Option<Need> {
+        let room = |need: &Need| {
+            let present = self.present(claimant, need.resource, losses);
+            has_room(self.cycle.agent, self.total(need.resource), &present, claimant.id, need.amount)
+        };
+        claimant.needs.iter().find(|need| !room(need)).copied()
+    }
+
+    /// All holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
+    /// what it defends with, then who has been at work for the shortest time.
+    fn beaten(&self, claimant: &Claimant) -> Vec<Loss> {
+        let agent = &*self.cycle.agent;
+        let mut found: Vec<Loss> = Vec::new();
+        for need in &claimant.needs {
+            for rival in self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default().iter().rev() {
+                let known = found.iter().any(|loss| loss.loser == rival.task);
+                if rival.kind == UseKind::Held && !known && !related(agent, rival.task, claimant.id) {
+                    found.extend(self.confront(claimant, need.resource, rival).ok());
                 }
             }
         }
-        let kind = |refused: bool, earliest| if refused { UseKind::Awaited(earliest) } else { UseKind::Granted };
-        let earliest = refusal.as_ref().and_then(|loss: &Loss| self.expected_end(loss));
-        for need in &claimant.needs {
-            self.load(need.resource);
-            let kind = kind(refusal.is_some(), earliest);
-            self.uses.entry(need.resource).or_default().push(Use { task: claimant.id, amount: need.amount, kind });
+        if found.len() < 2 {
+            return found;
         }
-        if let Some(loss) = refusal {
-            return Placement::Refused(loss);
+        let now = self.cycle.now;
+        let mut keyed: Vec<(f64, Loss)> =
+            found.into_iter().map(|loss| (priority::defence(agent, loss.loser, now).total(), loss)).collect();
+        keyed.sort_by(|a, b| {
+            a.0.total_cmp(&b.0).then(at_work_since(agent, b.1.loser).cmp(&at_work_since(agent, a.1.loser)))
+        });
+        let mut ordered = Vec::with_capacity(keyed.len());
+        while !keyed.is_empty() {
+            let beats_none = |loss: &Loss| {
+                let mut others = keyed.iter().filter(|(_, other)| other.loser != loss.loser);
+                !others.any(|(_, other)| {
+                    matches!(rank_order(agent, loss.loser, other.loser, now), Some((Ordering::Less, ..)))
+                })
+            };
+            let index = keyed.iter().position(|(_, loss)| beats_none(loss)).unwrap_or(0);
+            ordered.push(keyed.remove(index).1);
         }
-        for loss in &losses {
-            self.displaced.insert(loss.loser);
-            for uses in self.uses.values_mut() {
-                uses.retain(|each| each.task != loss.loser || each.kind != UseKind::Held);
-            }
+        ordered
+    }
+
+    /// The conflict that the claimant loses over `need`, and all who stand in its way. It claims on.
+    fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Loss]) -> Refusal {
+        let agent = &*self.cycle.agent;
+        let present = self.present(claimant, need.resource, losses);
+        let strangers = || present.iter().filter(|each| !related(agent, each.task, claimant.id));
+        let mut rivals: Vec<&&Use> = strangers().filter(|each| matters(agent, &present, each)).collect();
+        if rivals.is_empty() {
+            rivals = strangers().collect();
         }
-        Placement::Granted(losses)
+        let all = rivals.iter().map(|each| (each.task, !matches!(each.kind, UseKind::Awaited(_)))).collect();
+        let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
+        // Told is who would have to yield first: the weakest who has it, or else the best who claims it.
+        let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
+            (true, true) if b.winner_strength.total() < a.winner_strength.total() => b,
+            (false, true) => b,
+            _ => a,
+        });
+        let nobody = || Loss {
+            loser: claimant.id,
+            resource: need.resource,
+            winner: claimant.id,
+            rule: ConflictRule::Capacity,
+            winner_strength: Strength::claiming(claimant.priority),
+            loser_strength: Strength::claiming(claimant.priority),
+            winner_holds: false,
+        };
+        let refusal = Refusal { loss: told.unwrap_or_else(nobody), rivals: all };
+        let earliest = self.expected_end(&refusal.loss);
+        self.note(claimant, UseKind::Awaited(earliest));
+        refusal
     }
 
     /// When the winner of a conflict is expected to be done with the resource, if somebody said.
@@ -167,104 +252,12 @@ impl Field<'_, '_> {
         Some(task.started_at.unwrap_or(self.cycle.now) + expected)
     }
 
-    /// Who must lose so that the claimant's need is met.
-    fn make_room(&self, claimant: &Claimant, need: Need, lost: &[Loss]) -> Result<Vec<Loss>, Loss> {
-        let mut losses: Vec<Loss> = Vec::new();
-        while let Some(rivals) = self.obstacles(claimant, need, lost, &losses) {
-            match self.weakest(claimant, need, &rivals)? {
-                Some(loss) => losses.push(loss),
-                None => break,
-            }
-        }
-        // The weakest may have lost in vain when a stronger one had to lose too.
-        for index in (0..losses.len()).rev() {
-            let spared = losses.remove(index);
-            if self.obstacles(claimant, need, lost, &losses).is_some() {
-                losses.insert(index, spared);
-            }
-        }
-        Ok(losses)
-    }
-
-    /// The rivals of the claimant when those in `lost` and `losses` are gone; none when there is room.
-    fn obstacles(&self, claimant: &Claimant, need: Need, lost: &[Loss], losses: &[Loss]) -> Option<Vec<&Use>> {
-        let gone =
-            |task: TaskId| self.displaced.contains(&task) || lost.iter().chain(losses).any(|loss| loss.loser == task);
-        let (pool, rivals) = self.rivals(claimant, need, &gone);
-        let used: f64 = rivals.iter().map(|each| each.amount).sum();
-        (pool - used + 1e-9 < need.amount).then_some(rivals)
-    }
-
-    /// The pool that the claimant draws from, and the uses in it that conflict with it. Inside an ancestor's share the
-    /// pool is that share; a use inside another use counts once.
-    fn rivals(&self, claimant: &Claimant, need: Need, gone: &dyn Fn(TaskId) -> bool) -> (f64, Vec<&Use>) {
-        let agent: &Agent = self.cycle.agent;
-        let uses = self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default();
-        let present: Vec<&Use> = uses.iter().filter(|each| each.kind != UseKind::Held || !gone(each.task)).collect();
-        let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
-        let above = present
-            .iter()
-            .filter(|each| !matches!(each.kind, UseKind::Awaited(_)))
-            .filter(|each| depth(each.task) < depth(claimant.id) && related(agent, each.task, claimant.id))
-            .max_by_key(|each| depth(each.task));
-        let share = above.filter(|each| each.amount + 1e-9 >= need.amount);
-        let total = agent.resources.get(need.resource).map_or(0.0, |resource| resource.total);
-        let inside = |each: &Use| {
-            share.is_none_or(|share| depth(each.task) > depth(share.task) && related(agent, share.task, each.task))
-        };
-        let strangers: Vec<&Use> = present
-            .iter()
-            .copied()
-            .filter(|each| {
-                !related(agent, each.task, claimant.id) && inside(each) && !self.leaves_a_gap(claimant, each)
-            })
-            .collect();
-        let topmost = |each: &&Use| {
-            !strangers.iter().any(|other| {
-                other.task != each.task && depth(other.task) < depth(each.task) && related(agent, other.task, each.task)
-            })
-        };
-        (share.map_or(total, |share| share.amount), strangers.iter().copied().filter(topmost).collect())
-    }
-
     /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.
     fn leaves_a_gap(&self, claimant: &Claimant, other: &Use) -> bool {
         let expected = self.cycle.task(claimant.id).and_then(|task| task.selection.as_ref()?.expected);
         match (&other.kind, expected) {
             (UseKind::Awaited(Some(earliest)), Some(expected)) => self.cycle.now + expected <= *earliest,
             _ => false,
-        }
-    }
-
-    /// The holder that is easiest to displace, among those that lose against the claimant.
-    ///
-    /// # Errors
-    /// The conflict that the claimant loses instead.
-    fn weakest(&self, claimant: &Claimant, need: Need, rivals: &[&Use]) -> Result<Option<Loss>, Loss> {
-        let mut beaten: Option<Loss> = None;
-        let mut unbeaten: Option<Loss> = None;
-        for rival in rivals {
-            match self.confront(claimant, need.resource, rival) {
-                Ok(loss) => {
-                    if beaten.as_ref().is_none_or(|before| loss.loser_strength.total() <= before.loser_strength.total())
-                    {
-                        beaten = Some(loss);
-                    }
-                }
-                Err(loss) => {
-                    if unbeaten
-                        .as_ref()
-                        .is_none_or(|before| loss.winner_strength.total() > before.winner_strength.total())
-                    {
-                        unbeaten = Some(loss);
-                    }
-                }
-            }
-        }
-        match (beaten, unbeaten) {
-            (Some(loss), _) => Ok(Some(loss)),
-            (None, Some(loss)) => Err(loss),
-            (None, None) => Ok(None),
         }
     }
 
@@ -317,4 +310,9 @@ impl Field<'_, '_> {
         };
         Err(loss(rule, other, own))
     }
+}
+
+/// Since when the task has been at work without a break; of one instant, the task made last is the last.
+fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
+    (agent.task(id).map(|task| task.since), id)
 }

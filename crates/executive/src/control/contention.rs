@@ -3,7 +3,7 @@
 //! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
-use crate::control::conflict::{self, Arbitration, Loss};
+use crate::control::conflict::{self, Arbitration, Loss, Refusal};
 use crate::control::transition::{Trigger, transition};
 use crate::control::{competition, resources};
 use crate::control::{interruption, priority, termination};
@@ -43,6 +43,8 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let dirty = std::mem::take(&mut cycle.work.dirty);
     let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty) };
     result.granted.extend(free);
+    // Ancestors stop before their descendants, as in a suspension.
+    result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
     // Interrupted tasks come first, leaves before their ancestors; then new ones in written order.
     result.granted.sort_by_key(|id| {
         let task = cycle.task(*id);
@@ -60,7 +62,10 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     for loss in &arbitration.displaced {
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         interruption::outrank(cycle, loss.loser, because);
-        remember_refusal(cycle, loss);
+        // Being refused now is the loss itself, not another one to tell.
+        if let Some(task) = cycle.agent.task_mut(loss.loser) {
+            task.extras_mut().refused = Some((loss.resource, loss.winner));
+        }
     }
     for (id, resource, needed, left) in arbitration.impossible {
         let name = resource_name(cycle, resource);
@@ -73,8 +78,12 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     for id in arbitration.granted {
         grant(cycle, id);
     }
-    for loss in &arbitration.refused {
-        refuse(cycle, loss);
+    for refusal in &arbitration.refused {
+        let displaced = arbitration.displaced.iter().any(|loss| loss.loser == refusal.loss.loser);
+        if !displaced {
+            refuse(cycle, &refusal.loss);
+        }
+        watch_crossing(cycle, refusal);
     }
     cycle.work.resumed.clear();
 }
@@ -131,44 +140,48 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Says once that the task stays as it is, and when its rising priority could change that.
+/// Says once that the task stays as it is.
 fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
-    let known = cycle.task(loss.loser).and_then(|task| task.extras.as_ref()?.refused);
-    if known != Some((loss.resource, loss.winner)) {
+    let told = Some((loss.resource, loss.winner));
+    if cycle.task(loss.loser).and_then(|task| task.extras.as_ref()?.refused) != told {
         let kind = DecisionKind::Refused { resource: resource_name(cycle, loss.resource), winner: loss.winner };
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         cycle.decide(Some(loss.loser), kind, because);
     }
-    remember_refusal(cycle, loss);
+    if let Some(task) = cycle.agent.task_mut(loss.loser) {
+        task.extras_mut().refused = told;
+    }
 }
 
-fn remember_refusal(cycle: &mut Cycle<'_>, loss: &Loss) {
-    let at = crossing_time(cycle, loss);
-    let moved =
-        priority::reads_histories(cycle.agent, loss.loser) || priority::reads_histories(cycle.agent, loss.winner);
-    if moved {
-        cycle.agent.unsteady.insert(loss.loser);
+/// Asks to be woken when the priorities of the task and of those in its way may cross.
+fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
+    let loser = refusal.loss.loser;
+    let mut moved = priority::reads_histories(cycle.agent, loser);
+    let mut at: Option<Time> = None;
+    for (rival, holds) in &refusal.rivals {
+        moved |= priority::reads_histories(cycle.agent, *rival);
+        let crossing = crossing_time(cycle, loser, *rival, *holds || cycle.state(*rival) == TaskState::Ongoing);
+        at = [at, crossing].into_iter().flatten().min();
     }
-    let Some(task) = cycle.agent.task_mut(loss.loser) else { return };
-    let extras = task.extras_mut();
-    extras.refused = Some((loss.resource, loss.winner));
-    let before = extras.crossing;
+    if moved {
+        cycle.agent.unsteady.insert(loser);
+    }
+    let Some(task) = cycle.agent.task_mut(loser) else { return };
+    let before = task.extras_mut().crossing;
     if before.map(|wake| wake.at) == at {
         return;
     }
     if let Some(wake) = before {
         cycle.agent.wakes.cancel(wake);
     }
-    let wake = at.map(|at| cycle.agent.wakes.schedule(at, Wake::PriorityCrossing(loss.loser)));
-    if let Some(task) = cycle.agent.task_mut(loss.loser) {
+    let wake = at.map(|at| cycle.agent.wakes.schedule(at, Wake::PriorityCrossing(loser)));
+    if let Some(task) = cycle.agent.task_mut(loser) {
         task.extras_mut().crossing = wake;
     }
 }
 
-fn crossing_time(cycle: &Cycle<'_>, loss: &Loss) -> Option<Time> {
-    let loser = priority::rises_until(cycle.agent, loss.loser, cycle.now);
-    let winner = priority::rises_until(cycle.agent, loss.winner, cycle.now);
-    let until = loser.max(winner)?;
-    let holds = loss.winner_holds || cycle.state(loss.winner) == TaskState::Ongoing;
-    priority::crossing(cycle, loss.loser, loss.winner, holds, until)
+fn crossing_time(cycle: &Cycle<'_>, loser: TaskId, rival: TaskId, holds: bool) -> Option<Time> {
+    let rising = priority::rises_until(cycle.agent, loser, cycle.now);
+    let until = rising.max(priority::rises_until(cycle.agent, rival, cycle.now))?;
+    priority::crossing(cycle, loser, rival, holds, until)
 }

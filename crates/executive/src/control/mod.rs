@@ -22,5 +22,6 @@ pub(crate) mod repetition;
 pub(crate) mod resources;
 pub(crate) mod restart;
 pub(crate) mod selection;
+pub(crate) mod sharing;
 pub(crate) mod termination;
 pub(crate) mod transition;

@@ -126,11 +126,33 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     let Some(resource) = cycle.agent.resources.get_mut(resource_id) else { return };
     let Some(index) = resource.holders.iter().position(|holding| holding.task == id) else { return };
     let holding = resource.holders.remove(index);
-    if resource.depletable && how == Release::Used {
+    let consumed = resource.depletable && how == Release::Used;
+    if consumed {
         resource.total = (resource.total - holding.amount).max(0.0);
     }
     if !resource.waiting.is_empty() {
         cycle.work.dirty.insert(resource_id);
+    }
+    if consumed {
+        take_from_ancestors(cycle, id, Need { resource: resource_id, amount: holding.amount });
+    }
+}
+
+/// What a task consumed comes out of what its ancestors had reserved: they have used that much already.
+fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
+    let mut above = cycle.task(id).and_then(|task| task.parent);
+    while let Some(ancestor) = above {
+        let Some(task) = cycle.agent.tasks.get_mut(ancestor.0) else { return };
+        above = task.parent;
+        let holders = cycle.agent.resources.get_mut(consumed.resource).map(|resource| &mut resource.holders);
+        let holding = holders.and_then(|holders| holders.iter_mut().find(|holding| holding.task == ancestor));
+        let Some(holding) = holding else { continue };
+        holding.amount = (holding.amount - consumed.amount).max(0.0);
+        let profile = task.selection.iter_mut().flat_map(|selection| &mut selection.needs);
+        let held = task.extras.iter_mut().flat_map(|extras| &mut extras.held);
+        for need in profile.chain(held).filter(|need| need.resource == consumed.resource) {
+            need.amount = need.amount.min(holding.amount);
+        }
     }
 }
 
