@@ -114,8 +114,12 @@ pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     }
     for need in needs {
         release_one(cycle, id, need.resource, how);
-        if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
-            resource.waiting.remove(&id);
+        // Its claim kept others from the resource, whether it held it or not.
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
+            && resource.waiting.remove(&id)
+            && !resource.waiting.is_empty()
+        {
+            cycle.work.dirty.insert(need.resource);
         }
     }
     cycle.agent.unsteady.remove(&id);

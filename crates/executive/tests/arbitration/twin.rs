@@ -1,0 +1,360 @@
+//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010 and 0012, one by one, with every set of
+//! holders tried. It shares nothing with the executive.
+
+use super::world::{FUEL, Moment, Node, RESOURCES, World};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Not created, or ended and gone.
+    Absent,
+    Pending,
+    Enabled,
+    Ongoing,
+    Interrupted,
+}
+
+/// All that the rules look at.
+pub struct Twin {
+    nodes: Vec<Node>,
+    pub states: Vec<State>,
+    suspended: Vec<bool>,
+    /// Number of creation.
+    born: Vec<u32>,
+    /// When the last change of state was.
+    since: Vec<u32>,
+    /// What is left of each need: parts of a reservation that descendants used up are gone.
+    needs: Vec<[f64; 4]>,
+    pub totals: [f64; 4],
+    now: u32,
+    births: u32,
+    /// What has come at this instant: tasks created now see it too.
+    present: Option<Moment>,
+}
+
+impl Twin {
+    /// The world at its beginning, when the root has started.
+    pub fn new(world: &World) -> Twin {
+        let nodes = world.nodes.clone();
+        let count = nodes.len();
+        let needs = nodes.iter().map(|node| node.needs.map(f64::from)).collect();
+        let mut twin = Twin {
+            nodes,
+            states: vec![State::Absent; count],
+            suspended: vec![false; count],
+            born: vec![0; count],
+            since: vec![0; count],
+            needs,
+            totals: RESOURCES.map(|(_, total)| total),
+            now: 0,
+            births: 0,
+            present: None,
+        };
+        twin.create_children(None);
+        twin.settle();
+        twin
+    }
+
+    /// One instant.
+    pub fn happen(&mut self, moment: &Moment) {
+        self.now += 1;
+        self.present = Some(moment.clone());
+        match moment {
+            Moment::Changes(go, stop) => {
+                let mut stop = stop.clone();
+                stop.sort_by_key(|each| self.born[*each]);
+                for each in stop {
+                    self.end(each, true);
+                }
+                for each in go {
+                    if self.states[*each] == State::Pending {
+                        self.states[*each] = State::Enabled;
+                    }
+                }
+            }
+            Moment::Hold(each) => {
+                if self.states[*each] != State::Absent && !self.suspended[*each] {
+                    self.suspended[*each] = true;
+                    for other in 0..self.nodes.len() {
+                        if (other == *each || self.is_above(*each, other)) && self.states[other] == State::Ongoing {
+                            self.change(other, State::Interrupted);
+                        }
+                    }
+                }
+            }
+            Moment::Free(each) => self.suspended[*each] &= self.states[*each] == State::Absent,
+        }
+        self.settle();
+    }
+
+    fn change(&mut self, task: usize, state: State) {
+        self.states[task] = state;
+        self.since[task] = self.now;
+    }
+
+    fn create_children(&mut self, parent: Option<usize>) {
+        for child in (0..self.nodes.len()).filter(|child| self.nodes[*child].parent == parent).collect::<Vec<_>>() {
+            self.births += 1;
+            self.born[child] = self.births;
+            self.suspended[child] = false;
+            let (go, stop) = match &self.present {
+                Some(Moment::Changes(go, stop)) => (go.contains(&child), stop.contains(&child)),
+                Some(Moment::Hold(task)) => {
+                    self.suspended[child] = *task == child;
+                    (false, false)
+                }
+                Some(Moment::Free(_)) | None => (false, false),
+            };
+            let state = match (stop, self.nodes[child].waits && !go) {
+                (true, _) => State::Absent,
+                (false, true) => State::Pending,
+                (false, false) => State::Enabled,
+            };
+            self.change(child, state);
+        }
+        if let Some(parent) = parent.filter(|parent| self.is_done(*parent)) {
+            self.end(parent, true);
+        }
+    }
+
+    fn is_done(&self, group: usize) -> bool {
+        (0..self.nodes.len()).all(|each| self.nodes[each].parent != Some(group) || self.states[each] == State::Absent)
+    }
+
+    fn is_above(&self, ancestor: usize, task: usize) -> bool {
+        self.ancestors(task).skip(1).any(|each| each == ancestor)
+    }
+
+    fn related(&self, a: usize, b: usize) -> bool {
+        a == b || self.is_above(a, b) || self.is_above(b, a)
+    }
+
+    /// The task and all above it.
+    fn ancestors(&self, task: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(task), |each| self.nodes[*each].parent)
+    }
+
+    /// A task ends, with what is below it; what it had reserved is used up if it ended by itself.
+    fn end(&mut self, task: usize, used: bool) {
+        if self.states[task] == State::Absent {
+            return;
+        }
+        for child in (0..self.nodes.len()).filter(|child| self.nodes[*child].parent == Some(task)).collect::<Vec<_>>() {
+            self.end(child, false);
+        }
+        if used && self.states[task] == State::Ongoing {
+            let consumed = self.needs[task][FUEL];
+            self.totals[FUEL] -= consumed;
+            let above: Vec<usize> = self.ancestors(task).skip(1).collect();
+            for ancestor in above.into_iter().filter(|each| self.states[*each] == State::Ongoing).collect::<Vec<_>>() {
+                self.needs[ancestor][FUEL] = (self.needs[ancestor][FUEL] - consumed).max(0.0);
+            }
+        }
+        self.states[task] = State::Absent;
+        if let Some(parent) = self.nodes[task].parent.filter(|parent| used && self.is_done(*parent)) {
+            self.end(parent, true);
+        }
+    }
+
+    /// Contention after contention, until nothing changes.
+    fn settle(&mut self) {
+        for _ in 0..100 {
+            if !self.contend() {
+                return;
+            }
+        }
+        panic!("the twin does not come to rest");
+    }
+
+    fn is_eligible(&self, task: usize) -> bool {
+        let parent_works = self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing);
+        let may = match self.states[task] {
+            State::Interrupted => true,
+            State::Enabled => parent_works,
+            State::Absent | State::Pending | State::Ongoing => false,
+        };
+        may && self.ancestors(task).all(|each| !self.suspended[each])
+    }
+
+    fn contend(&mut self) -> bool {
+        let mut claimants: Vec<usize> = (0..self.nodes.len()).filter(|task| self.is_eligible(*task)).collect();
+        let (granted, displaced, impossible) = loop {
+            let (granted, displaced, impossible) = self.arbitrate(&claimants);
+            // No step of a task that stops working begins.
+            let stops = |task: &usize| {
+                let parent = self.nodes[*task].parent;
+                self.states[*task] == State::Enabled
+                    && parent.is_some_and(|parent| displaced.contains(&parent) && !granted.contains(&parent))
+            };
+            let orphans: Vec<usize> = granted.iter().copied().filter(|task| stops(task)).collect();
+            if orphans.is_empty() {
+                break (granted, displaced, impossible);
+            }
+            claimants.retain(|task| !orphans.contains(task));
+        };
+        let changed = !(granted.is_empty() && impossible.is_empty());
+        for task in displaced {
+            self.change(task, State::Interrupted);
+        }
+        for task in impossible {
+            self.end(task, true);
+        }
+        let mut begin = Vec::new();
+        for task in granted {
+            if self.states[task] == State::Enabled && self.nodes[task].is_group {
+                begin.push(task);
+            }
+            if self.is_eligible(task) {
+                self.change(task, State::Ongoing);
+            }
+        }
+        begin.sort_by_key(|task| self.born[*task]);
+        for task in begin {
+            if self.states[task] == State::Ongoing {
+                self.create_children(Some(task));
+            }
+        }
+        changed
+    }
+
+    fn priority(&self, task: usize) -> f64 {
+        let counts = |each: &usize| *each == task || self.states[*each] != State::Interrupted;
+        let clauses = self.ancestors(task).filter(counts).filter_map(|each| self.nodes[each].priority);
+        clauses.reduce(f64::max).unwrap_or(0.0)
+    }
+
+    fn defence(&self, task: usize) -> f64 {
+        self.priority(task) + self.nodes[task].cost.unwrap_or(0.1)
+    }
+
+    fn rank(&self, task: usize) -> Option<i32> {
+        if self.nodes[task].rank.is_some() {
+            return self.nodes[task].rank;
+        }
+        let parent = self.nodes[task].parent.filter(|parent| self.nodes[*parent].ranked)?;
+        let before = (0..task).filter(|each| self.nodes[*each].parent == Some(parent)).count();
+        Some(before as i32 + 1)
+    }
+
+    /// Some(true): `a` has the lower rank, where the families part.
+    fn before_by_rank(&self, a: usize, b: usize) -> Option<bool> {
+        let (first, second): (Vec<usize>, Vec<usize>) = (self.ancestors(a).collect(), self.ancestors(b).collect());
+        let pair = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
+        let mut siblings = pair.filter(|(x, y)| x != y && self.nodes[*x].parent == self.nodes[*y].parent);
+        let (x, y) = siblings.next()?;
+        match (self.rank(x), self.rank(y)) {
+            (Some(x), Some(y)) if x != y => Some(x < y),
+            _ => None,
+        }
+    }
+
+    /// Better claimants have lower keys.
+    fn key(&self, task: usize) -> impl PartialOrd + use<> {
+        let waits_to_begin = !matches!(self.states[task], State::Ongoing | State::Interrupted);
+        let parent = self.nodes[task].parent.map_or(0, |parent| self.born[parent]);
+        (-self.priority(task), waits_to_begin, parent, task, self.born[task])
+    }
+
+    fn share(&self, a: usize, b: usize) -> bool {
+        (0..4).any(|which| self.needs[a][which] > 0.0 && self.needs[b][which] > 0.0)
+    }
+
+    /// Who is granted, who loses, and whose needs can never be met.
+    fn arbitrate(&self, claimants: &[usize]) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
+        let mut remaining = claimants.to_vec();
+        let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();
+        let (mut granted, mut awaited) = (Vec::new(), Vec::new());
+        let (mut displaced, mut impossible) = (Vec::new(), Vec::new());
+        while let Some(best) = self.best(&remaining) {
+            remaining.retain(|each| *each != best);
+            if (0..4).any(|which| self.needs[best][which] > self.totals[which]) {
+                impossible.push(best);
+                continue;
+            }
+            let loses = |holder: &usize| {
+                let by_rank = self.before_by_rank(best, *holder);
+                !self.related(best, *holder)
+                    && self.share(best, *holder)
+                    && by_rank.unwrap_or(self.priority(best) > self.defence(*holder))
+            };
+            let weakest_first = self.weakest_first(held.iter().copied().filter(loses).collect());
+            // A set of holders is a number: the stronger its strongest member, the greater.
+            let sets = 0..1_u32 << weakest_first.len();
+            let members = |set: u32| {
+                let list = weakest_first.iter().enumerate();
+                list.filter(move |(bit, _)| set & 1 << bit != 0).map(|(_, task)| *task).collect::<Vec<_>>()
+            };
+            let enough = |set: &u32| {
+                let gone = members(*set);
+                let stays: Vec<usize> = held.iter().copied().filter(|each| !gone.contains(each)).collect();
+                self.fits(best, &[&stays, &granted], &awaited)
+            };
+            match sets.into_iter().find(enough) {
+                Some(set) => {
+                    for loser in members(set) {
+                        held.retain(|each| *each != loser);
+                        displaced.push(loser);
+                        remaining.push(loser);
+                    }
+                    granted.push(best);
+                }
+                None => awaited.push(best),
+            }
+        }
+        (granted, displaced, impossible)
+    }
+
+    /// The best claimant that nobody beats, or the best where they beat one another in a ring.
+    fn best(&self, remaining: &[usize]) -> Option<usize> {
+        let better = |a: usize, b: usize| self.key(a) < self.key(b);
+        let beats =
+            |a: usize, b: usize| !self.related(a, b) && self.before_by_rank(a, b).unwrap_or_else(|| better(a, b));
+        let beaten = |task: usize| remaining.iter().any(|other| self.share(*other, task) && beats(*other, task));
+        let first = |list: Vec<usize>| list.into_iter().reduce(|a, b| if better(b, a) { b } else { a });
+        let unbeaten = first(remaining.iter().copied().filter(|task| !beaten(*task)).collect());
+        unbeaten.or_else(|| first(remaining.to_vec()))
+    }
+
+    /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
+    fn weakest_first(&self, mut holders: Vec<usize>) -> Vec<usize> {
+        let mut ordered = Vec::new();
+        while !holders.is_empty() {
+            let weaker = |a: usize, b: usize| {
+                let order = self.defence(a).total_cmp(&self.defence(b));
+                order.then((self.since[b], self.born[b]).cmp(&(self.since[a], self.born[a]))).is_lt()
+            };
+            let beats_none =
+                |task: &usize| holders.iter().all(|other| self.before_by_rank(*task, *other) != Some(true));
+            let mut candidates: Vec<usize> = holders.iter().copied().filter(beats_none).collect();
+            if candidates.is_empty() {
+                candidates.clone_from(&holders);
+            }
+            let weakest = candidates.into_iter().reduce(|a, b| if weaker(b, a) { b } else { a });
+            ordered.extend(weakest);
+            holders.retain(|each| Some(*each) != weakest);
+        }
+        ordered
+    }
+
+    /// Is there room for all that the task needs, or does it stay within what its family has?
+    fn fits(&self, task: usize, users: &[&[usize]], awaited: &[usize]) -> bool {
+        let mut uses: Vec<usize> = users.concat();
+        uses.extend(awaited.iter().filter(|each| !self.related(task, **each)));
+        (0..4).all(|which| {
+            let before = self.used(&uses, which);
+            let after = self.used(&[uses.clone(), vec![task]].concat(), which);
+            self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
+        })
+    }
+
+    /// How much is used: a task and what is below it do not compete, strangers add up.
+    fn used(&self, users: &[usize], which: usize) -> f64 {
+        let children =
+            |parent: Option<usize>| (0..self.nodes.len()).filter(move |each| self.nodes[*each].parent == parent);
+        fn family(twin: &Twin, users: &[usize], which: usize, task: usize) -> f64 {
+            let own = if users.contains(&task) { twin.needs[task][which] } else { 0.0 };
+            let below = (0..twin.nodes.len()).filter(|each| twin.nodes[*each].parent == Some(task));
+            own.max(below.map(|each| family(twin, users, which, each)).sum())
+        }
+        children(None).map(|task| family(self, users, which, task)).sum()
+    }
+}
