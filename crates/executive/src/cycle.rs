@@ -63,6 +63,8 @@ pub(crate) struct Work {
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is looked at.
     pub(crate) priorities_changed: bool,
+    /// Contend: how often tasks lost resources at this instant.
+    pub(crate) losses: BTreeMap<TaskId, u32>,
     /// Act: tasks that became ongoing.
     pub(crate) starting: Vec<TaskId>,
     /// Act, a round later: resumed tasks that may rather start over.

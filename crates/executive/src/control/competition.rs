@@ -154,14 +154,13 @@ pub(crate) fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f6
     path
 }
 
-/// The first in order that no other claimant beats. Rank and priority can beat one another in a ring; then it is the
-/// first in order.
-pub(crate) fn first_unbeaten(remaining: &[Claimant]) -> usize {
+/// The first in order that no other claimant beats; none where rank and priority beat one another in a ring.
+pub(crate) fn first_unbeaten(remaining: &[Claimant]) -> Option<usize> {
     let unbeaten = |claimant: &Claimant| {
         let mut others = remaining.iter().filter(|other| shares(&claimant.needs, &other.needs));
         !others.any(|other| beats(other, claimant))
     };
-    remaining.iter().position(unbeaten).unwrap_or(0)
+    remaining.iter().position(unbeaten)
 }
 
 /// Does `a` come before `b`, both claimants? Tasks of one line do not compete.

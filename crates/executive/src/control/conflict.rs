@@ -31,6 +31,8 @@ pub(crate) struct Arbitration {
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
+    /// Claimants beat one another in a ring: what was decided may decide differently now.
+    pub(crate) unsettled: bool,
 }
 
 /// A conflict lost.
@@ -61,15 +63,41 @@ pub(crate) struct Refusal {
     pub(crate) rivals: Vec<(TaskId, bool)>,
 }
 
-/// Arbitrates all resources in `dirty`, with everything their claimants need besides.
+/// A task that lost so often at one instant takes nothing from anybody before the next: rings of ranks and priorities end.
+const LOSSES_MAX: u32 = 2;
+
+/// Arbitrates all resources in `dirty`, with everything their claimants need besides. No step of a task that stops working
+/// begins, so such steps do not compete.
 pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
+    let mut orphans = BTreeSet::new();
+    loop {
+        let result = arbitrate_without(cycle, dirty, &orphans);
+        let before = orphans.len();
+        if !result.displaced.is_empty() {
+            let stops = |task: TaskId| {
+                result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task)
+            };
+            let parent = |id: &TaskId| cycle.task(*id).and_then(|task| task.parent);
+            let begins = |id: &&TaskId| !has_begun(cycle.agent, **id);
+            let lost = result.granted.iter().filter(begins).filter(|id| parent(id).is_some_and(stops));
+            orphans.extend(lost.copied());
+        }
+        if orphans.len() == before {
+            return result;
+        }
+    }
+}
+
+fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
     let mut remaining = claimants(cycle, dirty);
+    remaining.retain(|claimant| !orphans.contains(&claimant.id));
     let ranked = remaining.len() > 1 && rank_all(cycle, &mut remaining);
     let mut field = Field { cycle, uses: BTreeMap::new() };
     let mut result = Arbitration::default();
     while !remaining.is_empty() {
-        let index = if ranked { first_unbeaten(&remaining) } else { 0 };
-        let claimant = remaining.remove(index);
+        let unbeaten = if ranked { first_unbeaten(&remaining) } else { Some(0) };
+        result.unsettled |= unbeaten.is_none();
+        let claimant = remaining.remove(unbeaten.unwrap_or(0));
         match field.place(&claimant) {
             Placement::Granted(losses) => {
                 for loss in losses {
@@ -182,6 +210,9 @@ impl Field<'_, '_> {
     fn beaten(&self, claimant: &Claimant) -> Vec<Loss> {
         let agent = &*self.cycle.agent;
         let mut found: Vec<Loss> = Vec::new();
+        if self.cycle.work.losses.get(&claimant.id).is_some_and(|losses| *losses >= LOSSES_MAX) {
+            return found;
+        }
         for need in &claimant.needs {
             for rival in self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default().iter().rev() {
                 let known = found.iter().any(|loss| loss.loser == rival.task);

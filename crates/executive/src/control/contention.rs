@@ -59,7 +59,13 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
 
 /// The commit phase: states change as arbitrated.
 pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
+    if arbitration.unsettled {
+        let granted = arbitration.granted.iter().flat_map(|id| resources::needs_of(cycle, *id));
+        let contested: Vec<ResourceId> = granted.map(|need| need.resource).collect();
+        cycle.work.dirty.extend(contested);
+    }
     for loss in &arbitration.displaced {
+        *cycle.work.losses.entry(loss.loser).or_default() += 1;
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         interruption::outrank(cycle, loss.loser, because);
         // Being refused now is the loss itself, not another one to tell.

@@ -1,4 +1,4 @@
-//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010 and 0012, one by one, with every set of
+//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010 and 0013, one by one, with every set of
 //! holders tried. It shares nothing with the executive.
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
@@ -29,6 +29,8 @@ pub struct Twin {
     births: u32,
     /// What has come at this instant: tasks created now see it too.
     present: Option<Moment>,
+    /// How often each task lost at this instant.
+    losses: Vec<u32>,
 }
 
 impl Twin {
@@ -48,6 +50,7 @@ impl Twin {
             now: 0,
             births: 0,
             present: None,
+            losses: vec![0; count],
         };
         twin.create_children(None);
         twin.settle();
@@ -58,6 +61,7 @@ impl Twin {
     pub fn happen(&mut self, moment: &Moment) {
         self.now += 1;
         self.present = Some(moment.clone());
+        self.losses.fill(0);
         match moment {
             Moment::Changes(go, stop) => {
                 let mut stop = stop.clone();
@@ -193,6 +197,7 @@ impl Twin {
         };
         let changed = !(granted.is_empty() && impossible.is_empty());
         for task in displaced {
+            self.losses[task] += 1;
             self.change(task, State::Interrupted);
         }
         for task in impossible {
@@ -272,7 +277,8 @@ impl Twin {
             }
             let loses = |holder: &usize| {
                 let by_rank = self.before_by_rank(best, *holder);
-                !self.related(best, *holder)
+                self.losses[best] < 2
+                    && !self.related(best, *holder)
                     && self.share(best, *holder)
                     && by_rank.unwrap_or(self.priority(best) > self.defence(*holder))
             };

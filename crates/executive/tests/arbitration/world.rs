@@ -46,7 +46,7 @@ impl std::fmt::Debug for World {
     }
 }
 
-fn node(index: usize) -> impl Strategy<Value = Node> {
+fn node(index: usize, ranked_share: f64) -> impl Strategy<Value = Node> {
     let parent = prop::option::weighted(0.7, 0..index.max(1));
     let priority = prop::option::weighted(0.6, prop::sample::select(vec![0.0, 0.1, 1.0, 1.1, 2.0, 3.0]));
     let cost = prop::option::weighted(0.3, prop::sample::select(vec![0.0, 1.0, 2.0]));
@@ -65,7 +65,7 @@ fn node(index: usize) -> impl Strategy<Value = Node> {
         [1, 0, 0, 4],
         [0, 0, 0, 0],
     ]);
-    let rank = prop::option::weighted(0.2, 1..4_i32);
+    let rank = prop::option::weighted(ranked_share, 1..4_i32);
     (parent, any::<bool>(), prop::bool::weighted(0.2), prop::bool::weighted(0.6), needs, priority, rank, cost).prop_map(
         move |(parent, is_group, ranked, waits, needs, priority, rank, cost)| Node {
             parent: parent.filter(|parent| *parent < index),
@@ -80,10 +80,10 @@ fn node(index: usize) -> impl Strategy<Value = Node> {
     )
 }
 
-/// A random world of up to nine tasks.
-pub fn worlds() -> impl Strategy<Value = World> {
-    (2..10_usize).prop_flat_map(|count| {
-        let nodes: Vec<_> = (0..count).map(node).collect();
+/// A random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities.
+pub fn worlds(ranked_share: f64) -> impl Strategy<Value = World> {
+    (2..10_usize).prop_flat_map(move |count| {
+        let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share)).collect();
         let some = move || prop::collection::vec(0..count, 0..4);
         let moment = prop_oneof![
             6 => (some(), prop::collection::vec(0..count, 0..2)).prop_map(|(go, stop)| Moment::Changes(go, stop)),
