@@ -231,6 +231,9 @@ impl Observer for Teller {
                 Effect::Inform { form, .. } => self.say("inform", at, &format!("inform {form}"), None),
                 Effect::Print { text, .. } => self.say("print", at, &format!("print {text}"), None),
                 Effect::Ask { text, .. } => self.say("ask", at, &format!("ask {text}"), None),
+                Effect::WithdrawQuestion { question, .. } => {
+                    self.say("withdraw", at, &format!("withdraw question {}", question.0), None);
+                }
                 Effect::Tell { to, message, .. } => {
                     let names: Vec<&str> = to.iter().map(|name| name.printed()).collect();
                     self.say("tell", at, &format!("tell {} {message}", names.join(" ")), None);

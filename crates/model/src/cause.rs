@@ -284,6 +284,11 @@ pub enum Cause {
         /// The default.
         default: Value,
     },
+    /// The operator's time was over, and there was no default.
+    OperatorMute {
+        /// The question.
+        question: QuestionId,
+    },
     /// `(end-application)`.
     ApplicationEnded {
         /// The task that said it.

@@ -95,6 +95,7 @@ impl Cause {
             Cause::LimitReached { limit, value } => format!("the limit {limit} = {value} was reached"),
             Cause::OperatorAnswered { answer, .. } => format!("the operator answered {answer}"),
             Cause::OperatorSilent { default, .. } => format!("the operator's time is over and {default} is taken"),
+            Cause::OperatorMute { .. } => "the operator's time is over and there is no default".into(),
             Cause::ApplicationEnded { by } => format!("{by} ended the application"),
             Cause::Stopped { reason } => format!("the application ends: {reason}"),
             Cause::NobodyHears { message } => message.clone(),

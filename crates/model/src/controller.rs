@@ -129,11 +129,19 @@ pub struct ItemsController {
 /// A question to the operator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct QuestionController {
-    /// Its number.
+    /// The number under which it was asked last.
     pub question: QuestionId,
-    /// What is taken when the time is over.
-    pub default: Value,
-    /// When that is.
+    /// False while it is withdrawn, because the task is interrupted.
+    pub open: bool,
+    /// The question.
+    pub text: String,
+    /// Choices; empty leaves the answer free.
+    pub options: Vec<Value>,
+    /// When the operator's time is over.
+    pub by: Option<Time>,
+    /// What is taken then; none fails the task.
+    pub default: Option<Value>,
+    /// The wake at that instant.
     pub wake: Option<WakeKey>,
 }
 

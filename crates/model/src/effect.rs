@@ -73,10 +73,10 @@ pub enum Effect {
         text: String,
         /// Choices.
         options: Vec<Value>,
-        /// When the default is taken.
+        /// When the operator's time is over.
         by: Option<Time>,
-        /// Taken then.
-        default: Value,
+        /// Taken then; none fails the task.
+        default: Option<Value>,
     },
     /// The application is over: by `(end-application)`, or because the root task of its only agent ended.
     EndApplication {
@@ -92,6 +92,13 @@ pub enum Effect {
         to: Vec<Symbol>,
         /// What.
         message: Message,
+    },
+    /// Nobody waits for the answer to this question any more: its task ended or was interrupted, or the time is over.
+    WithdrawQuestion {
+        /// The question.
+        question: QuestionId,
+        /// Why, for the record and the operator.
+        reason: String,
     },
     /// This agent is done, because its root task ended; the application's other agents go on.
     AgentEnded {

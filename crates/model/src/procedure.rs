@@ -204,7 +204,7 @@ pub enum BuiltInActivity {
     Print,
     /// `(end-application)`
     EndApplication,
-    /// + `(ask operator QUESTION ..)`: arguments are question, options, by, default (nil where absent).
+    /// + `(ask operator QUESTION ..)`: arguments are question, options, by (nil where absent), and default if there is one.
     AskOperator,
     /// + `(plan GOAL ..)`: arguments are goal, with, budget (nil where absent).
     Plan,

@@ -1,12 +1,13 @@
 //! Inputs as JSON lines: what `apex run --inputs` reads and what tests write by hand.
 //!
 //! `{"t": 1.5, "event": "(stop)"}`, `{"t": 2, "measurement": "(altitude ac-1)", "value": 32000}`,
-//! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone. A value is a number, a string, true or false, a list of values, or
+//! `{"t": 9, "answer": 1, "value": "yes"}`; with `"agent": "pilot"` a line is for that agent alone.
+//! `{"t": 9, "acknowledge": 3, "value": 7}` or `"error": "icing"`: what became of command 3. A value is a number, a string, true or false, a list of values, or
 //! `{"pdl": "(fl 120)"}`. Empty lines and lines that begin with `#` are skipped. Lines need not be in order of time.
 
 use crate::limits::{INPUT_LINE_BYTES_MAX, INPUT_MESSAGES_MAX};
 use crate::ports::Input;
-use apex_model::effect::QuestionId;
+use apex_model::effect::{CommandId, QuestionId};
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -59,6 +60,28 @@ pub fn read_inputs(name: &str, text: &str, read_value: ReadValue<'_>) -> Result<
     Ok(inputs)
 }
 
+/// Reads one line that is said while a run goes on: without `"t"` it happens at `now`.
+///
+/// # Errors
+/// What is wrong with the line.
+pub fn read_live(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
+    if line.len() > INPUT_LINE_BYTES_MAX {
+        return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
+    }
+    let json: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let Json::Object(fields) = json else { return Err(r#"expected an object like {"event": "(stop)"}"#.into()) };
+    read_fields(&fields, now, read_value)
+}
+
+/// Reads an input from the fields of a JSON object.
+///
+/// # Errors
+/// What is wrong with them.
+pub(crate) fn read_fields(fields: &Map<String, Json>, now: Time, read_value: ReadValue<'_>) -> Result<Input, String> {
+    let at = if fields.contains_key("t") { time_of(fields)? } else { now };
+    Ok(Input { at, kind: kind_of(fields, read_value)?, agent: agent_of(fields)? })
+}
+
 fn read_line(line: &str, read_value: ReadValue<'_>) -> Result<Input, String> {
     if line.len() > INPUT_LINE_BYTES_MAX {
         return Err(format!(": the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
@@ -99,18 +122,25 @@ fn agent_of(fields: &Map<String, Json>) -> Result<Option<Symbol>, String> {
 }
 
 fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<EventKind, String> {
-    let subjects = ["event", "measurement", "answer"];
+    let subjects = ["event", "measurement", "answer", "acknowledge"];
     let given: Vec<&str> = subjects.into_iter().filter(|key| fields.contains_key(*key)).collect();
     let &[subject] = given.as_slice() else {
-        return Err("expected exactly one of \"event\", \"measurement\" and \"answer\"".into());
+        return Err("expected exactly one of \"event\", \"measurement\", \"answer\" and \"acknowledge\"".into());
     };
-    let stranger = fields
-        .keys()
-        .find(|key| !(*key == "t" || *key == "agent" || *key == subject || (*key == "value" && subject != "event")));
+    let stranger = fields.keys().find(|key| {
+        !(*key == "t"
+            || *key == "agent"
+            || *key == subject
+            || (*key == "value" && subject != "event")
+            || (*key == "error" && subject == "acknowledge"))
+    });
     if let Some(stranger) = stranger {
         return Err(format!("\"{stranger}\" is not known beside \"{subject}\""));
     }
     let datum = fields.get(subject).unwrap_or(&Json::Null);
+    if subject == "acknowledge" {
+        return acknowledgement(fields, datum, read_value);
+    }
     if subject == "event" {
         return Ok(EventKind::Occurrence(pdl(subject, datum, read_value)?));
     }
@@ -121,6 +151,19 @@ fn kind_of(fields: &Map<String, Json>, read_value: ReadValue<'_>) -> Result<Even
     }
     let question = datum.as_u64().ok_or_else(|| format!("\"answer\" is {datum}; expected the question's number"))?;
     Ok(EventKind::OperatorAnswered(QuestionId(question), value))
+}
+
+/// `{"acknowledge": 3}`, with a `"value"` or an `"error"`: the vehicle has carried out command 3, or has not.
+fn acknowledgement(fields: &Map<String, Json>, datum: &Json, read_value: ReadValue<'_>) -> Result<EventKind, String> {
+    let command = datum.as_u64().ok_or_else(|| format!("\"acknowledge\" is {datum}; expected the command's number"))?;
+    let result = match (fields.get("value"), fields.get("error")) {
+        (None, None) => Ok(Value::nil()),
+        (Some(value), None) => Ok(value_of(value, read_value)?),
+        (None, Some(Json::String(reason))) => Err(reason.clone()),
+        (None, Some(other)) => return Err(format!("\"error\" is {other}; expected the reason in a string")),
+        (Some(_), Some(_)) => return Err("a command has a \"value\" or an \"error\", not both".into()),
+    };
+    Ok(EventKind::CommandAcknowledged(CommandId(command), result))
 }
 
 fn pdl(key: &str, datum: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
@@ -228,7 +271,7 @@ mod tests {
             "in.jsonl:3: \"t\" is missing: seconds of mission time",
             "in.jsonl:4: \"t\" is -1; mission time begins at 0 and is given in seconds",
             "in.jsonl:5: \"t\" is \"soon\"; expected a number of seconds",
-            "in.jsonl:6: expected exactly one of \"event\", \"measurement\" and \"answer\"",
+            "in.jsonl:6: expected exactly one of \"event\", \"measurement\", \"answer\" and \"acknowledge\"",
             "in.jsonl:7: \"value\" is not known beside \"event\"",
             "in.jsonl:8: \"value\" is missing beside \"measurement\"",
             "in.jsonl:9: \"measurement\" is 7; expected PDL text in a string",

@@ -6,6 +6,8 @@
 pub mod crew;
 pub mod error;
 pub mod explain;
+mod flight;
+pub mod foreign;
 pub mod inbox;
 pub mod input_lines;
 pub mod limits;
@@ -20,7 +22,8 @@ pub mod record;
 pub mod replay;
 #[cfg(test)]
 mod samples;
+mod terms;
 pub mod trace;
 
 pub use error::{RecordError, RunError};
-pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, fly, fly_all};
+pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};

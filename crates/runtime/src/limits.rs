@@ -6,6 +6,9 @@ pub const INBOX_INPUTS_MAX: usize = 4 * apex_model::limits::BATCH_EVENTS_MAX;
 pub const STEPS_PER_INSTANT_MAX: u64 = 10_000;
 /// Rounds at one instant in which agents answer each other; what they say to each other after that is not delivered.
 pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
+/// A paced step that comes later than this is told: people do not notice less, and timers of ordinary systems are no better
+/// than a few milliseconds when they are busy.
+pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_millis(50);
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
 /// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.

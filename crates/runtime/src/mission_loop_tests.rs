@@ -1,13 +1,14 @@
 //! The mission loop with stand-ins for executive, vehicle, solver and people.
 
 use super::*;
-use crate::ports::SolverAnswer;
+use crate::ports::{Input, SolverAnswer};
 use crate::samples;
 use apex_model::because::{Because, Cause};
-use apex_model::effect::{CommandId, SolveRequest, SolveRequestId};
-use apex_model::event::SolverReport;
+use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::sync::mpsc::channel;
 

@@ -102,9 +102,15 @@ impl Narrator {
             Effect::Print { task, text } => self.said("print", Some(*task), String::new(), text.clone()),
             Effect::Ask { question, task, text, options, by, default } => {
                 let options: Vec<String> = options.iter().map(Value::to_string).collect();
-                let by = by.map_or_else(String::new, |by| format!("; {default} is taken at {by}"));
+                let by = by.map_or_else(String::new, |by| match default {
+                    Some(default) => format!("; {default} is taken at {by}"),
+                    None => format!("; it fails at {by}"),
+                });
                 let words = format!("question {}; options: {}{by}", question.0, options.join(", "));
                 self.said("ask", Some(*task), text.clone(), words)
+            }
+            Effect::WithdrawQuestion { question, reason } => {
+                self.said("withdraw-question", None, format!("question {}", question.0), reason.clone())
             }
             Effect::Tell { task, to, message } => {
                 let names: Vec<&str> = to.iter().map(Symbol::printed).collect();

@@ -45,7 +45,8 @@ pub fn send(
             }
             Effect::EndApplication { reason } => sent.end = Some(reason.clone()),
             Effect::Tell { to, message, .. } => sent.told.extend(to.iter().map(|name| (name.clone(), message.clone()))),
-            Effect::AgentEnded { .. }
+            Effect::WithdrawQuestion { .. }
+            | Effect::AgentEnded { .. }
             | Effect::Decided(_)
             | Effect::Inform { .. }
             | Effect::Print { .. }

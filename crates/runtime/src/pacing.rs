@@ -75,6 +75,13 @@ impl Pacer {
         }
     }
 
+    /// How long ago, in wall time, `instant` was; nothing where it is to come, or nobody waits for a clock.
+    pub fn lateness(&self, instant: Time) -> Duration {
+        let Some(pace) = self.pace.filter(|pace| *pace > 0.0) else { return Duration::ZERO };
+        let due_s = (instant - self.anchor_mission).seconds() / pace;
+        Duration::try_from_secs_f64(self.anchor_wall.elapsed().as_secs_f64() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
+    }
+
     /// Mission time by the wall clock, within `from ..= to`.
     pub fn now(&self, from: Time, to: Time) -> Time {
         let Some(pace) = self.pace else { return to };

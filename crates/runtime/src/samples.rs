@@ -185,7 +185,7 @@ fn third_effects() -> Vec<Effect> {
             text: "Go on?".into(),
             options: vec![Value::symbol("yes"), Value::symbol("no")],
             by: Some(Time::from_seconds(400.0)),
-            default: Value::symbol("no"),
+            default: Some(Value::symbol("no")),
         },
         Effect::Decided(Decision { task: None, kind: trouble, because: Because::new(failure, None) }),
         transition(3, TaskState::Ongoing, TaskState::Terminated, failed),

@@ -4,22 +4,20 @@
 //! Bound: O(1) besides the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
 use crate::control::{
-    correspondence, instantiation, interruption, repetition, resources, restart, selection, termination,
+    correspondence, instantiation, interruption, question, repetition, resources, restart, selection, termination,
 };
 use crate::cycle::Cycle;
 use crate::deliberation::planner_invocation;
 use crate::expression::{evaluate, printed};
 use apex_model::because::{Because, Cause};
 use apex_model::clause::Level;
-use apex_model::controller::{Controller, QuestionController};
-use apex_model::effect::{Effect, QuestionId};
+use apex_model::controller::Controller;
+use apex_model::effect::Effect;
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
-use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 fn evaluated(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Value, Because> {
     evaluate(expr, &cycle.view(id, Level::Step))
@@ -94,7 +92,7 @@ fn carry_out(
             termination::end_application(cycle, id, reason);
         }
         BuiltInActivity::AskOperator => {
-            ask(cycle, id, &values);
+            question::ask(cycle, id, &values, place(arguments))?;
             return Ok(None);
         }
         BuiltInActivity::Plan => {
@@ -156,50 +154,6 @@ fn release_of_parent(cycle: &mut Cycle<'_>, id: TaskId, names: &[Value]) {
             resources::release_one(cycle, parent, resource, resources::Release::Used);
         }
     }
-}
-
-/// `(ask operator QUESTION ..)`: the task waits for the answer, or for the end of the operator's time.
-fn ask(cycle: &mut Cycle<'_>, id: TaskId, values: &[Value]) {
-    let now = cycle.now;
-    let value = |index: usize| values.get(index).cloned().unwrap_or_else(Value::nil);
-    let question = QuestionId(cycle.agent.next.question);
-    cycle.agent.next.question += 1;
-    let by = match value(2) {
-        Value::Time(at) => Some(at),
-        Value::Duration(span) => Some(now + span),
-        _ => None,
-    };
-    let wake = by.map(|at: Time| cycle.agent.wakes.schedule(at.max(now), Wake::Question(question)));
-    let controller = QuestionController { question, default: value(3), wake };
-    if let Some(task) = cycle.agent.task_mut(id) {
-        task.controller = Some(Box::new(Controller::Question(controller)));
-    }
-    cycle.agent.questions.insert(question, id);
-    let options = value(1).as_list().map(<[Value]>::to_vec).unwrap_or_default();
-    let text = printed(values.get(..1).unwrap_or_default());
-    cycle.effects.push(Effect::Ask { question, task: id, text, options, by, default: value(3) });
-}
-
-/// The operator answered, or the time is over and the default is taken.
-pub(crate) fn answered(cycle: &mut Cycle<'_>, question: QuestionId, answer: Option<&Value>) {
-    let Some(id) = cycle.agent.questions.get(&question).copied() else {
-        if answer.is_some() && question.0 >= cycle.agent.next.question {
-            cycle.trouble_of(None, Cause::StrayAnswer { to: format!("question {}", question.0) }, None);
-        }
-        return;
-    };
-    let Some(Controller::Question(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref()) else {
-        return;
-    };
-    let (value, cause) = match answer {
-        Some(answer) => (answer.clone(), Cause::OperatorAnswered { question, answer: answer.clone() }),
-        None => {
-            let default = controller.default.clone();
-            (default.clone(), Cause::OperatorSilent { question, default })
-        }
-    };
-    let because = Because::new(cause, cycle.place_of(id));
-    termination::end(cycle, id, Outcome::Success(value), because);
 }
 
 /// `(terminate [task] [outcome] [>> value])`: ends the named task, else the procedure of the step.

@@ -5,7 +5,7 @@
 //! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
 
 use crate::control::transition::{Trigger, transition};
-use crate::control::{hooks, instantiation, monitoring_clauses, primitive, resources};
+use crate::control::{hooks, instantiation, monitoring_clauses, primitive, question, resources};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
 use apex_model::because::{Because, Cause};
@@ -31,6 +31,7 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     }
     resources::release(cycle, id, resources::Release::Unused);
     primitive::pause(cycle, id);
+    question::pause(cycle, id);
     transition(cycle, id, trigger, None, because);
     run_hooks(cycle, id, "on-suspend", |hooks| &hooks.on_suspend);
     // What the task shared with others may decide differently now that it does not count among the ancestors.

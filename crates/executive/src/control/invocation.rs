@@ -3,7 +3,7 @@
 //! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
 //! Bound: O(1) per task besides what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
-use crate::control::{built_in, interruption, primitive, procedure, termination};
+use crate::control::{built_in, interruption, primitive, procedure, question, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::{plan_adoption, planner_invocation};
 use apex_model::because::Cause;
@@ -83,11 +83,13 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
             interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume);
             plan_adoption::pursue_arrived(cycle, id);
         }
-        Controller::Procedure(_)
-        | Controller::Items(_)
-        | Controller::Question(_)
-        | Controller::Handling(_)
-        | Controller::BuiltIn => interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume),
+        Controller::Question(_) => {
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume);
+            question::resume(cycle, id);
+        }
+        Controller::Procedure(_) | Controller::Items(_) | Controller::Handling(_) | Controller::BuiltIn => {
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume)
+        }
     }
     interruption::offer_children(cycle, id);
     cycle.work.priorities_changed = true;

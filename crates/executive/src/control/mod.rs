@@ -17,6 +17,7 @@ pub(crate) mod monitoring_clauses;
 pub(crate) mod primitive;
 pub(crate) mod priority;
 pub(crate) mod procedure;
+pub(crate) mod question;
 pub(crate) mod recording;
 pub(crate) mod repetition;
 pub(crate) mod resources;

@@ -3,7 +3,7 @@
 //! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
 //! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
 
-use crate::control::{built_in, monitoring_clauses, primitive, repetition, termination};
+use crate::control::{monitoring_clauses, primitive, question, repetition, termination};
 use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
 use crate::monitoring;
@@ -40,7 +40,7 @@ pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
         match &event.kind {
             EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
             EventKind::SolverReported(request, report) => plan_adoption::reported(cycle, *request, report),
-            EventKind::OperatorAnswered(question, answer) => built_in::answered(cycle, *question, Some(answer)),
+            EventKind::OperatorAnswered(question, answer) => question::answered(cycle, *question, answer),
             EventKind::Stop(reason) => termination::stop(cycle, reason),
             EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Told(..) | EventKind::Woken => {}
         }
@@ -89,7 +89,7 @@ pub(crate) fn wake(cycle: &mut Cycle<'_>) {
                 }
                 cycle.work.priorities_changed = true;
             }
-            Wake::Question(question) => built_in::answered(cycle, question, None),
+            Wake::Question(question) => question::time_over(cycle, question),
         }
         termination::settle(cycle);
     }

@@ -5,7 +5,9 @@
 //! Bound: O(size of the subtree) per end.  PDL: sections 4 and 9.  Paper: section III, task termination.
 
 use crate::control::transition::{Trigger, transition};
-use crate::control::{binding, failure, interruption, monitoring_clauses, primitive, procedure, repetition, resources};
+use crate::control::{
+    binding, failure, interruption, monitoring_clauses, primitive, procedure, question, repetition, resources,
+};
 use crate::cycle::Cycle;
 use apex_model::because::{Because, Cause};
 use apex_model::controller::Controller;
@@ -62,6 +64,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
 /// Takes the controller apart: nothing of it acts any more.
 pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     primitive::withdraw_commands(cycle, id, reason);
+    question::withdraw(cycle, id, reason);
     let Some(controller) = cycle.agent.task_mut(id).and_then(|task| task.controller.take()) else { return };
     match *controller {
         Controller::Procedure(controller) => {
@@ -75,18 +78,12 @@ pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
                 cycle.agent.wakes.cancel(wake);
             }
         }
-        Controller::Question(controller) => {
-            cycle.agent.questions.remove(&controller.question);
-            if let Some(wake) = controller.wake {
-                cycle.agent.wakes.cancel(wake);
-            }
-        }
         Controller::Planning(controller) => {
             if cycle.agent.requests.remove(&controller.request).is_some() {
                 cycle.effects.push(Effect::CancelSolve(controller.request));
             }
         }
-        Controller::Items(_) | Controller::Handling(_) | Controller::BuiltIn => {}
+        Controller::Items(_) | Controller::Handling(_) | Controller::Question(_) | Controller::BuiltIn => {}
     }
 }
 

@@ -229,8 +229,13 @@ fn controller(agent: &Agent, task: &Task) -> Vec<Reason> {
     match task.controller.as_deref() {
         Some(Controller::Primitive(state)) => primitive(agent, task, state),
         Some(Controller::Question(state)) => {
-            let now = state.wake.map(|wake| format!("{} is taken at {}", state.default, wake.at));
-            let text = format!("the operator's answer to question {}", state.question.0);
+            let now = state.by.map(|by| match &state.default {
+                Some(default) => format!("{default} is taken at {by}"),
+                None => format!("it fails at {by}"),
+            });
+            let options: Vec<String> = state.options.iter().map(ToString::to_string).collect();
+            let choices = if options.is_empty() { String::new() } else { format!(" ({})", options.join(", ")) };
+            let text = format!("the operator's answer to question {}, {:?}{choices}", state.question.0, state.text);
             vec![Reason { now, since: Some(task.since), ..Reason::new(ReasonKind::Operator, text) }]
         }
         Some(Controller::Planning(state)) => {

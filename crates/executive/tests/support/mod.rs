@@ -138,6 +138,7 @@ pub fn story(effects: &[(Time, Effect)]) -> Vec<String> {
         Effect::CancelSolve(request) => Some(format!("cancel {}", request.0)),
         Effect::Ask { text, .. } => Some(format!("ask {text}")),
         Effect::Inform { form, .. } => Some(format!("inform {form}")),
+        Effect::WithdrawQuestion { question, .. } => Some(format!("withdraw question {}", question.0)),
         Effect::Tell { to, message, .. } => Some(format!("tell {to:?} {message}")),
         Effect::EndApplication { .. } | Effect::AgentEnded { .. } => Some("end".to_string()),
     };

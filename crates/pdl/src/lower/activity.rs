@@ -120,7 +120,8 @@ impl Lowering {
             let by = lowering.optional(&options, "by", Lowering::expression);
             let default = lowering.optional(&options, "default", Lowering::form);
             let nil = || constant(Value::nil(), datum.span);
-            let arguments = vec![question?, choices?, by?.unwrap_or_else(nil), default?.unwrap_or_else(nil)];
+            let mut arguments = vec![question?, choices?, by?.unwrap_or_else(nil)];
+            arguments.extend(default?);
             Some(Activity::BuiltIn(BuiltInActivity::AskOperator, arguments))
         })
     }

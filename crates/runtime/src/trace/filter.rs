@@ -25,6 +25,7 @@ pub const KINDS: &[&str] = &[
     "wake",
     "print",
     "ask",
+    "withdraw-question",
     "answer",
     "tell",
     "note",

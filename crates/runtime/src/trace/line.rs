@@ -174,8 +174,15 @@ impl Line {
                 let options: Vec<String> = options.iter().map(json_value).collect();
                 line.field("options", format!("[{}]", options.join(",")));
                 if let Some(by) = by {
-                    line.field("by", seconds_text(*by)).field("default", json_value(default));
+                    line.field("by", seconds_text(*by));
                 }
+                if let Some(default) = default {
+                    line.field("default", json_value(default));
+                }
+            }
+            Effect::WithdrawQuestion { question, reason } => {
+                line.words = format!("question {} withdrawn: {reason}", question.0);
+                line.field("question", question.0.to_string()).text_field("reason", reason);
             }
             Effect::Tell { to, message, .. } => {
                 let names: Vec<String> = to.iter().map(ToString::to_string).collect();

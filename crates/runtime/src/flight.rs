@@ -1,0 +1,392 @@
+//! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for
+//! outside simulators move it.
+
+use crate::crew::{Crew, Numbering};
+use crate::error::RunError;
+use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::outbox;
+use crate::pacing::{Pacer, Wait};
+use crate::pool::SolverPool;
+use crate::ports::{Deliberator, Input, Observer, Vehicle};
+use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
+use apex_executive::Agent;
+use apex_model::effect::Effect;
+use apex_model::event::{Batch, EventKind};
+use apex_model::time::{Duration, Time};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+
+/// The executive's door, as a value so that tests can stand in for it.
+pub(crate) type Step = fn(&mut Agent, &Batch) -> Vec<Effect>;
+
+/// Everything that a run consists of.
+pub(crate) struct Flight<'a, 'o> {
+    step: Step,
+    crew: Crew<'a>,
+    vehicle: &'a mut dyn Vehicle,
+    deliberator: &'a mut (dyn Deliberator + Send),
+    observers: &'a mut [&'o mut dyn Observer],
+    pacer: Pacer,
+    /// Latest first, so that the next one is popped off the end.
+    scheduled: Vec<Input>,
+    answers: Vec<ScriptedAnswer>,
+    controls: Option<Receiver<Control>>,
+    until: Time,
+    poll: Option<Duration>,
+    pool: SolverPool,
+    now: Time,
+    steps_at_now: u64,
+    end: RunEnd,
+}
+
+/// What waiting for an instant came to.
+enum Waited {
+    Reached(Time),
+    /// Nobody listens from outside any more: what comes next must be asked again.
+    Deserted,
+    /// Somebody wants the run to end, at this instant.
+    Stop(Time),
+}
+
+impl<'a, 'o> Flight<'a, 'o> {
+    /// A flight that has not begun.
+    pub(crate) fn new(
+        step: Step,
+        agents: &'a mut [Agent],
+        vehicle: &'a mut dyn Vehicle,
+        deliberator: &'a mut (dyn Deliberator + Send),
+        observers: &'a mut [&'o mut dyn Observer],
+        options: FlyOptions,
+    ) -> Result<Flight<'a, 'o>, RunError> {
+        let pacer = Pacer::new(options.pace, Time::ZERO).map_err(RunError::Options)?;
+        let mut scheduled = options.inputs;
+        // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
+        scheduled.sort_by_key(|input| input.at);
+        scheduled.reverse();
+        let crew = Crew::new(agents);
+        scheduled.iter().try_for_each(|input| crew.check(input))?;
+        let late = Lateness::default();
+        Ok(Flight {
+            step,
+            crew,
+            vehicle,
+            deliberator,
+            observers,
+            pacer,
+            scheduled,
+            answers: options.answers,
+            controls: options.controls,
+            until: options.until,
+            poll: options.poll,
+            pool: SolverPool::new(),
+            now: Time::ZERO,
+            steps_at_now: 0,
+            end: RunEnd { at: Time::ZERO, reason: EndReason::Quiescent, steps: 0, events: 0, effects: 0, late },
+        })
+    }
+
+    /// Lives until it ends.
+    pub(crate) fn run(&mut self) -> Result<EndReason, RunError> {
+        if let Some(reason) = self.live_instant(Time::ZERO, true)? {
+            return Ok(reason);
+        }
+        loop {
+            if let Some(reason) = self.crew.finish() {
+                return Ok(EndReason::Application(reason));
+            }
+            let Some(instant) = self.next_instant() else { return Ok(EndReason::Quiescent) };
+            let beyond = instant > self.until;
+            match self.wait(instant.min(self.until))? {
+                Waited::Stop(at) => {
+                    self.now = at;
+                    self.stop_all(None, &EndReason::Stopped.text())?;
+                    return Ok(EndReason::Stopped);
+                }
+                Waited::Deserted => {}
+                Waited::Reached(at) if beyond && at >= self.until && self.crew.is_idle() => {
+                    self.now = self.now.max(self.until);
+                    return Ok(EndReason::Until);
+                }
+                Waited::Reached(at) => {
+                    self.watch_lateness(at)?;
+                    if let Some(reason) = self.live_instant(at, false)? {
+                        return Ok(reason);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Everything that happens up to `to`, with these inputs: for a clock outside. Some: the run is over.
+    pub(crate) fn advance(&mut self, to: Time, inputs: Vec<Input>) -> Result<Option<EndReason>, RunError> {
+        if self.end.steps == 0
+            && let Some(reason) = self.live_instant(Time::ZERO, true)?
+        {
+            return Ok(Some(reason));
+        }
+        self.scheduled.extend(inputs);
+        self.scheduled.sort_by_key(|input| std::cmp::Reverse(input.at));
+        while let Some(at) = self.next_instant().filter(|at| *at <= to) {
+            if let Some(reason) = self.live_instant(at, false)? {
+                return Ok(Some(reason));
+            }
+            if let Some(reason) = self.crew.finish() {
+                return Ok(Some(EndReason::Application(reason)));
+            }
+        }
+        self.now = self.now.max(to);
+        Ok(None)
+    }
+
+    /// The next instant at which the agents want to be stepped, if nothing comes in before.
+    pub(crate) fn next_wake(&self) -> Option<Time> {
+        self.next_instant()
+    }
+
+    /// The names of the agents.
+    pub(crate) fn names(&self) -> Vec<String> {
+        (0..self.crew.len()).filter_map(|index| Some(self.crew.agent(index)?.name.printed().to_string())).collect()
+    }
+
+    /// Checks that an input is for an agent that exists.
+    pub(crate) fn check(&self, input: &Input) -> Result<(), RunError> {
+        self.crew.check(input)
+    }
+
+    /// Cuts everything in good order, from outside.
+    pub(crate) fn stop(&mut self) -> Result<(), RunError> {
+        self.stop_all(None, &EndReason::Stopped.text())
+    }
+
+    /// Notices that the instant is stepped later than the clock on the wall says; tells when it gets worse.
+    fn watch_lateness(&mut self, at: Time) -> Result<(), RunError> {
+        let late = self.pacer.lateness(at);
+        if late < LATENESS_TOLD_MIN {
+            return Ok(());
+        }
+        self.end.late.steps += 1;
+        if late > self.end.late.worst * 2 {
+            let milliseconds = late.as_millis();
+            let text = format!("the step of {at} came {milliseconds} ms late: the computer does not keep up");
+            self.each_observer(at, |observer| observer.note(at, &text))?;
+        }
+        self.end.late.worst = self.end.late.worst.max(late);
+        Ok(())
+    }
+
+    /// The next instant at which something happens, never before now. None: nothing ever will.
+    fn next_instant(&self) -> Option<Time> {
+        let report = self.vehicle.next_report();
+        let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
+        let wake = self.crew.next_wake();
+        let scheduled = self.scheduled.last().map(|input| input.at);
+        let people = self.controls.is_some() && self.pacer.is_paced();
+        let listening = people.then_some(Time::END);
+        let all = [report, poll, wake, self.pool.next_due(), scheduled, listening];
+        all.into_iter().flatten().min().map(|at| at.max(self.now))
+    }
+
+    /// Sleeps until `instant` where the run is paced; an input from people cuts the sleep short.
+    fn wait(&mut self, instant: Time) -> Result<Waited, RunError> {
+        let mut flushed = false;
+        let listening = self.controls.is_some();
+        loop {
+            if !self.crew.is_idle() {
+                return Ok(Waited::Reached(self.pacer.now(self.now, instant)));
+            }
+            let wait = self.pacer.wait(instant);
+            if wait != Wait::Over && !flushed {
+                self.each_observer(instant, |observer| observer.flush())?;
+                flushed = true;
+            }
+            match self.hear(wait)? {
+                Some(Control::Stop) => {
+                    let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
+                    return Ok(Waited::Stop(reached));
+                }
+                Some(Control::Pace(pace)) => {
+                    let now = self.pacer.now(self.now, instant);
+                    self.pacer.set(pace, now).map_err(RunError::Options)?;
+                }
+                Some(Control::Input(kind)) => self.take_in(Input::new(instant, kind))?,
+                Some(Control::InputFor(agent, kind)) => {
+                    self.take_in(Input { at: instant, kind, agent: Some(agent) })?;
+                }
+                None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
+                None if listening && self.controls.is_none() => return Ok(Waited::Deserted),
+                None => {}
+            }
+        }
+    }
+
+    /// Takes in what somebody says before the input's instant: now.
+    fn take_in(&mut self, mut input: Input) -> Result<(), RunError> {
+        input.at = self.pacer.now(self.now, input.at);
+        match self.crew.check(&input) {
+            Ok(()) => self.crew.deliver(input),
+            Err(error) => {
+                let (now, text) = (input.at, error.to_string());
+                self.each_observer(now, |observer| observer.note(now, &text))
+            }
+        }
+    }
+
+    /// Waits as long as told for a word from outside.
+    fn hear(&mut self, wait: Wait) -> Result<Option<Control>, RunError> {
+        let Some(controls) = &self.controls else {
+            return match wait {
+                Wait::Over => Ok(None),
+                Wait::For(span) => {
+                    std::thread::sleep(span);
+                    Ok(None)
+                }
+                Wait::Paused => Err(RunError::Options("The run is paused and nobody is there to resume it.".into())),
+            };
+        };
+        let heard = match wait {
+            Wait::Over => controls.try_recv().map_err(|error| error == TryRecvError::Disconnected),
+            Wait::For(span) => controls.recv_timeout(span).map_err(|error| error == RecvTimeoutError::Disconnected),
+            Wait::Paused => controls.recv().map_err(|_| true),
+        };
+        match heard {
+            Ok(control) => Ok(Some(control)),
+            Err(gone) => {
+                if gone {
+                    self.controls = None;
+                }
+                Ok(None)
+            }
+        }
+    }
+
+    /// Everything that happens at one instant. Some: the run is over.
+    fn live_instant(&mut self, at: Time, first: bool) -> Result<Option<EndReason>, RunError> {
+        if at > self.now {
+            self.steps_at_now = 0;
+            self.crew.new_instant();
+        }
+        self.now = at;
+        let cause = self.collect()?;
+        let mut forced = first;
+        loop {
+            let mut anything = false;
+            for index in 0..self.crew.len() {
+                let batch = match self.crew.take(index, self.now) {
+                    Some(batch) => batch,
+                    None if forced => Batch { now: self.now, events: Vec::new() },
+                    None => continue,
+                };
+                anything = true;
+                if let Some(reason) = self.execute(index, &batch)? {
+                    self.stop_all(Some(index), &reason)?;
+                    return Ok(Some(EndReason::Application(reason)));
+                }
+            }
+            forced = false;
+            self.crew.end_round(self.now)?;
+            if !anything {
+                return Ok(None);
+            }
+            self.steps_at_now += 1;
+            if self.steps_at_now > STEPS_PER_INSTANT_MAX {
+                return Err(RunError::Stuck { at: self.now, limit: STEPS_PER_INSTANT_MAX, cause });
+            }
+        }
+    }
+
+    /// Cuts what the agents other than `except` still do, in good order.
+    fn stop_all(&mut self, except: Option<usize>, reason: &str) -> Result<(), RunError> {
+        for index in self.crew.stop(except, self.now, reason)? {
+            if let Some(batch) = self.crew.take(index, self.now) {
+                self.execute(index, &batch)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gathers the inputs of this instant; answers with the cause of the step, in words.
+    fn collect(&mut self) -> Result<String, RunError> {
+        let now = self.now;
+        let mut inputs = Vec::new();
+        self.vehicle.advance(now, &mut inputs).map_err(|message| RunError::Vehicle { at: now, message })?;
+        let cause = if inputs.is_empty() { "an input" } else { "a report of the vehicle" };
+        self.pool.take_due(now, &mut inputs);
+        while let Some(input) = self.scheduled.pop_if(|input| input.at <= now) {
+            inputs.push(input);
+        }
+        for mut input in inputs {
+            // A vehicle that runs ahead of us must not make the executive believe in the future.
+            input.at = input.at.min(now);
+            self.crew.deliver(input)?;
+        }
+        Ok(self.crew.wake(now)?.unwrap_or_else(|| cause.to_owned()))
+    }
+
+    /// One executive step of one agent with everything around it. Some: the application is over.
+    fn execute(&mut self, index: usize, batch: &Batch) -> Result<Option<String>, RunError> {
+        let now = batch.now;
+        if self.crew.len() > 1 {
+            self.each_observer(now, |observer| observer.turn(index))?;
+        }
+        self.each_observer(now, |observer| observer.begin(batch))?;
+        let Some(agent) = self.crew.agent_mut(index) else { return Ok(None) };
+        let effects = (self.step)(agent, batch);
+        self.end.steps += 1;
+        self.end.events += batch.events.len() as u64;
+        self.end.effects += effects.len() as u64;
+        self.each_observer(now, |observer| observer.observe(batch, &effects))?;
+        let numbering = Numbering::new(index, self.crew.len());
+        let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool, self.deliberator);
+        let undelivered = self.crew.post(index, sent.told);
+        self.answer(index, &effects, now);
+        for text in sent.notes.iter().chain(&undelivered) {
+            self.each_observer(now, |observer| observer.note(now, text))?;
+        }
+        if let Some(agent) = self.crew.agent(index) {
+            for observer in self.observers.iter_mut() {
+                observer.inspect(agent, now).map_err(|message| RunError::Observer { at: now, message })?;
+            }
+        }
+        Ok(sent.end)
+    }
+
+    /// Answers the questions among the effects by the script.
+    fn answer(&mut self, index: usize, effects: &[Effect], now: Time) {
+        for effect in effects {
+            let Effect::Ask { question, text, .. } = effect else { continue };
+            let Some(agent) = self.crew.agent(index).map(|agent| agent.name.clone()) else { continue };
+            let asked = text.to_lowercase();
+            let fits = |answer: &ScriptedAnswer| {
+                asked.contains(&answer.question.to_lowercase())
+                    && answer.agent.as_ref().is_none_or(|wanted| *wanted == agent)
+            };
+            let Some(found) = self.answers.iter().position(fits) else { continue };
+            let answer = self.answers.remove(found);
+            let at = now + answer.after.max(Duration::ZERO);
+            let kind = EventKind::OperatorAnswered(*question, answer.value);
+            // The latest stands first; answers of one instant keep their order.
+            let place = self.scheduled.partition_point(|input| input.at > at);
+            self.scheduled.insert(place, Input { at, kind, agent: Some(agent) });
+        }
+    }
+
+    fn each_observer(
+        &mut self,
+        at: Time,
+        mut call: impl FnMut(&mut dyn Observer) -> Result<(), String>,
+    ) -> Result<(), RunError> {
+        for observer in self.observers.iter_mut() {
+            call(&mut **observer).map_err(|message| RunError::Observer { at, message })?;
+        }
+        Ok(())
+    }
+
+    /// Closes the books: tells what did not happen any more.
+    pub(crate) fn close(mut self, reason: EndReason) -> Result<RunEnd, RunError> {
+        let now = self.now;
+        for text in self.pool.close(now) {
+            self.each_observer(now, |observer| observer.note(now, &text))?;
+        }
+        self.each_observer(now, |observer| observer.flush())?;
+        Ok(RunEnd { at: now, reason, ..self.end })
+    }
+}

@@ -1,0 +1,279 @@
+//! An outside simulator owns the clock (`:type foreign-sim`): a protocol of JSON lines. The simulator says how far time
+//! goes and what it saw; the answer says what the agents want, and when they want to be stepped next.
+//!
+//! `docs/reference/foreign-simulators.md` is the protocol for its users. A line that cannot be understood is answered by
+//! an `error` line and changes nothing.
+
+use crate::error::RunError;
+use crate::flight::Flight;
+use crate::input_lines::{ReadValue, read_fields};
+use crate::limits::INPUT_LINE_BYTES_MAX;
+use crate::ports::{Deliberator, Input, Observer, Vehicle};
+use crate::terms::{EndReason, FlyOptions, RunEnd};
+use crate::trace::seconds_text;
+use apex_executive::{Agent, step};
+use apex_model::effect::{CommandId, Effect};
+use apex_model::event::Batch;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde_json::{Map, Value as Json, json};
+use std::cell::RefCell;
+use std::io::{BufRead, Read, Write};
+use std::rc::Rc;
+
+/// What Apex says to the simulator besides effects, from the application's `:init`, `:start`, `:step` and `:stop`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cues {
+    /// Said in the greeting.
+    pub init: Vec<Value>,
+    /// Said with the first answer.
+    pub start: Vec<Value>,
+    /// Said with every answer after the first.
+    pub step: Vec<Value>,
+    /// Said with the last answer.
+    pub stop: Vec<Value>,
+}
+
+/// How a simulator's requests come and answers go.
+pub struct SimulatorLink<'a> {
+    /// Lines from the simulator.
+    pub input: &'a mut dyn BufRead,
+    /// Lines to the simulator.
+    pub output: &'a mut dyn Write,
+    /// Reads PDL inside of lines.
+    pub read_value: ReadValue<'a>,
+    /// What the application says at certain moments.
+    pub cues: Cues,
+}
+
+/// Runs `agents` at the clock of an outside simulator until it says `stop`, its lines end, or the application ends.
+///
+/// # Errors
+/// As [`crate::fly_all`]; and when an answer cannot be written.
+pub fn run(
+    agents: &mut [Agent],
+    link: &mut SimulatorLink<'_>,
+    deliberator: &mut (dyn Deliberator + Send),
+    observers: &mut [&mut dyn Observer],
+    options: FlyOptions,
+) -> Result<RunEnd, RunError> {
+    let said: Said = Rc::default();
+    let mut vehicle = Remote(Rc::clone(&said));
+    let names = if agents.len() > 1 { agents.iter().map(|agent| agent.name.to_string()).collect() } else { Vec::new() };
+    let mut listener = Listener { said: Rc::clone(&said), names, turn: 0 };
+    let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|observer| &mut **observer as _).collect();
+    all.push(&mut listener);
+    let until = options.until;
+    let mut flight = Flight::new(step, agents, &mut vehicle, deliberator, &mut all, options)?;
+    let greeting =
+        json!({"apex": env!("CARGO_PKG_VERSION"), "agents": flight.names(), "wake": 0, "say": texts(&link.cues.init)});
+    write_line(link, &greeting, Time::ZERO)?;
+    let (mut now, mut first) = (Time::ZERO, true);
+    let reason = loop {
+        let Some(line) = read_request(link, now)? else { break EndReason::Stopped };
+        let request = match understand(&line, now, link.read_value) {
+            Ok(request) => request,
+            Err(fault) => {
+                write_line(link, &json!({"error": fault}), now)?;
+                continue;
+            }
+        };
+        let (to, inputs) = match request {
+            Request::Stop => {
+                flight.stop()?;
+                answer(link, &said, now, None, Some(&EndReason::Stopped), false)?;
+                break EndReason::Stopped;
+            }
+            Request::Advance(to, inputs) => (to.min(until), inputs),
+        };
+        if let Some(fault) = inputs.iter().find_map(|input| flight.check(input).err()) {
+            write_line(link, &json!({"error": fault.to_string()}), now)?;
+            continue;
+        }
+        let mut ended = flight.advance(to, inputs)?;
+        now = to;
+        if ended.is_none() && now >= until {
+            ended = Some(EndReason::Until);
+        }
+        answer(link, &said, now, flight.next_wake(), ended.as_ref(), first)?;
+        first = false;
+        if let Some(reason) = ended {
+            break reason;
+        }
+    };
+    flight.close(reason)
+}
+
+/// What the agents said since the last answer, ready to be sent.
+type Said = Rc<RefCell<Vec<Json>>>;
+
+enum Request {
+    Advance(Time, Vec<Input>),
+    Stop,
+}
+
+/// The next line; none at the end of the simulator's words. Empty lines are skipped.
+fn read_request(link: &mut SimulatorLink<'_>, now: Time) -> Result<Option<String>, RunError> {
+    loop {
+        let mut bytes = Vec::new();
+        let most = INPUT_LINE_BYTES_MAX as u64 + 1;
+        let read = (&mut link.input).take(most).read_until(b'\n', &mut bytes);
+        let count = read.map_err(|error| broken(now, &error))?;
+        if count == 0 {
+            return Ok(None);
+        }
+        let line = String::from_utf8_lossy(&bytes).trim().to_string();
+        if !line.is_empty() {
+            return Ok(Some(line));
+        }
+    }
+}
+
+/// `{"advance": T, "inputs": [..]}` or `{"stop": true}`.
+fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Request, String> {
+    if line.len() > INPUT_LINE_BYTES_MAX {
+        return Err(format!("the line is longer than {INPUT_LINE_BYTES_MAX} bytes"));
+    }
+    let request: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
+    let Json::Object(fields) = request else { return Err("a request is an object".into()) };
+    if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop"].contains(&key.as_str())) {
+        return Err(format!("\"{stranger}\" is not known; requests have \"advance\" with \"inputs\", or \"stop\""));
+    }
+    if fields.get("stop") == Some(&Json::Bool(true)) {
+        return Ok(Request::Stop);
+    }
+    let Some(time) = fields.get("advance") else {
+        return Err("\"advance\" is missing: seconds of mission time".into());
+    };
+    let to = match time.as_f64() {
+        Some(seconds) if (0.0..=9e9).contains(&seconds) => Time::from_seconds(seconds),
+        _ => return Err(format!("\"advance\" is {time}; expected seconds of mission time")),
+    };
+    if to < now {
+        return Err(format!("\"advance\" goes back from {now} to {to}; time only goes forward"));
+    }
+    let inputs = match fields.get("inputs") {
+        None => Vec::new(),
+        Some(Json::Array(items)) => {
+            let read = |(index, item): (usize, &Json)| {
+                let told = |fault: String| format!("input {}: {fault}", index + 1);
+                let Json::Object(fields) = item else { return Err(told("expected an object".into())) };
+                let input = read_fields(fields, to, read_value).map_err(told)?;
+                match input.at {
+                    at if at < now => Err(told(format!("{at} is before {now}, where the simulation is"))),
+                    at if at > to => Err(told(format!("{at} is after {to}, to which time advances"))),
+                    _ => Ok(input),
+                }
+            };
+            items.iter().enumerate().map(read).collect::<Result<_, _>>()?
+        }
+        Some(other) => return Err(format!("\"inputs\" is {other}; expected a list")),
+    };
+    Ok(Request::Advance(to, inputs))
+}
+
+fn answer(
+    link: &mut SimulatorLink<'_>,
+    said: &Said,
+    now: Time,
+    wake: Option<Time>,
+    ended: Option<&EndReason>,
+    first: bool,
+) -> Result<(), RunError> {
+    let mut line = Map::new();
+    line.insert("t".into(), seconds(now));
+    line.insert("effects".into(), Json::Array(said.take()));
+    let cues = match ended {
+        Some(_) => &link.cues.stop,
+        None if first => &link.cues.start,
+        None => &link.cues.step,
+    };
+    if !cues.is_empty() {
+        line.insert("say".into(), texts(cues));
+    }
+    match ended {
+        Some(reason) => line.insert("end".into(), Json::from(reason.text())),
+        None => line.insert("wake".into(), wake.map_or(Json::Null, seconds)),
+    };
+    write_line(link, &Json::Object(line), now)
+}
+
+fn write_line(link: &mut SimulatorLink<'_>, line: &Json, now: Time) -> Result<(), RunError> {
+    writeln!(link.output, "{line}").and_then(|()| link.output.flush()).map_err(|error| broken(now, &error))
+}
+
+fn broken(at: Time, error: &std::io::Error) -> RunError {
+    RunError::Vehicle { at, message: format!("the link to the simulator broke: {error}") }
+}
+
+fn texts(forms: &[Value]) -> Json {
+    forms.iter().map(|form| Json::from(form.to_string())).collect()
+}
+
+/// Seconds with all of their decimals.
+fn seconds(time: Time) -> Json {
+    serde_json::from_str(&seconds_text(time)).unwrap_or(Json::Null)
+}
+
+/// Commands and withdrawals go to the simulator with the next answer.
+struct Remote(Said);
+
+impl Vehicle for Remote {
+    fn next_report(&self) -> Option<Time> {
+        None
+    }
+
+    fn advance(&mut self, _: Time, _: &mut Vec<Input>) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn command(&mut self, command: CommandId, form: &Value, at: Time) {
+        self.0.borrow_mut().push(json!({"t": seconds(at), "command": command.0, "form": form.to_string()}));
+    }
+
+    fn withdraw(&mut self, command: CommandId, at: Time) {
+        self.0.borrow_mut().push(json!({"t": seconds(at), "withdraw": command.0}));
+    }
+}
+
+/// Messages, prints and questions go the same way.
+struct Listener {
+    said: Said,
+    /// The names of the agents, where there are several.
+    names: Vec<String>,
+    turn: usize,
+}
+
+impl Listener {
+    fn say(&self, mut line: Json) {
+        if let (Some(name), Json::Object(fields)) = (self.names.get(self.turn), &mut line) {
+            fields.insert("agent".into(), Json::from(name.as_str()));
+        }
+        self.said.borrow_mut().push(line);
+    }
+}
+
+impl Observer for Listener {
+    fn turn(&mut self, agent: usize) -> Result<(), String> {
+        self.turn = agent;
+        Ok(())
+    }
+
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        let t = seconds(batch.now);
+        for effect in effects {
+            match effect {
+                Effect::Inform { form, .. } => self.say(json!({"t": t, "inform": form.to_string()})),
+                Effect::Print { text, .. } => self.say(json!({"t": t, "print": text})),
+                Effect::Ask { question, text, options, .. } => {
+                    self.say(json!({"t": t, "ask": question.0, "text": text, "options": texts(options)}));
+                }
+                Effect::WithdrawQuestion { question, reason } => {
+                    self.say(json!({"t": t, "withdraw-question": question.0, "reason": reason}));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}

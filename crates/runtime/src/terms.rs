@@ -1,0 +1,108 @@
+//! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
+
+use crate::ports::Input;
+use apex_model::event::EventKind;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::sync::mpsc::Receiver;
+
+/// How to fly.
+#[derive(Debug)]
+pub struct FlyOptions {
+    /// The last instant that is executed.
+    pub until: Time,
+    /// Mission seconds per second of wall time; none is as fast as possible, 0 waits for [`Control::Pace`].
+    pub pace: Option<f64>,
+    /// Inputs that come at known times, besides the vehicle's: a scenario, an operator's answers. Any order.
+    pub inputs: Vec<Input>,
+    /// What the operator answers to questions that will be asked; each answers one.
+    pub answers: Vec<ScriptedAnswer>,
+    /// What people say while it runs.
+    pub controls: Option<Receiver<Control>>,
+    /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
+    pub poll: Option<Duration>,
+}
+
+impl Default for FlyOptions {
+    fn default() -> FlyOptions {
+        FlyOptions { until: Time::END, pace: None, inputs: Vec::new(), answers: Vec::new(), controls: None, poll: None }
+    }
+}
+
+/// What the operator answers to the first question with a certain text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScriptedAnswer {
+    /// Part of the question's text, in any case.
+    pub question: String,
+    /// The agent that asks; none is any.
+    pub agent: Option<Symbol>,
+    /// The answer.
+    pub value: Value,
+    /// How long the operator takes.
+    pub after: Duration,
+}
+
+/// Said from outside while a run goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Control {
+    /// An input, now: an operator's answer, a message.
+    Input(EventKind),
+    /// The same, for one agent.
+    InputFor(Symbol, EventKind),
+    /// Another pace; see [`FlyOptions::pace`].
+    Pace(Option<f64>),
+    /// End the run in good order.
+    Stop,
+}
+
+/// Why a run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EndReason {
+    /// `(end-application)` or the end of the root task, with the agent's reason.
+    Application(String),
+    /// The time limit.
+    Until,
+    /// Nothing would ever happen again: no wake, no report, no answer, no input.
+    Quiescent,
+    /// [`Control::Stop`].
+    Stopped,
+}
+
+impl EndReason {
+    /// The reason in words, as stored under `end_reason` in the record.
+    pub fn text(&self) -> String {
+        match self {
+            EndReason::Application(reason) => reason.clone(),
+            EndReason::Until => "the time limit was reached".into(),
+            EndReason::Quiescent => "nothing more can happen: no wake, report, answer or input is left".into(),
+            EndReason::Stopped => "it was stopped from outside".into(),
+        }
+    }
+}
+
+/// How a run ended and how much work it was.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunEnd {
+    /// Mission time at the end.
+    pub at: Time,
+    /// Why.
+    pub reason: EndReason,
+    /// Executive steps.
+    pub steps: u64,
+    /// Events that came in.
+    pub events: u64,
+    /// Effects that went out.
+    pub effects: u64,
+    /// How far it was behind the clock on the wall, where it was paced.
+    pub late: Lateness,
+}
+
+/// How far a paced run was behind the clock on the wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lateness {
+    /// Steps that came later than [`crate::limits::LATENESS_TOLD_MIN`].
+    pub steps: u64,
+    /// The worst, in wall time.
+    pub worst: std::time::Duration,
+}
