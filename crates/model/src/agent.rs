@@ -10,6 +10,7 @@ use crate::interests::Interests;
 use crate::library::Library;
 use crate::procedure::Procedure;
 use crate::resource::ResourceTable;
+use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::table::Table;
 use crate::task::{ProcedureRef, Task, TaskId};
@@ -201,6 +202,15 @@ impl Agent {
         }
     }
 
+    /// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+    pub fn describe_place(&self, place: Place) -> String {
+        let number = u64::from(place.file).checked_sub(self.library.sources.len() as u64);
+        match number.and_then(|number| self.generated.get(number)) {
+            Some(generated) => format!("{}:{}:{}", generated.source.name, place.line, place.column),
+            None => self.library.describe_place(place),
+        }
+    }
+
     /// The tag of the step that a task was made from.
     pub fn tag(&self, task: &Task) -> Symbol {
         let step = task.step().and_then(|step| {
@@ -225,6 +235,10 @@ impl Agent {
                 None => format!("command {} times out", command.0),
             },
             Wake::Question(question) => format!("the operator's time for question {} is over", question.0),
+            Wake::SolveTimeout(request) => match self.requests.get(&request) {
+                Some(task) => format!("the request {} of {} to a solver times out", request.0, name(*task)),
+                None => format!("the request {} to a solver times out", request.0),
+            },
             Wake::Monitor(monitor) => match self.watches.get(monitor.0) {
                 Some(watch) => format!("{} of {} may come true", watch.clause.word(), name(watch.task)),
                 None => "a condition may come true".into(),

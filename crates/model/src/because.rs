@@ -152,6 +152,11 @@ impl Because {
 
     /// The cause as a sentence fragment after "because", with evidence and place: what the trace prints.
     pub fn text(&self, library: &Library) -> String {
+        self.text_at(&|place| library.describe_place(place))
+    }
+
+    /// The same, where `describe` knows the names of places.
+    pub fn text_at(&self, describe: &dyn Fn(Place) -> String) -> String {
         let mut text = self.cause.text();
         for (index, evidence) in self.evidence.iter().enumerate() {
             text.push_str(if index == 0 { ": " } else { ", " });
@@ -159,7 +164,7 @@ impl Because {
         }
         if let Some(place) = self.place {
             text.push_str("; from ");
-            text.push_str(&library.describe_place(place));
+            text.push_str(&describe(place));
         }
         text
     }

@@ -212,6 +212,24 @@ pub const ALIASES: &[(&str, &str)] = &[
 pub const INDEXICALS: &[&str] =
     &["beginning-of-time", "end-of-time", "met", "now", "pos-infinity", "self", "this-task", "tot"];
 
+/// Functions whose values depend on more than their arguments: on the time, on tasks, on what was measured. Sorted.
+pub const CHANGING: &[&str] = &[
+    "current-value",
+    "duration-of",
+    "elapsed",
+    "end-of",
+    "max-over",
+    "mean-over",
+    "min-over",
+    "most-recent-svvalue",
+    "samples-over",
+    "start-of",
+    "task-state",
+    "time-of",
+    "value-at",
+    "value-before",
+];
+
 /// Names that head special forms, sorted.
 pub const SPECIAL_FORMS: &[&str] = &[
     "and", "case", "cond", "decf", "function", "if", "incf", "lambda", "let", "let*", "or", "progn", "push", "quote",
@@ -236,7 +254,8 @@ mod tests {
     fn tables_are_sorted_so_that_binary_search_finds_all() {
         assert!(BUILT_INS.is_sorted_by(|a, b| a.name < b.name));
         assert!(ALIASES.is_sorted_by(|a, b| a.0 < b.0));
-        assert!(INDEXICALS.is_sorted() && SPECIAL_FORMS.is_sorted());
+        assert!(INDEXICALS.is_sorted() && SPECIAL_FORMS.is_sorted() && CHANGING.is_sorted());
+        assert!(CHANGING.iter().all(|name| built_in(name).is_some_and(|found| found.name == *name)));
     }
 
     #[test]

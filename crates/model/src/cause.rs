@@ -231,6 +231,13 @@ pub enum Cause {
         /// The solver's reason.
         reason: String,
     },
+    /// A solver did not answer in time.
+    SolverTimedOut {
+        /// The request.
+        request: SolveRequestId,
+        /// How long its answer was waited for.
+        patience: Duration,
+    },
     /// A `waitfor`, `select`, `=>` or `setq` bound a variable.
     Binding {
         /// The clause's name.

@@ -84,6 +84,9 @@ impl Cause {
             Cause::NoProcedureMatched => "no procedure or primitive matches, and a solver serves the goal".into(),
             Cause::PlanArrived { request, solver } => format!("{solver} answered request {}", request.0),
             Cause::NoMethod { goal } => format!("no procedure, primitive or solver serves {goal}"),
+            Cause::SolverTimedOut { request, patience } => {
+                format!("solver request {} failed: no answer within {patience}", request.0)
+            }
             Cause::SolverFailed { request, reason } => format!("solver request {} failed: {reason}", request.0),
             Cause::Binding { clause } => format!("{clause} gave it"),
             Cause::FormRan { clause } => format!("a form of its {clause} said so"),

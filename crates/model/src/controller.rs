@@ -156,6 +156,10 @@ pub struct PlanningController {
     pub meanwhile: Option<TaskId>,
     /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
     pub pursue: bool,
+    /// How long the answer is waited for.
+    pub patience: Duration,
+    /// When that is over; none once there is an answer.
+    pub wake: Option<WakeKey>,
     /// The plan arrived while the task was interrupted.
     pub arrived: Option<ProcedureRef>,
 }

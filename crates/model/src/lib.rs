@@ -47,3 +47,4 @@ pub mod value;
 pub mod variable_map;
 pub mod variables;
 pub mod wake;
+pub mod walk;

@@ -36,6 +36,10 @@ pub const LIST_ITEMS_MAX: usize = 1_000_000;
 pub const SOLVE_REQUESTS_MAX: usize = 64;
 /// Seconds after which a command without an answer has failed, where the primitive gives no timeout.
 pub const COMMAND_TIMEOUT_DEFAULT_S: i64 = 6 * 3600;
+/// Seconds after which a request to a solver without an answer has failed, where nobody states a budget.
+pub const SOLVE_TIMEOUT_DEFAULT_S: i64 = 3600;
+/// Seconds that a solver may answer later than its budget: a plan that is a little late is better than none.
+pub const SOLVE_GRACE_S: i64 = 60;
 /// Samples of one variable kept aside because they came too late: enough to see the pattern of a bad link.
 pub const LATE_SAMPLES_MAX: usize = 64;
 /// Results that one part of a condition remembers for combination with other parts; the oldest go first.

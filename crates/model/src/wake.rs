@@ -1,7 +1,7 @@
 //! Wakes: the instants at which something happens by itself, so that nobody has to look all the time.
 
 use crate::clause::MonitorId;
-use crate::effect::{CommandId, QuestionId};
+use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::task::TaskId;
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,8 @@ pub enum Wake {
     PriorityCrossing(TaskId),
     /// The operator's time is over.
     Question(QuestionId),
+    /// A request to a solver without an answer has failed.
+    SolveTimeout(SolveRequestId),
 }
 
 /// Names an entry of the queue, so that it can be taken back.

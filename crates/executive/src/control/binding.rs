@@ -15,10 +15,13 @@ use apex_model::clause::Level;
 use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
 use apex_model::evidence_list::EvidenceList;
+use apex_model::expression::Expr;
+use apex_model::procedure::Step;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
-use apex_model::task::{StepRef, TaskId};
+use apex_model::task::{Origin, StepRef, TaskId};
 use apex_model::value::Value;
+use apex_model::variables::of_expr;
 
 /// Binds `name` among the task's own variables.
 pub(crate) fn bind_locally(
@@ -47,6 +50,28 @@ fn decide(
     cycle.decide(Some(id), DecisionKind::Bound { variable: name.clone(), value }, because);
 }
 
+/// The `select` clauses that are the task's to evaluate. A handler sees what its step has selected. Of a `forall`, the
+/// step evaluates what does not depend on the item, and each item the rest.
+fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
+    let item = step.forall.as_ref().map(|forall| &forall.0);
+    let mut of_items: Vec<&Symbol> = item.into_iter().collect();
+    let mut depends = Vec::with_capacity(step.select.len());
+    for (name, expr) in &step.select {
+        let mut of_item = false;
+        of_expr(expr, &mut |variable| of_item |= of_items.contains(&variable));
+        if of_item {
+            of_items.push(name);
+        }
+        depends.push(of_item);
+    }
+    let wanted = match origin {
+        Some(Origin::Step(_)) => false,
+        Some(Origin::Item(_)) => true,
+        Some(Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Initial) | None => return Vec::new(),
+    };
+    step.select.iter().zip(depends).filter(|(_, of_item)| *of_item == wanted).map(|(select, _)| select).collect()
+}
+
 /// Evaluates the step's `select` clauses in order.
 ///
 /// # Errors
@@ -54,7 +79,8 @@ fn decide(
 pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(step) = handle.get() else { return Ok(()) };
-    for (name, expr) in &step.select {
+    let own = own_selects(cycle.task(id).map(|task| task.origin), step);
+    for (name, expr) in own {
         let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| (error.message, error.place))?;
         bind_locally(cycle, id, (name, value), "select", expr.place, EvidenceList::default());
     }
@@ -66,23 +92,15 @@ pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, P
 /// # Errors
 /// The cause when the value does not match the pattern after `=>`.
 pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result<(), Because> {
-    let Some(handle) = cycle.step_of(id) else { return Ok(()) };
-    let Some(step) = handle.get() else { return Ok(()) };
-    let (Some(pattern), Some(parent)) = (&step.binds, cycle.task(id).and_then(|task| task.parent)) else {
+    let (Some((bindings, place)), Some(parent)) =
+        (fitting(cycle, id, value)?, cycle.task(id).and_then(|task| task.parent))
+    else {
         return Ok(());
     };
-    // A result replaces an earlier one of the same step, so the old value must not take part in the match.
-    let blank = View { agent: cycle.agent, task: TaskId(u64::MAX), level: Level::Procedure, now: cycle.now };
-    let mut bindings = Bindings::new();
-    let matched = match_pattern(pattern, value, &mut bindings, &blank, step.place)
-        .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))?;
-    if !matched {
-        return Err(Because::new(Cause::ResultDoesNotFit { value: value.clone() }, Some(step.place)));
-    }
     for (name, value) in bindings.iter() {
         set_in_context(cycle, parent, name, value.clone());
         let evidence = EvidenceList::one(Evidence::TaskEnd { task: id, at: cycle.now });
-        decide(cycle, parent, (name, value.clone()), "=>", step.place, evidence);
+        decide(cycle, parent, (name, value.clone()), "=>", place, evidence);
     }
     cycle.work.priorities_changed = true;
     let waiting = waiting_for(cycle, parent, &bindings);
@@ -90,6 +108,29 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
         instantiation::result_arrived(cycle, waiting, variable);
     }
     Ok(())
+}
+
+/// What the pattern after the step's `=>` binds of `value`, and where the step stands; none without such a pattern.
+///
+/// # Errors
+/// The cause when the value does not match.
+pub(crate) fn fitting(cycle: &Cycle<'_>, id: TaskId, value: &Value) -> Result<Option<(Bindings, Place)>, Because> {
+    // Items and handlers yield nothing in the procedure; their step does.
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
+    let Some(handle) = cycle.step_of(id).filter(|_| is_step) else { return Ok(None) };
+    let Some((pattern, place)) = handle.get().and_then(|step| Some((step.binds.as_ref()?, step.place))) else {
+        return Ok(None);
+    };
+    // A result replaces an earlier one of the same step, so the old value must not take part in the match.
+    let blank = View { agent: cycle.agent, task: TaskId(u64::MAX), level: Level::Procedure, now: cycle.now };
+    let mut bindings = Bindings::new();
+    let matched = match_pattern(pattern, value, &mut bindings, &blank, place)
+        .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))?;
+    if matched {
+        Ok(Some((bindings, place)))
+    } else {
+        Err(Because::new(Cause::ResultDoesNotFit { value: value.clone() }, Some(place)))
+    }
 }
 
 fn set_in_context(cycle: &mut Cycle<'_>, parent: TaskId, name: &Symbol, value: Value) {

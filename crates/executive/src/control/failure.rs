@@ -37,7 +37,11 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         after_sequence: None,
         cause: Cause::HandlesFailure { of: id },
     };
-    cycle.decide(Some(id), DecisionKind::Trouble { message: because.text(&cycle.library) }, because.clone());
+    cycle.decide(
+        Some(id),
+        DecisionKind::Trouble { message: because.text_at(&|place| cycle.agent.describe_place(place)) },
+        because.clone(),
+    );
     let Ok(handler) = instantiation::create(cycle, seed) else { return false };
     let handling = Because::new(Cause::FailureHandled { by: handler }, because.place);
     if let Some(task) = cycle.agent.task_mut(id) {

@@ -4,14 +4,14 @@
 //! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
 //! Paper: section III, code embedded in the `on-enablement` clause.
 
-use crate::control::{binding, correspondence, termination};
+use crate::control::{binding, correspondence, primitive, termination};
 use crate::cycle::Cycle;
 use crate::expression::{Action, run};
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::Controller;
-use apex_model::effect::{CommandId, Effect};
+use apex_model::effect::{DecisionKind, Effect};
 use apex_model::expression::Expr;
 use apex_model::task::TaskId;
 use apex_model::time::Duration;
@@ -36,23 +36,29 @@ pub(crate) struct Wanted {
     pub(crate) because: Because,
 }
 
-/// Runs a hook; its errors are troubles, its commands are sent without waiting for answers.
-pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
-    if forms.is_empty() {
-        return;
+/// Runs a hook of a task that begins or completes: its commands are sent without waiting for answers.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated: the task has failed.
+pub(crate) fn run_needed(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    clause: &'static str,
+    forms: &[Expr],
+) -> Result<(), Because> {
+    let wants = run_forms(cycle, id, level, clause, forms)?;
+    for Wanted { form, timeout, because } in wants.commands {
+        primitive::command(cycle, id, form, timeout, because);
     }
-    match run_forms(cycle, id, level, clause, forms) {
-        Ok(wants) => {
-            for Wanted { form, because, .. } in wants.commands {
-                let command = CommandId(cycle.agent.next.command);
-                cycle.agent.next.command += 1;
-                cycle.effects.push(Effect::Command { command, task: id, form, because });
-            }
-        }
-        Err(because) => {
-            let message = because.cause.text();
-            cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
-        }
+    Ok(())
+}
+
+/// Runs a hook of a task that stops or ends: its outcome stands already, so that errors are troubles.
+pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
+    if let Err(because) = run_needed(cycle, id, level, clause, forms) {
+        let message = because.cause.text();
+        cycle.decide(Some(id), DecisionKind::Trouble { message }, because);
     }
 }
 

@@ -5,7 +5,7 @@
 //! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
 
 use crate::control::transition::{Trigger, transition};
-use crate::control::{hooks, instantiation, monitoring_clauses, primitive, question, resources};
+use crate::control::{hooks, instantiation, monitoring_clauses, primitive, question, resources, termination};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
 use apex_model::because::{Because, Cause};
@@ -72,6 +72,18 @@ pub(crate) fn run_step_hook(
         && let Some(step) = handle.get()
     {
         hooks::run_hook(cycle, id, Level::Step, clause, which(&step.hooks));
+    }
+}
+
+/// Runs the `on-start` of the task's step.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated.
+pub(crate) fn run_step_start(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
+    match cycle.step_of(id).filter(|_| is_step).as_ref().and_then(|handle| handle.get()) {
+        Some(step) => hooks::run_needed(cycle, id, Level::Step, "on-start", &step.hooks.on_start),
+        None => Ok(()),
     }
 }
 
@@ -291,11 +303,24 @@ pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, 
     let Some(clauses) = clauses(cycle, id, level) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
     let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
+    watch_again(cycle, id, level, wanted, window);
+}
+
+/// Watches clauses in the middle of a task's life. A task with a clause that cannot be watched has failed: it would be
+/// suspended for ever, or never again.
+fn watch_again(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    wanted: [(Clause, Option<Box<Condition>>); 2],
+    window: Window,
+) {
     for (clause, condition) in wanted {
         if let Some(condition) = condition
             && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window)
         {
-            cycle.trouble(Some(id), error.message, Some(error.place));
+            let cause = Cause::ExpressionFailed { message: error.message };
+            return termination::fail(cycle, id, Because::new(cause, Some(error.place)));
         }
     }
 }
@@ -308,12 +333,6 @@ pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window
     for level in [Level::Step, Level::Procedure] {
         let Some(clauses) = clauses(cycle, id, level) else { continue };
         let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
-        for (clause, condition) in wanted {
-            if let Some(condition) = condition
-                && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window)
-            {
-                cycle.trouble(Some(id), error.message, Some(error.place));
-            }
-        }
+        watch_again(cycle, id, level, wanted, window);
     }
 }

@@ -36,8 +36,8 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
 }
 
 fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
-    interruption::run_step_hook(cycle, id, "on-start", |hooks| &hooks.on_start);
-    if let Err(because) = interruption::watch_step_restart(cycle, id) {
+    let begun = interruption::run_step_start(cycle, id).and_then(|()| interruption::watch_step_restart(cycle, id));
+    if let Err(because) = begun {
         return termination::fail(cycle, id, because);
     }
     if cycle.state(id) != TaskState::Ongoing {

@@ -131,6 +131,21 @@ fn run_clock(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// Sends a command for the primitive; its answer is awaited.
 fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration>, because: Because) {
+    let command = command(cycle, id, form, timeout, because);
+    if let Some(state) = controller(cycle, id) {
+        state.commands.push(command);
+        state.commanded = true;
+    }
+}
+
+/// Sends a command. Where nobody waits for its answer, its failure is told, and that is all.
+pub(crate) fn command(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    form: Value,
+    timeout: Option<Duration>,
+    because: Because,
+) -> CommandId {
     let default = Duration(COMMAND_TIMEOUT_DEFAULT_S.saturating_mul(NANOSECONDS_PER_SECOND));
     let patience = timeout.unwrap_or(default);
     let command = CommandId(cycle.agent.next.command);
@@ -139,18 +154,20 @@ fn send(cycle: &mut Cycle<'_>, id: TaskId, form: Value, timeout: Option<Duration
     let timeout = cycle.agent.wakes.schedule(now + patience, Wake::CommandTimeout(command));
     let open = OpenCommand { task: id, form: form.clone(), sent_at: now, patience, timeout };
     cycle.agent.commands.insert(command, open);
-    if let Some(state) = controller(cycle, id) {
-        state.commands.push(command);
-        state.commanded = true;
-    }
     cycle.effects.push(Effect::Command { command, task: id, form, because });
+    command
 }
 
 /// Completes the primitive: `on-completion`, then its value, then its end.
 pub(crate) fn complete(cycle: &mut Cycle<'_>, id: TaskId, cause: Cause, value: Option<Value>) {
     let Some(primitive) = template(cycle, id) else { return };
     let place = Some(primitive.place);
-    hooks::run_hook(cycle, id, Level::Procedure, "on-completion", &primitive.on_completion);
+    if let Err(because) = hooks::run_needed(cycle, id, Level::Procedure, "on-completion", &primitive.on_completion) {
+        return termination::fail(cycle, id, because);
+    }
+    if cycle.state(id) == TaskState::Terminated {
+        return;
+    }
     let value = match &primitive.returns {
         Some(expr) => match value_of(cycle, id, expr) {
             Ok(value) => value,
@@ -213,7 +230,13 @@ fn settle(cycle: &mut Cycle<'_>, command: CommandId, answer: Result<Value, Cause
     let Some(open) = cycle.agent.commands.remove(&command) else { return };
     cycle.agent.wakes.cancel(open.timeout);
     let id = open.task;
-    let Some(state) = controller(cycle, id) else { return };
+    let Some(state) = controller(cycle, id).filter(|state| state.commands.contains(&command)) else {
+        if let Err(cause) = answer {
+            let place = cycle.place_of(id);
+            cycle.trouble_of(Some(id), cause, place);
+        }
+        return;
+    };
     state.commands.retain(|each| *each != command);
     match answer {
         Ok(value) => {

@@ -11,7 +11,7 @@ use apex_model::agent::Agent;
 use apex_model::because::Strength;
 use apex_model::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::procedure::PriorityClause;
+use apex_model::procedure::{PriorityClause, Step};
 use apex_model::source::Place;
 use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
@@ -61,19 +61,21 @@ fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
     values.map(|value| recovered * value).reduce(f64::max)
 }
 
-/// What is wrong with priority clauses as they stand now: they count as absent, and that must be said.
-pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, clauses: &[PriorityClause]) -> Vec<(String, Place)> {
+/// What is wrong with the step's priority clauses and its rank as they stand now: they count as absent, and that must
+/// be said.
+pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(String, Place)> {
     let view = cycle.view(id, Level::Step);
-    let trouble = |expr: &Expr| match evaluate(expr, &view) {
+    let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
         Ok(value) if value.as_number().is_some_and(|(number, _)| number.is_finite()) => None,
-        Ok(value) => Some((format!("its priority is {value}, which is no number"), expr.place)),
-        Err(error) => Some((format!("its priority has no value: {}", error.message), error.place)),
+        Ok(value) => Some((format!("its {what} is {value}, which is no number"), expr.place)),
+        Err(error) => Some((format!("its {what} has no value: {}", error.message), error.place)),
     };
-    let exprs = clauses.iter().flat_map(|clause| match clause {
+    let priorities = step.priority.iter().flat_map(|clause| match clause {
         PriorityClause::Number(expr) => vec![expr],
         PriorityClause::UrgencyImportance(urgency, importance) => vec![urgency, importance],
     });
-    exprs.filter_map(trouble).collect()
+    let priorities = priorities.map(|expr| ("priority", expr));
+    priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
 }
 
 /// A clause that cannot be evaluated counts as absent; [`troubles`] has said so.

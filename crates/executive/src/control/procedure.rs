@@ -45,8 +45,9 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
         task.controller = Some(Box::new(Controller::Procedure(controller)));
     }
     open_logs(cycle, id, &procedure);
-    hooks::run_hook(cycle, id, Level::Procedure, "on-start", &procedure.hooks.on_start);
-    if let Err(because) = interruption::watch_procedure(cycle, id, &procedure.transitions) {
+    let begun = hooks::run_needed(cycle, id, Level::Procedure, "on-start", &procedure.hooks.on_start)
+        .and_then(|()| interruption::watch_procedure(cycle, id, &procedure.transitions));
+    if let Err(because) = begun {
         termination::fail(cycle, id, because);
         return;
     }

@@ -90,6 +90,7 @@ pub(crate) fn wake(cycle: &mut Cycle<'_>) {
                 cycle.work.priorities_changed = true;
             }
             Wake::Question(question) => question::time_over(cycle, question),
+            Wake::SolveTimeout(request) => plan_adoption::timed_out(cycle, request),
         }
         termination::settle(cycle);
     }

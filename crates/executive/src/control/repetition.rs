@@ -69,21 +69,44 @@ pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bo
     }
     let Some(handle) = cycle.step_of(id) else { return false };
     let Some(clause) = handle.get().and_then(|step| step.repeating.as_ref()) else { return false };
-    match is_allowed(cycle, id, clause) {
-        Ok(true) => {}
-        Ok(false) => return false,
+    let again = match again(cycle, id, clause) {
+        Ok(Some(again)) => again,
+        Ok(None) => return false,
         Err(because) => {
-            report(cycle, id, because);
-            return false;
+            fail_parent(cycle, id, because);
+            return true;
         }
-    }
+    };
     if let Err(cause) = count_instance(cycle, id) {
         let place = cycle.place_of(id);
         fail_parent(cycle, id, Because::new(cause, place));
         return true;
     }
-    begin(cycle, id, clause);
+    begin(cycle, id, &again);
     true
+}
+
+/// How a repetition begins.
+struct Again {
+    /// It does not wait for its conditions.
+    skip: bool,
+    /// From start to start at least.
+    interval: Option<Duration>,
+}
+
+/// Whether and how the ended task begins again; none when it does not.
+///
+/// # Errors
+/// The cause when an option of the clause cannot be evaluated.
+fn again(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<Option<Again>, Because> {
+    if !is_allowed(cycle, id, clause)? {
+        return Ok(None);
+    }
+    let skip = clause.enabled.is_some() && condition(cycle, id, clause.enabled.as_ref(), false)?;
+    let interval = clause.minimum_interval.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
+    // Priorities look at the recovery later; whether it has a value is found out here.
+    clause.recovery.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
+    Ok(Some(Again { skip, interval }))
 }
 
 fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
@@ -91,7 +114,7 @@ fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
 }
 
-/// A loop that takes no time is an error of the procedure that holds it.
+/// A repetition that nobody can decide, or a loop that takes no time, is an error of the procedure that holds it.
 fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     report(cycle, id, because.clone());
     if let Some(parent) = cycle.task(id).and_then(|task| task.parent) {
@@ -99,11 +122,10 @@ fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     }
 }
 
-fn begin(cycle: &mut Cycle<'_>, id: TaskId, clause: &Repetition) {
+fn begin(cycle: &mut Cycle<'_>, id: TaskId, again: &Again) {
     let now = cycle.now;
     let started = cycle.task(id).and_then(|task| task.started_at);
-    let skip = clause.enabled.is_some() && condition(cycle, id, clause.enabled.as_ref(), false).unwrap_or(false);
-    let interval = clause.minimum_interval.as_ref().and_then(|expr| span(cycle, id, expr));
+    let &Again { skip, interval } = again;
     let because = Because::new(Cause::Repetition, cycle.place_of(id));
     transition(cycle, id, Trigger::Repeated, None, because);
     let Some(task) = cycle.agent.task_mut(id) else { return };
@@ -135,16 +157,11 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, clause: &Repetition) {
     }
 }
 
-fn span(cycle: &mut Cycle<'_>, id: TaskId, expr: &Expr) -> Option<Duration> {
-    match evaluate(expr, &cycle.view(id, Level::Step)) {
-        Ok(Value::Duration(span)) => return Some(span),
-        Ok(other) => {
-            let message = format!("{other} is no span of time; write a duration such as 10s");
-            cycle.trouble(Some(id), message, Some(expr.place));
-        }
-        Err(error) => cycle.trouble(Some(id), error.message, Some(error.place)),
-    }
-    None
+fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because> {
+    let failed = |message: String, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
+    let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))?;
+    crate::expression::arithmetic::duration(&value)
+        .map_err(|_| failed(format!("{value} is no span of time; write a duration such as 10s"), expr.place))
 }
 
 /// The least interval between two instances is over.
@@ -204,7 +221,7 @@ pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
     match is_allowed(cycle, id, clause) {
         Ok(true) => {}
         Ok(false) => return,
-        Err(because) => return report(cycle, id, because),
+        Err(because) => return fail_parent(cycle, id, because),
     }
     if let Err(cause) = count_instance(cycle, id) {
         let place = cycle.place_of(id);

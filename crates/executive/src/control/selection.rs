@@ -311,7 +311,7 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
         if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_deref())? {
             details.interrupt_cost = Some(own);
         }
-        for (message, place) in priority::troubles(cycle, id, &step.priority) {
+        for (message, place) in priority::troubles(cycle, id, step) {
             cycle.trouble(Some(id), message, Some(place));
         }
     }

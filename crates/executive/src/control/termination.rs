@@ -20,16 +20,23 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     if cycle.state(id) == TaskState::Terminated {
         return;
     }
+    let (mut outcome, mut because) = (outcome, because);
+    if let Outcome::Success(value) = &outcome
+        && let Err(misfit) = binding::fitting(cycle, id, value)
+    {
+        if failure::handle(cycle, id, &misfit) {
+            return;
+        }
+        (outcome, because) = (Outcome::Failure, misfit);
+    }
     let cut = Because::new(Cause::ParentEnded { parent: id }, because.place);
     end_children(cycle, id, &cut);
     primitive::withdraw_commands(cycle, id, "its task ended");
     monitoring_clauses::unwatch(cycle, id, |_, _| true);
-    let (mut outcome, mut because) = (outcome, because);
     if let Outcome::Success(value) = &outcome
-        && let Err(unfit) = binding::result(cycle, id, &value.clone())
+        && let Err(misfit) = binding::result(cycle, id, &value.clone())
     {
-        outcome = Outcome::Failure;
-        because = unfit;
+        (outcome, because) = (Outcome::Failure, misfit);
     }
     if cycle.task(id).is_some_and(|task| task.started_at.is_some()) {
         interruption::run_hooks(cycle, id, "on-end", |hooks| &hooks.on_end);
@@ -79,6 +86,9 @@ pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
             }
         }
         Controller::Planning(controller) => {
+            if let Some(wake) = controller.wake {
+                cycle.agent.wakes.cancel(wake);
+            }
             if cycle.agent.requests.remove(&controller.request).is_some() {
                 cycle.effects.push(Effect::CancelSolve(controller.request));
             }

@@ -9,7 +9,7 @@ use apex_model::agent::Generated;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::controller::{Controller, Way};
-use apex_model::effect::{DecisionKind, Method, SolveRequestId};
+use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{PlannedProcedure, SolverReport};
 use apex_model::index::{Candidate, ProcedureIndex};
 use apex_model::pattern::Pattern;
@@ -28,6 +28,7 @@ pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &
         }
         return;
     };
+    stop_waiting(cycle, id);
     match report {
         SolverReport::Failed(reason) => {
             let cause = Cause::SolverFailed { request, reason: reason.clone() };
@@ -36,6 +37,28 @@ pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &
         }
         SolverReport::Plan(plan) => adopt(cycle, id, request, plan),
     }
+}
+
+/// The answer is there, or is not expected any more.
+fn stop_waiting(cycle: &mut Cycle<'_>, id: TaskId) {
+    if let Some(Controller::Planning(controller)) =
+        cycle.agent.task_mut(id).and_then(|task| task.controller.as_deref_mut())
+        && let Some(wake) = controller.wake.take()
+    {
+        cycle.agent.wakes.cancel(wake);
+    }
+}
+
+/// The solver has not answered in time: the request has failed, and its answer is not wanted any more.
+pub(crate) fn timed_out(cycle: &mut Cycle<'_>, request: SolveRequestId) {
+    let Some(id) = cycle.agent.requests.remove(&request) else { return };
+    let Some(Controller::Planning(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref()) else {
+        return;
+    };
+    let cause = Cause::SolverTimedOut { request, patience: controller.patience };
+    cycle.effects.push(Effect::CancelSolve(request));
+    let place = cycle.place_of(id);
+    termination::fail(cycle, id, Because::new(cause, place));
 }
 
 fn adopt(cycle: &mut Cycle<'_>, id: TaskId, request: SolveRequestId, plan: &PlannedProcedure) {

@@ -13,11 +13,12 @@ use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::{Controller, PlanningController};
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
-use apex_model::limits::SOLVE_REQUESTS_MAX;
+use apex_model::limits::{SOLVE_GRACE_S, SOLVE_REQUESTS_MAX, SOLVE_TIMEOUT_DEFAULT_S};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, TaskId};
-use apex_model::time::Duration;
+use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
+use apex_model::wake::Wake;
 
 /// The task's goal has no procedure: a solver is asked for one, which is then pursued.
 pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
@@ -69,9 +70,14 @@ fn ask(
     let request = SolveRequestId(cycle.agent.next.request);
     cycle.agent.next.request += 1;
     cycle.agent.requests.insert(request, id);
-    let controller = PlanningController { request, goal: goal.clone(), meanwhile: None, pursue, arrived: None };
+    let patience = budget.map_or(Duration(SOLVE_TIMEOUT_DEFAULT_S * NANOSECONDS_PER_SECOND), |budget| {
+        budget + Duration(SOLVE_GRACE_S * NANOSECONDS_PER_SECOND)
+    });
+    let wake = Some(cycle.agent.wakes.schedule(cycle.now + patience, Wake::SolveTimeout(request)));
+    let fresh =
+        PlanningController { request, goal: goal.clone(), meanwhile: None, pursue, patience, wake, arrived: None };
     if let Some(task) = cycle.agent.task_mut(id) {
-        task.controller = Some(Box::new(Controller::Planning(controller)));
+        task.controller = Some(Box::new(Controller::Planning(fresh)));
     }
     let solver_name = named.unwrap_or(declaration.name);
     cycle.effects.push(Effect::Solve(SolveRequest { request, task: id, goal, solver: solver_name, budget }));

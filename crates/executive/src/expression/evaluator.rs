@@ -7,11 +7,13 @@ use super::{
 use apex_model::bindings::Bindings;
 use apex_model::builtins::built_in;
 use apex_model::expression::{Closure, Expr, ExprKind, Parameters};
+use apex_model::host::HostFunction;
 use apex_model::limits::{EVALUATION_DEPTH_MAX, EVALUATION_STEPS_MAX};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 pub(super) type Outcome = Result<Value, EvaluationError>;
@@ -278,7 +280,9 @@ impl<'a> Evaluator<'a> {
             return effects::act(self, name, Action::Command { form, timeout: None, place }, place);
         }
         match surroundings.host().get(function) {
-            Some(host) => host(arguments).map_err(|message| error(place, format!("({function} ..): {message}"))),
+            Some(host) => {
+                contained(host, arguments).map_err(|message| error(place, format!("({function} ..): {message}")))
+            }
             None => Err(error(place, not_callable(function, arguments))),
         }
     }
@@ -323,7 +327,8 @@ impl<'a> Evaluator<'a> {
                 Some(most) => format!("{least} to {most}"),
                 None => format!("at least {least}"),
             };
-            return Err(error(place, format!("{name} takes {wanted} arguments, {} are given", arguments.len())));
+            let plural = if wanted.ends_with(" 1") || wanted == "1" { "" } else { "s" };
+            return Err(error(place, format!("{name} takes {wanted} argument{plural}, not {}", arguments.len())));
         }
         let given = parameters.required.iter().chain(parameters.optional.iter().map(|(name, _)| name));
         let given = given.cloned().zip(arguments.iter().cloned());
@@ -342,6 +347,17 @@ impl<'a> Evaluator<'a> {
             evaluator.body(body)
         })
     }
+}
+
+/// Calls a function of the host program. One that panics has failed, and the agent lives on.
+fn contained(host: &HostFunction, arguments: &[Value]) -> Result<Value, String> {
+    let outcome = catch_unwind(AssertUnwindSafe(|| host(arguments)));
+    outcome.unwrap_or_else(|payload| {
+        let said = payload.downcast_ref::<&str>().map(ToString::to_string);
+        let said = said.or_else(|| payload.downcast_ref::<String>().cloned());
+        let said = said.map(|said| format!(": {said}")).unwrap_or_default();
+        Err(format!("the function of the host program panicked{said}; this is a fault of that function"))
+    })
 }
 
 fn not_callable(function: &Symbol, arguments: &[Value]) -> String {

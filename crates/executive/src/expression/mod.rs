@@ -4,6 +4,7 @@
 //! want done as [`Action`]s. Every evaluation is bounded by the limits of `apex_model::limits`.
 
 pub(crate) mod arithmetic;
+mod comparison;
 mod effects;
 mod evaluator;
 mod higher_order;

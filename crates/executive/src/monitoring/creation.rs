@@ -8,6 +8,7 @@
 //! Paper: section IV, creating monitors from PDL specifications.
 
 use super::specificity::variables;
+use super::time_conditions::Kind;
 use super::{Troubles, episode, event, measurement, task_state, time_conditions};
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
@@ -81,8 +82,12 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             PartKind::InOrder(Box::new(composite(parts, constraints, role, true, surroundings)?))
         }
         ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, surroundings)?)),
-        ConditionKind::Timestamp(from, to) => PartKind::Timestamp(time_part(from, to.as_ref())),
-        ConditionKind::Delay(from, to) => PartKind::Delay(time_part(from, to.as_ref())),
+        ConditionKind::Timestamp(from, to) => {
+            PartKind::Timestamp(time_part((from, to.as_ref()), Kind::Timestamp, window.start, surroundings)?)
+        }
+        ConditionKind::Delay(from, to) => {
+            PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, surroundings)?)
+        }
         ConditionKind::Absent(..)
         | ConditionKind::Allen { .. }
         | ConditionKind::Function(_)
@@ -95,8 +100,15 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
 }
 
-fn time_part(from: &Expr, to: Option<&Expr>) -> Box<TimePart> {
-    Box::new(TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None })
+fn time_part(
+    (from, to): (&Expr, Option<&Expr>),
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<Box<TimePart>, EvaluationError> {
+    let part = TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None };
+    time_conditions::check(&part, kind, start, surroundings)?;
+    Ok(Box::new(part))
 }
 
 fn composite(

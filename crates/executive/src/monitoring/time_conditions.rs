@@ -12,10 +12,12 @@ use crate::expression::arithmetic::{duration, instant};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::builtins::CHANGING;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::expression::Expr;
+use apex_model::expression::{Expr, ExprKind};
 use apex_model::monitor::{Satisfaction, TimePart};
 use apex_model::time::{Duration, Time};
+use apex_model::walk;
 
 /// Which of the two forms a part is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -38,6 +40,40 @@ pub(super) fn advance(part: &mut TimePart, kind: Kind, site: Site, surroundings:
     if first <= to && first <= surroundings.now() {
         part.reached = Some(first);
     }
+}
+
+/// A part whose expressions cannot be evaluated, now or later. One that waits for a task or a value is none.
+///
+/// # Errors
+/// Why an expression has no value.
+pub(super) fn check(
+    part: &TimePart,
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<(), EvaluationError> {
+    let mut exprs = std::iter::once(&part.from).chain(&part.to);
+    if exprs.all(|expr| is_settled(expr, surroundings)) {
+        span(part, kind, start, surroundings)?;
+    }
+    Ok(())
+}
+
+/// Does the expression depend on nothing that is still to come?
+fn is_settled(expr: &Expr, surroundings: &dyn Surroundings) -> bool {
+    let library = surroundings.library();
+    let mut settled = true;
+    walk::each(expr, &mut |part| {
+        settled &= match &part.kind {
+            ExprKind::Variable { name, .. } => surroundings.variable(name).is_some(),
+            ExprKind::Call { function, .. } | ExprKind::FunctionName(function) => {
+                CHANGING.binary_search(&function.folded()).is_err() && !library.functions.contains_key(function)
+            }
+            ExprKind::Indexical(name) => !library.indexicals.contains_key(name),
+            _ => true,
+        };
+    });
+    settled
 }
 
 /// First and last instant that satisfy the part.

@@ -4,30 +4,13 @@ use super::{Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
+use apex_model::builtins::CHANGING;
 use apex_model::expression::Expr;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
 const SHAPE: &str = "(defconstant NAME EXPRESSION)";
-
-/// Functions whose values depend on more than their arguments.
-const CHANGING: &[&str] = &[
-    "current-value",
-    "duration-of",
-    "elapsed",
-    "end-of",
-    "max-over",
-    "mean-over",
-    "min-over",
-    "most-recent-svvalue",
-    "samples-over",
-    "start-of",
-    "task-state",
-    "time-of",
-    "value-at",
-    "value-before",
-];
 
 impl Lowering {
     /// Notes a constant. A literal one has its value at once.

@@ -14,7 +14,6 @@ use crate::record::{LoadProgram, RecordReader, TaskRow};
 use apex_executive::Agent;
 use apex_executive::explanation::{self, Reason, ReasonKind};
 use apex_model::event::Batch;
-use apex_model::source::Place;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use history::History;
@@ -160,16 +159,7 @@ fn unmet(agent: &Agent, reason: Reason) -> Unmet {
         now: reason.now.unwrap_or_default(),
         since: reason.since.map(Time::seconds),
         task: reason.task.map(|task| task.to_string()),
-        place: reason.place.map(|place| place_text(agent, place)),
-    }
-}
-
-/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
-fn place_text(agent: &Agent, place: Place) -> String {
-    let number = u64::from(place.file).checked_sub(agent.library.sources.len() as u64);
-    match number.and_then(|number| agent.generated.get(number)) {
-        Some(generated) => format!("{}:{}:{}", generated.source.name, place.line, place.column),
-        None => agent.library.describe_place(place),
+        place: reason.place.map(|place| agent.describe_place(place)),
     }
 }
 
