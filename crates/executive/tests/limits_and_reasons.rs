@@ -21,7 +21,10 @@ fn ends_with_limit(pdl: &str, limit: &str) {
 
 #[test]
 fn a_procedure_that_calls_itself_ends_with_a_cause() {
-    ends_with_limit("(procedure (index (do-domain)) (step again (do-domain)))", "TASK_DEPTH_MAX");
+    let pdl = "(procedure (index (do-domain)) (step go (again 0)))
+      (procedure (index (again ?n)) (step deeper (again ,(+ ?n 1))))
+      (procedure (index (again -1)))";
+    ends_with_limit(pdl, "TASK_DEPTH_MAX");
 }
 
 #[test]
@@ -34,8 +37,8 @@ fn a_loop_that_takes_no_time_ends_with_a_cause() {
 #[test]
 fn two_tasks_that_wake_each_other_at_one_instant_are_stopped() {
     let pdl = "(procedure (index (do-domain))
-      (step a (inform (pong)) (waitfor (ping)) (responding))
-      (step b (inform (ping)) (waitfor (pong)) (responding))
+      (step a (inform (pong)) (waitfor (ping)) (responding :until (> +met+ 1h)))
+      (step b (inform (ping)) (waitfor (pong)) (responding :until (> +met+ 1h)))
       (step c (inform (ping)) (waitfor (go)))
       (step d (terminate) (waitfor (bye))))";
     ends_with_limit(pdl, "REPETITIONS_PER_INSTANT_MAX");

@@ -15,7 +15,7 @@ pub const RESOURCES: &str = "
   (step urgent (urgent) (waitfor (alarm)) (priority 5))
   (step talk1 (talk) (priority 1)) (step talk2 (talk) (priority 3)) (step talk3 (talk) (rank 2)) (step talk4 (talk) (rank 1))
   (step rise (rise) (priority :urgency 3 :importance 6))
-  (step late (late) (waitfor (end ?urgent)) (on-failure (print \"no fuel\")))
+  (step late (late (30 kg)) (waitfor (end ?urgent)) (on-failure (print \"no fuel\")))
   (step early (hog) (waitfor (alarm)))
   (step eager (hog) (waitfor (urgent done)) (priority 4))
   (step anew (reset ?early) (waitfor (end ?late)))
@@ -30,7 +30,7 @@ pub const RESOURCES: &str = "
 (primitive (index (fly ?time)) (duration ?time) (on-start (print fly ?time)) (on-suspend (print paused)) (on-resume (print resumed)))
 (primitive (index (talk)) (profile (link 2)) (duration 4s))
 (primitive (index (rise)) (profile flight-path) (duration 1s))
-(primitive (index (late)) (profile (fuel (30 kg))) (duration 1s))";
+(primitive (index (late ?amount)) (profile (fuel ?amount)) (duration 1s))";
 
 pub fn resources_inputs() -> Vec<Event> {
     vec![message(3.0, "(alarm)"), message(40.0, "(goodbye)")]
