@@ -73,6 +73,12 @@ codes! {
     STARVED "W0506" "A step never gets a resource that another one keeps.";
     ENDLESS_RECURSION "W0507" "A procedure pursues itself without end.";
     WITHOUT_EFFECT "W0508" "A clause has no effect where it stands.";
+    POSSIBLY_UNBOUND "W0509" "A variable may have no value where it is used.";
+    NOTHING_NEW "W0510" "A `:for-new` variable never has a new value.";
+    UNUSED_VARIABLE "W0511" "A variable is never used.";
+    UNUSED_DEFINITION "W0512" "A definition is never used.";
+    RESEMBLES "W0513" "A name looks like a misspelling of another one.";
+    UNBOUNDED_MEMORY "W0514" "What a clause keeps has no bound.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

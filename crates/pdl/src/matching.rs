@@ -20,6 +20,44 @@ pub(crate) fn pattern_head(pattern: &Pattern) -> Option<&Symbol> {
     }
 }
 
+/// The second word of an index or goal, where it is a symbol or a number.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Second {
+    /// In any case.
+    Symbol(Symbol),
+    /// By value.
+    Number(u64),
+}
+
+fn second_of_value(value: &Value) -> Option<Second> {
+    match value {
+        Value::Symbol(symbol) => Some(Second::Symbol(symbol.clone())),
+        Value::Integer(_) | Value::Real(_) => {
+            let (number, _) = value.as_number()?;
+            // Zero has two signs and one value.
+            Some(Second::Number((number + 0.0).to_bits()))
+        }
+        _ => None,
+    }
+}
+
+/// The second word that every value matching `index` has, if there is one.
+pub(crate) fn second_of_pattern(index: &Pattern) -> Option<Second> {
+    match index {
+        Pattern::Literal(Value::List(items)) => items.get(1).and_then(second_of_value),
+        Pattern::List(parts) => match parts.get(1) {
+            Some(Pattern::Literal(value)) => second_of_value(value),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The second word of the goal, where it is known.
+pub(crate) fn second_of_goal(goal: View<'_>) -> Option<Second> {
+    goal.items()?.get(1)?.value().and_then(second_of_value)
+}
+
 /// A part of a goal: still a template, or already a value.
 #[derive(Clone, Copy)]
 pub(crate) enum View<'t> {

@@ -130,7 +130,7 @@ fn ends_strangers(procedure: &Procedure) -> bool {
 }
 
 /// The node of a goal: served by any of its methods; a fact where that cannot be told.
-fn goal_node(horn: &mut Horn, methods: Option<Vec<Method>>, nodes: &Nodes, of_all: bool) -> Node {
+fn goal_node(horn: &mut Horn, methods: Option<&[Method]>, nodes: &Nodes, of_all: bool) -> Node {
     let Some(methods) = methods.filter(|methods| !methods.is_empty()) else {
         return if of_all { horn.any() } else { horn.fact() };
     };
@@ -165,9 +165,9 @@ fn ending(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_>) -> (
         let awaited = awaited_steps(procedure);
         let done = horn.all(awaited.iter().filter(|awaited| **awaited).count());
         let mut activities = Vec::with_capacity(procedure.steps.len());
-        for (step, is_awaited) in procedure.steps.iter().zip(awaited) {
+        for (index, (step, is_awaited)) in procedure.steps.iter().zip(awaited).enumerate() {
             let activity = match &step.activity {
-                Activity::Goal(goal) => goal_node(&mut horn, methods.serving(goal), &nodes, false),
+                Activity::Goal(_) => goal_node(&mut horn, methods.serving_step(number, index), &nodes, false),
                 Activity::Terminate { .. } | Activity::BuiltIn(..) => horn.fact(),
             };
             activities.push(activity);
@@ -235,9 +235,9 @@ fn instantaneous(library: &Library, methods: &Methods<'_>, reaches: &Reaching<'_
     }
     for (number, procedure) in library.procedures.iter().enumerate() {
         let mut activities = Vec::with_capacity(procedure.steps.len());
-        for step in &procedure.steps {
+        for (index, step) in procedure.steps.iter().enumerate() {
             let activity = match &step.activity {
-                Activity::Goal(goal) => goal_node(&mut horn, methods.serving(goal), &nodes, true),
+                Activity::Goal(_) => goal_node(&mut horn, methods.serving_step(number, index), &nodes, true),
                 Activity::Terminate { .. } => horn.fact(),
                 Activity::BuiltIn(BuiltInActivity::AskOperator | BuiltInActivity::Plan, _) => horn.any(),
                 Activity::BuiltIn(BuiltInActivity::HoldResource, _) => horn.any(),

@@ -80,6 +80,71 @@ impl<'l> Locator<'l> {
         let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_variable() == Some(name)));
         found.unwrap_or_else(|| self.span(place))
     }
+
+    /// The definition at `place`: what it is of, without its body.
+    pub(crate) fn head_line(&mut self, place: Place) -> Span {
+        let datum = self.datum(place);
+        let part = datum.as_ref().and_then(|form| {
+            let items = form.tail();
+            items.iter().find(|part| part.head_name() == "index").or(items.first())
+        });
+        part.map_or_else(|| self.span(place), |part| part.span)
+    }
+
+    /// The first `?name` of the step's activity, else the last one in the form at `place`, else the whole form.
+    pub(crate) fn use_of_variable(&mut self, place: Place, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let is_it = |part: &Datum| part.as_variable() == Some(name);
+        let activity = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.as_list().is_some()));
+        let mut last = activity.and_then(|activity| find(activity, &is_it));
+        if let Some(form) = datum.as_ref().filter(|_| last.is_none()) {
+            each(form, &mut |part| {
+                if is_it(part) {
+                    last = Some(part.span);
+                }
+            });
+        }
+        last.unwrap_or_else(|| self.span(place))
+    }
+
+    /// The first use of the word `name` in a clause `clause` of the form at `place`, else the whole clause.
+    pub(crate) fn word_in_clause(&mut self, place: Place, clause: &str, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let found = datum.as_ref().and_then(|form| {
+            let mut clauses = form.tail().iter().filter(|part| part.head_name() == clause);
+            clauses.find_map(|part| find(part, &|word| word.as_symbol() == Some(name)))
+        });
+        found.unwrap_or_else(|| self.clause(place, clause))
+    }
+
+    /// The first `?name` in the clause `clause` of the form at `place`, else the whole clause.
+    pub(crate) fn variable_in_clause(&mut self, place: Place, clause: &str, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let part = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == clause));
+        let found = part.and_then(|part| find(part, &|part| part.as_variable() == Some(name)));
+        found.unwrap_or_else(|| self.clause(place, clause))
+    }
+
+    /// The first use of the word `name` in the form at `place`, else the whole form.
+    pub(crate) fn word(&mut self, place: Place, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_symbol() == Some(name)));
+        found.unwrap_or_else(|| self.span(place))
+    }
+}
+
+/// Every part of `datum` in order of writing.
+fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
+    visit(datum);
+    match &datum.kind {
+        DatumKind::List(items) => items.iter().for_each(|item| each(item, visit)),
+        DatumKind::Quote(inner)
+        | DatumKind::Quasi(inner)
+        | DatumKind::Unquote(inner)
+        | DatumKind::Splice(inner)
+        | DatumKind::Function(inner) => each(inner, visit),
+        _ => {}
+    }
 }
 
 /// The first part of `datum`, in order of writing, that is wanted.

@@ -76,7 +76,7 @@ fn recursion(
     let escapes: Vec<Node> = sure.iter().map(|steps| horn.all(steps.len())).collect();
     let serving = |procedure: usize, step: usize| -> Option<Vec<usize>> {
         let Activity::Goal(goal) = &procedures.get(procedure)?.steps.get(step)?.activity else { return None };
-        let methods = program.methods.serving(goal)?;
+        let methods = program.methods.serving_step(procedure, step)?;
         methods.iter().any(|method| program.methods.surely(goal, *method)).then_some(())?;
         let only_procedures = methods.iter().map(|method| match method {
             Method::Procedure(number) => Some(*number),
@@ -313,9 +313,9 @@ impl Said {
         said
     }
 
-    fn step(&mut self, program: &Program<'_>, procedure: usize, step: usize) {
+    fn step(&mut self, program: &Program<'_>, procedure: usize, number: usize) {
         self.steps += 1;
-        let step = program.library.procedures.get(procedure).and_then(|each| each.steps.get(step));
+        let step = program.library.procedures.get(procedure).and_then(|each| each.steps.get(number));
         let Some(step) = step.filter(|_| self.steps < SAYING_MAX) else {
             self.others = true;
             return;
@@ -329,13 +329,10 @@ impl Said {
             }
             Activity::BuiltIn(BuiltInActivity::Print, _) | Activity::Terminate { task: None, .. } => {}
             Activity::BuiltIn(..) | Activity::Terminate { .. } => self.others = true,
-            Activity::Goal(goal) => {
-                let methods = program.methods.serving(goal).unwrap_or_default();
-                match methods.as_slice() {
-                    [method] if program.methods.surely(goal, *method) => self.method(program, *method),
-                    _ => self.others = true,
-                }
-            }
+            Activity::Goal(goal) => match program.methods.serving_step(procedure, number).unwrap_or_default() {
+                [method] if program.methods.surely(goal, *method) => self.method(program, *method),
+                _ => self.others = true,
+            },
         }
     }
 

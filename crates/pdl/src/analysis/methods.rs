@@ -1,12 +1,14 @@
 //! Who may serve a goal: procedures, primitives and solvers by the first two words of their indexes.
 
-use crate::matching::{Specificity, View, may_match, must_match, pattern_head, specificity};
+use crate::matching::{
+    Second, Specificity, View, may_match, must_match, pattern_head, second_of_goal, second_of_pattern, specificity,
+};
 use apex_model::expression::Template;
 use apex_model::library::Library;
 use apex_model::limits::MATCH_STEPS_MAX;
 use apex_model::pattern::Pattern;
+use apex_model::procedure::{Activity, Step};
 use apex_model::symbol::Symbol;
-use apex_model::value::Value;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -24,13 +26,6 @@ pub(crate) enum Method {
 /// More methods that may serve one goal than anybody follows: then anything may come of the goal.
 const CANDIDATES_MAX: usize = 64;
 
-/// The second word of an index or goal, where it is a symbol or a number.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Second {
-    Symbol(Symbol),
-    Number(u64),
-}
-
 #[derive(Default)]
 struct Group {
     by_second: BTreeMap<Second, Vec<Method>>,
@@ -42,12 +37,14 @@ pub(crate) struct Methods<'l> {
     library: &'l Library,
     by_head: BTreeMap<&'l Symbol, Group>,
     open: Vec<Method>,
+    /// What may serve the goals of steps, by procedure and step: every check asks for it.
+    of_steps: Vec<Vec<Option<Vec<Method>>>>,
 }
 
 impl<'l> Methods<'l> {
     /// The methods of `library`.
     pub(crate) fn new(library: &'l Library) -> Methods<'l> {
-        let mut methods = Methods { library, by_head: BTreeMap::new(), open: Vec::new() };
+        let mut methods = Methods { library, by_head: BTreeMap::new(), open: Vec::new(), of_steps: Vec::new() };
         for (number, procedure) in library.procedures.iter().enumerate() {
             methods.file(&procedure.index, Method::Procedure(number));
         }
@@ -57,6 +54,11 @@ impl<'l> Methods<'l> {
         for (number, solver) in library.solvers.iter().enumerate() {
             methods.file(&solver.index, Method::Solver(number));
         }
+        let of_step = |step: &Step| match &step.activity {
+            Activity::Goal(goal) => methods.serving(goal),
+            Activity::Terminate { .. } | Activity::BuiltIn(..) => None,
+        };
+        methods.of_steps = library.procedures.iter().map(|each| each.steps.iter().map(of_step).collect()).collect();
         methods
     }
 
@@ -102,6 +104,11 @@ impl<'l> Methods<'l> {
         Some(found)
     }
 
+    /// What may serve the goal of a step, in the order of choice; none when that cannot be told.
+    pub(crate) fn serving_step(&self, procedure: usize, step: usize) -> Option<&[Method]> {
+        self.of_steps.get(procedure)?.get(step)?.as_deref()
+    }
+
     /// The most specific first.
     fn rank(&self, method: Method) -> Option<Reverse<Specificity>> {
         self.index(method).map(|index| Reverse(specificity(index)))
@@ -135,39 +142,13 @@ impl<'l> Methods<'l> {
     }
 }
 
-fn second_of_value(value: &Value) -> Option<Second> {
-    match value {
-        Value::Symbol(symbol) => Some(Second::Symbol(symbol.clone())),
-        Value::Integer(_) | Value::Real(_) => {
-            let (number, _) = value.as_number()?;
-            // Zero has two signs and one value.
-            Some(Second::Number((number + 0.0).to_bits()))
-        }
-        _ => None,
-    }
-}
-
-fn second_of_pattern(index: &Pattern) -> Option<Second> {
-    match index {
-        Pattern::Literal(Value::List(items)) => items.get(1).and_then(second_of_value),
-        Pattern::List(parts) => match parts.get(1) {
-            Some(Pattern::Literal(value)) => second_of_value(value),
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
-fn second_of_goal(goal: View<'_>) -> Option<Second> {
-    goal.items()?.get(1)?.value().and_then(second_of_value)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::api::read_value;
     use apex_model::expression::{Expr, ExprKind};
     use apex_model::source::Place;
+    use apex_model::value::Value;
 
     fn library(indexes: &[&str]) -> Library {
         let text: String = indexes.iter().map(|index| format!("(primitive (index {index}))\n")).collect();

@@ -3,6 +3,8 @@
 //! They run when lowering has found no error, so that no message is about the consequence of another one. An error is
 //! proven; what is only likely is a warning.
 
+mod bindings;
+mod bound;
 mod endings;
 mod flow;
 mod horn;
@@ -10,10 +12,13 @@ mod impossible;
 mod limits;
 mod locate;
 mod loops;
+mod memory;
 mod methods;
 mod profiles;
+mod resemblance;
 mod shadows;
 mod starts;
+mod unused;
 mod walk;
 
 use crate::diagnostic::Diagnostic;
@@ -62,5 +67,9 @@ pub(crate) fn analyse(library: &Library, names: &Names, foreign: &BTreeSet<u32>)
     limits::check(&program, &mut report);
     profiles::check(&program, &mut report);
     shadows::check(&program, &mut report);
+    bindings::check(&program, &mut report);
+    resemblance::check(&program, &mut report);
+    memory::check(&program, &mut report);
+    unused::check(&program, &mut report);
     report.diagnostics
 }

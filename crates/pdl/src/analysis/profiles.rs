@@ -25,9 +25,9 @@ pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
         let holds_something =
             |step: &Step| matches!(step.activity, Activity::BuiltIn(BuiltInActivity::HoldResource, _));
         let holds = procedure.steps.iter().any(holds_something);
-        for step in &procedure.steps {
+        for (index, step) in procedure.steps.iter().enumerate() {
             if !step.profile.is_empty() {
-                let served = profile_of_served(program, step);
+                let served = profile_of_served(program, (number, index), step);
                 shortage(program, &[served, &step.profile], &mut told, report);
             }
             if !holds && program.endings.is_wild {
@@ -125,14 +125,13 @@ fn shortage(
 }
 
 /// The profile of the procedure or primitive that surely serves the step.
-fn profile_of_served<'l>(program: &Program<'l>, step: &Step) -> &'l [ResourceNeed] {
+fn profile_of_served<'l>(program: &Program<'l>, (number, index): (usize, usize), step: &Step) -> &'l [ResourceNeed] {
     let Activity::Goal(goal) = &step.activity else { return &[] };
     if step.forall.is_some() {
         return &[];
     }
-    let methods = program.methods.serving(goal).unwrap_or_default();
     let library = program.library;
-    match methods.as_slice() {
+    match program.methods.serving_step(number, index).unwrap_or_default() {
         [only] if program.methods.surely(goal, *only) => match only {
             Method::Procedure(number) => library.procedures.get(*number).map_or(&[], |each| &each.profile),
             Method::Primitive(number) => library.primitives.get(*number).map_or(&[], |each| &each.profile),
@@ -164,7 +163,7 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         let stays =
             step.waitfor.is_empty() && step.transitions == Default::default() && !terminated.contains(&step.tag);
         if stays && !has_say(step) && step.forall.is_none() && !program.endings.activity_ends(number, index) {
-            for resource in whole_needs(program, step) {
+            for resource in whole_needs(program, (number, index), step) {
                 keepers.entry(resource).or_insert((index, step));
             }
         }
@@ -173,7 +172,9 @@ fn starved(program: &Program<'_>, number: usize, procedure: &Procedure, report: 
         return;
     }
     for (index, step) in procedure.steps.iter().enumerate() {
-        let kept = whole_needs(program, step).into_iter().find_map(|resource| Some((resource, keepers.get(resource)?)));
+        let kept = whole_needs(program, (number, index), step)
+            .into_iter()
+            .find_map(|resource| Some((resource, keepers.get(resource)?)));
         let Some((resource, (first, keeper))) = kept else { continue };
         let comes_later = *first < index || *first != index && !step.waitfor.is_empty();
         if !comes_later || has_say(step) || ends_procedure(&step.activity) {
@@ -195,7 +196,7 @@ fn has_say(step: &Step) -> bool {
 }
 
 /// Resources of which one task at a time takes all, needed by the step or by what surely serves it.
-fn whole_needs<'l>(program: &Program<'l>, step: &'l Step) -> Vec<&'l Symbol> {
-    let needs = step.profile.iter().chain(profile_of_served(program, step));
+fn whole_needs<'l>(program: &Program<'l>, at: (usize, usize), step: &'l Step) -> Vec<&'l Symbol> {
+    let needs = step.profile.iter().chain(profile_of_served(program, at, step));
     needs.filter(|need| need.amount.is_none()).filter_map(resource_of).collect()
 }

@@ -2,6 +2,7 @@
 
 use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{
     Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, ResourceNeed, Step, Transitions,
@@ -79,6 +80,12 @@ pub(crate) fn parts(condition: &Condition) -> &[Condition] {
         ConditionKind::Probing { condition, .. } => std::slice::from_ref(condition),
         _ => &[],
     }
+}
+
+/// The condition and all conditions inside of it.
+pub(crate) fn conditions<'l>(root: &'l Condition, visit: &mut dyn FnMut(&'l Condition)) {
+    visit(root);
+    parts(root).iter().for_each(|part| conditions(part, visit));
 }
 
 /// Every expression of a condition, those of its parts included.
@@ -251,4 +258,26 @@ pub(crate) fn primitive<'l>(primitive: &'l Primitive, visit: Visit<'_, 'l>) {
         exprs(interval.iter().chain(forms), visit);
     }
     hooks(&primitive.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));
+}
+
+/// Every expression of a library.
+pub(crate) fn library<'l>(library: &'l Library, visit: Visit<'_, 'l>) {
+    library.procedures.iter().for_each(|each| procedure(each, visit));
+    library.primitives.iter().for_each(|each| primitive(each, visit));
+    library.functions.values().for_each(|function| exprs(&function.body, visit));
+    exprs(library.indexicals.values(), visit);
+    for solver in &library.solvers {
+        pattern(&solver.index, visit);
+        exprs(&solver.budget, visit);
+        solver.meanwhile.iter().for_each(|goal| template(goal, visit));
+    }
+}
+
+/// Every condition of a procedure, outer ones before inner ones.
+pub(crate) fn conditions_of<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(&'l Condition)) {
+    transitions(&procedure.transitions).for_each(|(_, each)| conditions(each, visit));
+    for step in &procedure.steps {
+        step.waitfor.iter().for_each(|each| conditions(each, visit));
+        transitions(&step.transitions).for_each(|(_, each)| conditions(each, visit));
+    }
 }

@@ -1,0 +1,218 @@
+//! Names that nothing needs to define, and that look like a misspelling of another one: messages, state variables,
+//! resources. Anything may come from outside, so a name is suspected only where a near one is known and it is not.
+
+use super::{Program, Report, walk};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::matching::{View, pattern_head};
+use crate::suggest::{is_certain, near, renames};
+use apex_model::condition::ConditionKind;
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::procedure::{Activity, BuiltInActivity, ResourceNeed};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+
+/// Names with the places that use them.
+type Uses<'l> = BTreeMap<&'l Symbol, Vec<Place>>;
+
+/// Suspects looked at in one program.
+const SUSPECTS_MAX: usize = 500;
+
+pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+    messages(program, report);
+    state_variables(program, report);
+    resources(program, report);
+    outcomes(program, report);
+}
+
+/// The known name that `name` is certainly meant to be.
+fn meant<'n>(name: &Symbol, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let found = near(name.printed(), known);
+    // Names that differ in digits are names of different things.
+    let letters = |text: &str| text.chars().filter(|letter| !letter.is_ascii_digit()).collect::<String>();
+    let first = found.first().filter(|_| is_certain(name.printed(), &found))?.name;
+    (letters(first).to_lowercase() != letters(name.folded()).to_lowercase()).then_some(first)
+}
+
+/// Messages waited for that nobody says, beside messages said for which nobody waits.
+fn messages(program: &Program<'_>, report: &mut Report<'_>) {
+    let mut waited: Uses<'_> = BTreeMap::new();
+    for procedure in &program.library.procedures {
+        walk::conditions_of(procedure, &mut |condition| {
+            if let ConditionKind::Event { pattern, .. } = &condition.kind
+                && let Some(head) = pattern_head(pattern)
+            {
+                waited.entry(head).or_default().push(condition.place);
+            }
+        });
+    }
+    if waited.is_empty() {
+        return;
+    }
+    let said = said_in(program);
+    let unheard = || said.keys().filter(|name| !waited.contains_key(*name)).map(|name| name.printed());
+    for (name, places) in waited.iter().filter(|(name, _)| !said.contains_key(*name)).take(SUSPECTS_MAX) {
+        let (Some(known), Some(place)) = (meant(name, unheard()), places.first()) else { continue };
+        let span = report.locator.word(*place, name);
+        let message = format!("nothing here says `({name} ..)`, but something says `({known} ..)`");
+        let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
+            .reason("a message that never comes from outside either is waited for in vain")
+            .fixes(renames(span, name.printed(), [known]));
+        if let Some(place) = said.get(&Symbol::new(known)).and_then(|places| places.first()) {
+            diagnostic = diagnostic.label(report.locator.span(*place), "said here, and nobody waits for it");
+        }
+        report.add(diagnostic);
+    }
+}
+
+/// Messages that something in the program says.
+fn said_in<'l>(program: &Program<'l>) -> Uses<'l> {
+    let mut messages: Vec<(&'l Expr, Place)> = Vec::new();
+    walk::library(program.library, &mut |expr| {
+        if let ExprKind::Call { function, arguments } = &expr.kind
+            && matches!(function.folded(), "inform" | "cogevent")
+        {
+            messages.extend(arguments.first().map(|message| (message, expr.place)));
+        }
+    });
+    for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
+        for activity in walk::activities(step) {
+            if let Activity::BuiltIn(BuiltInActivity::Inform | BuiltInActivity::Cogevent, arguments) = activity {
+                messages.extend(arguments.first().map(|message| (message, step.place)));
+            }
+        }
+    }
+    let mut said: Uses<'l> = BTreeMap::new();
+    for (message, place) in messages {
+        let head = match &message.kind {
+            ExprKind::Constant(Value::List(items)) => items.first().and_then(Value::as_symbol),
+            ExprKind::Template(template) => View::Template(template).head(),
+            _ => None,
+        };
+        if let Some(head) = head {
+            said.entry(head).or_default().push(place);
+        }
+    }
+    said
+}
+
+/// State variables that nothing declares, beside declared ones.
+fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
+    let declared = &program.library.state_variables;
+    if declared.is_empty() {
+        return;
+    }
+    let mut used: Uses<'_> = BTreeMap::new();
+    for procedure in &program.library.procedures {
+        walk::conditions_of(procedure, &mut |condition| {
+            let attribute = match &condition.kind {
+                ConditionKind::Measurement(measurement) => &measurement.variable.attribute,
+                ConditionKind::Episode(episode) => &episode.variable.attribute,
+                ConditionKind::Cyclic { variable, .. } => &variable.attribute,
+                _ => return,
+            };
+            used.entry(attribute).or_default().push(condition.place);
+        });
+        for policy in &procedure.log {
+            if let Some(head) = View::Template(&policy.variable).head() {
+                used.entry(head).or_default().push(procedure.place);
+            }
+        }
+    }
+    walk::library(program.library, &mut |expr| {
+        if let ExprKind::Call { function, arguments } = &expr.kind
+            && QUERIES.contains(&function.folded())
+            && let Some(Expr { kind: ExprKind::Constant(Value::Symbol(attribute)), .. }) = arguments.first()
+        {
+            used.entry(attribute).or_default().push(expr.place);
+        }
+    });
+    for (name, places) in used.iter().filter(|(name, _)| !declared.contains_key(**name)).take(SUSPECTS_MAX) {
+        let known = meant(name, declared.keys().map(Symbol::printed));
+        let (Some(known), Some(place)) = (known, places.first()) else { continue };
+        let span = report.locator.word(*place, name);
+        let message = format!("no state variable `{name}` is declared, but `{known}` is");
+        let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message).fixes(renames(
+            span,
+            name.printed(),
+            [known],
+        ));
+        if let Some(declaration) = declared.get(&Symbol::new(known)) {
+            diagnostic = diagnostic.label(report.locator.span(declaration.place), "declared here");
+        }
+        report.add(diagnostic);
+    }
+}
+
+/// Functions whose first argument is the attribute of a state variable.
+pub(super) const QUERIES: &[&str] = &[
+    "current-value",
+    "value-at",
+    "value-before",
+    "most-recent-svvalue",
+    "samples-over",
+    "mean-over",
+    "min-over",
+    "max-over",
+];
+
+/// Resources named once and declared nowhere, beside others.
+fn resources(program: &Program<'_>, report: &mut Report<'_>) {
+    let library = program.library;
+    let mut used: Uses<'_> = BTreeMap::new();
+    let note = |needs: &[ResourceNeed]| -> Vec<(Symbol, Place)> {
+        let named = needs.iter().filter_map(|need| match &need.resource {
+            Template::Constant(value) => Some((value.as_symbol()?.clone(), need.place)),
+            _ => None,
+        });
+        named.collect()
+    };
+    let procedures = library.procedures.iter().map(|each| &each.profile);
+    let steps = library.procedures.iter().flat_map(|each| &each.steps).map(|each| &each.profile);
+    let primitives = library.primitives.iter().map(|each| &each.profile);
+    let all: Vec<(Symbol, Place)> = procedures.chain(steps).chain(primitives).flat_map(|needs| note(needs)).collect();
+    for (name, place) in &all {
+        used.entry(name).or_default().push(*place);
+    }
+    let known = |name: &Symbol| {
+        let common = used.iter().filter(|(_, places)| places.len() > 1).map(|(name, _)| *name);
+        common.chain(library.resources.keys()).filter(|each| *each != name).cloned().collect::<Vec<_>>()
+    };
+    let suspects = used.iter().filter(|(name, places)| places.len() == 1 && !library.resources.contains_key(**name));
+    for (name, places) in suspects.take(SUSPECTS_MAX) {
+        let candidates = known(name);
+        let found = meant(name, candidates.iter().map(Symbol::printed));
+        let (Some(known), Some(place)) = (found, places.first()) else { continue };
+        let span = report.locator.span(*place);
+        let span = report.locator.word(*place, name).to(span);
+        let message = format!("resource `{name}` is needed nowhere else, but `{known}` is");
+        let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
+            .reason("a resource that nothing else needs is no conflict with anything")
+            .fixes(renames(span, name.printed(), [known]));
+        report.add(diagnostic);
+    }
+}
+
+/// Outcomes of `terminate` that mean something; every other word is a success.
+const OUTCOMES: &[&str] = &["success", "failure", "fail", "failed", "cut", "abort", "aborted"];
+
+fn outcomes(program: &Program<'_>, report: &mut Report<'_>) {
+    for step in program.library.procedures.iter().flat_map(|procedure| &procedure.steps) {
+        for activity in walk::activities(step) {
+            let Activity::Terminate { outcome: Some(outcome), .. } = activity else { continue };
+            let ExprKind::Constant(Value::Symbol(word)) = &outcome.kind else { continue };
+            let Some(known) = meant(word, OUTCOMES.iter().copied()).filter(|_| !OUTCOMES.contains(&word.folded()))
+            else {
+                continue;
+            };
+            let span = report.locator.span(outcome.place);
+            let message = format!("`{word}` is no outcome, so it counts as success");
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
+                .fixes(renames(span, word.printed(), [known]))
+                .help("outcomes are success, failure and cut");
+            report.add(diagnostic);
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! What is defined and never used: variables, and in a program with agents whole definitions.
+
+use super::bound::by_pattern;
+use super::methods::Method;
+use super::{Program, Report, walk};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::print::pattern_text;
+use apex_model::condition::{Condition, ConditionKind, Constraint};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Activity, BuiltInActivity, Procedure};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use apex_model::variables;
+use std::collections::BTreeSet;
+
+pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+    let is_own = |place: Place| !program.foreign.contains(&place.file);
+    for procedure in program.library.procedures.iter().filter(|each| is_own(each.place)) {
+        variables_of(procedure, report);
+    }
+    let in_libraries = program.library.indexicals.values().map(|expr| (expr.place, expr));
+    let functions = program.library.functions.values().flat_map(|each| each.body.iter().map(|expr| (each.place, expr)));
+    for (_, expr) in in_libraries.chain(functions).filter(|(place, _)| is_own(*place)) {
+        walk::expr(expr, &mut |expr| unused_let(expr, report));
+    }
+    if !program.library.agents.is_empty() {
+        definitions(program, report);
+    }
+}
+
+/// Selected variables and results that no clause uses.
+fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
+    let gives = |step: &apex_model::procedure::Step| !step.select.is_empty() || step.binds.is_some();
+    if procedure.steps.iter().any(gives) {
+        let mut used: BTreeSet<Symbol> = BTreeSet::new();
+        let mut note = |name: &Symbol| {
+            used.insert(name.clone());
+        };
+        uses_of(procedure, &mut note);
+        for step in &procedure.steps {
+            for (name, _) in step.select.iter().filter(|(name, _)| !used.contains(name)) {
+                let span = report.locator.variable_in_clause(step.place, "select", name);
+                let message = format!("`?{name}` is never used");
+                let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
+                    .help("use it in the step, or remove the `select`");
+                report.add(diagnostic);
+            }
+            let results = step.binds.as_deref().map(by_pattern).unwrap_or_default();
+            for name in results.surely.into_iter().filter(|name| !used.contains(name)) {
+                let span = report.locator.variable(step.place, name);
+                let message = format!("`?{name}` is never used");
+                let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
+                    .reason("no clause of this procedure needs the result of the step")
+                    .help("remove the `=>`, or write `?` for a part that is not needed");
+                report.add(diagnostic);
+            }
+        }
+    }
+    walk::procedure(procedure, &mut |expr| unused_let(expr, report));
+}
+
+/// Every variable that a clause of the procedure uses; what a `=>` or a `select` gives a value does not count.
+fn uses_of(procedure: &Procedure, note: &mut dyn FnMut(&Symbol)) {
+    let mut exprs: Vec<&Expr> = Vec::new();
+    walk::procedure(procedure, &mut |expr| exprs.push(expr));
+    for expr in exprs {
+        if let ExprKind::Variable { name, .. } = &expr.kind {
+            note(name);
+        }
+    }
+    walk::transitions(&procedure.transitions).for_each(|(_, each)| variables::of_condition(each, note));
+    for step in &procedure.steps {
+        step.waitfor.iter().for_each(|each| variables::of_condition(each, note));
+        walk::transitions(&step.transitions).for_each(|(_, each)| variables::of_condition(each, note));
+        step.repeating.iter().chain(&step.responding).flat_map(|clause| &clause.for_new).for_each(&mut *note);
+        // A result that must equal what the variable holds already is a use of it.
+        if let Some(Pattern::BoundVariable(name)) = step.binds.as_deref() {
+            note(name);
+        }
+    }
+}
+
+fn unused_let(expr: &Expr, report: &mut Report<'_>) {
+    let ExprKind::Let { bindings, body, .. } = &expr.kind else { return };
+    for (order, (name, _)) in bindings.iter().enumerate() {
+        let later = bindings.iter().skip(order + 1).map(|(_, value)| value);
+        let mut used = false;
+        walk::exprs(later.chain(body), &mut |part| {
+            used |= match &part.kind {
+                ExprKind::Local(each) | ExprKind::Assign { name: each, of_task: false, .. } => each == name,
+                _ => false,
+            };
+        });
+        if !used {
+            let span = report.locator.word(expr.place, name);
+            let message = format!("`{name}` is never used");
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
+                .help("remove it from the `let`");
+            report.add(diagnostic);
+        }
+    }
+}
+
+/// Procedures, primitives, functions, indexicals and resources of the program itself that nothing in it needs.
+fn definitions(program: &Program<'_>, report: &mut Report<'_>) {
+    let library = program.library;
+    let is_own = |place: Place| !program.foreign.contains(&place.file);
+    let add = |place: Place, report: &mut Report<'_>, what: String, reason: &str| {
+        let span = report.locator.head_line(place);
+        let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_DEFINITION, span, what);
+        report.add(diagnostic.reason(reason).help("remove it, or check the spelling where it should be used"));
+    };
+    // A plan may pursue anything.
+    if library.solvers.is_empty()
+        && let Some(reached) = reached(program)
+    {
+        let reason = "no goal that an agent may come to pursue is served by it";
+        for (number, each) in library.procedures.iter().enumerate() {
+            if is_own(each.place) && !reached.contains(&Method::Procedure(number)) {
+                add(each.place, report, format!("`{}` is never pursued", pattern_text(&each.index)), reason);
+            }
+        }
+        for (number, each) in library.primitives.iter().enumerate() {
+            if is_own(each.place) && !reached.contains(&Method::Primitive(number)) {
+                add(each.place, report, format!("`{}` is never pursued", pattern_text(&each.index)), reason);
+            }
+        }
+    }
+    let names = Names::of(library);
+    for (name, function) in &library.functions {
+        if is_own(function.place) && !names.functions.contains(name) {
+            add(function.place, report, format!("function `{name}` is never called"), "no expression names it");
+        }
+    }
+    for (name, expr) in &library.indexicals {
+        if is_own(expr.place) && !names.indexicals.contains(name) {
+            add(expr.place, report, format!("`+{name}+` is never used"), "no expression names it");
+        }
+    }
+    for (name, resource) in &library.resources {
+        if is_own(resource.place) && !names.resources.contains(name) && !names.any_resource {
+            add(resource.place, report, format!("resource `{name}` is never needed"), "no profile names it");
+        }
+    }
+}
+
+/// Everything that agents may come to pursue; none when a goal may be anything.
+fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
+    let library = program.library;
+    let mut reached: BTreeSet<Method> = BTreeSet::new();
+    let mut open: Vec<Method> = Vec::new();
+    for agent in &library.agents {
+        open.extend(program.methods.serving(&Template::Constant(agent.initial_task.clone()))?);
+    }
+    while let Some(method) = open.pop() {
+        if !reached.insert(method) {
+            continue;
+        }
+        let Method::Procedure(number) = method else { continue };
+        for (index, step) in library.procedures.get(number)?.steps.iter().enumerate() {
+            match (&step.activity, step.on_failure.as_deref()) {
+                (Activity::BuiltIn(BuiltInActivity::Plan, _), _)
+                | (_, Some(Activity::BuiltIn(BuiltInActivity::Plan, _))) => {
+                    return None;
+                }
+                (activity, handler) => {
+                    if let Activity::Goal(_) = activity {
+                        open.extend(program.methods.serving_step(number, index)?);
+                    }
+                    if let Some(Activity::Goal(goal)) = handler {
+                        open.extend(program.methods.serving(goal)?);
+                    }
+                }
+            }
+        }
+    }
+    Some(reached)
+}
+
+/// Names that expressions and profiles use.
+#[derive(Default)]
+struct Names<'l> {
+    functions: BTreeSet<&'l Symbol>,
+    indexicals: BTreeSet<&'l Symbol>,
+    resources: BTreeSet<&'l Symbol>,
+    /// A profile names a resource by a variable.
+    any_resource: bool,
+}
+
+impl<'l> Names<'l> {
+    fn of(library: &'l Library) -> Names<'l> {
+        let mut names = Names::default();
+        let mut exprs: Vec<&Expr> = Vec::new();
+        walk::library(library, &mut |expr| exprs.push(expr));
+        for expr in exprs {
+            match &expr.kind {
+                ExprKind::Call { function, .. } | ExprKind::FunctionName(function) => {
+                    names.functions.insert(function);
+                }
+                ExprKind::Indexical(name) => {
+                    names.indexicals.insert(name);
+                }
+                _ => {}
+            }
+        }
+        for procedure in &library.procedures {
+            names.predicates(&procedure.index);
+            walk::conditions_of(procedure, &mut |condition| names.condition(condition));
+            names.needs(&procedure.profile);
+            for step in &procedure.steps {
+                names.needs(&step.profile);
+                step.binds.iter().for_each(|pattern| names.predicates(pattern));
+                if let Activity::BuiltIn(BuiltInActivity::HoldResource, arguments) = &step.activity {
+                    arguments.iter().for_each(|argument| names.held(argument));
+                }
+            }
+        }
+        for primitive in &library.primitives {
+            names.predicates(&primitive.index);
+            names.needs(&primitive.profile);
+        }
+        names
+    }
+
+    fn needs(&mut self, profile: &'l [apex_model::procedure::ResourceNeed]) {
+        for need in profile {
+            match &need.resource {
+                Template::Constant(Value::Symbol(name)) => {
+                    self.resources.insert(name);
+                }
+                _ => self.any_resource = true,
+            }
+        }
+    }
+
+    fn held(&mut self, argument: &'l Expr) {
+        match &argument.kind {
+            ExprKind::Constant(Value::Symbol(name)) => {
+                self.resources.insert(name);
+            }
+            _ => self.any_resource = true,
+        }
+    }
+
+    fn predicates(&mut self, pattern: &'l Pattern) {
+        match pattern {
+            Pattern::Is { predicate, .. } => {
+                self.functions.insert(predicate);
+            }
+            Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+                parts.iter().for_each(|part| self.predicates(part));
+            }
+            Pattern::Not(part) => self.predicates(part),
+            _ => {}
+        }
+    }
+
+    fn constraints(&mut self, constraints: &'l [Constraint]) {
+        for constraint in constraints {
+            match constraint {
+                Constraint::Predicate(function, _) => {
+                    self.functions.insert(function);
+                }
+                Constraint::Matches(pattern) => self.predicates(pattern),
+                Constraint::Compare { .. } | Constraint::Range(..) => {}
+            }
+        }
+    }
+
+    fn condition(&mut self, condition: &'l Condition) {
+        match &condition.kind {
+            ConditionKind::Measurement(measurement) => {
+                self.predicates(&measurement.variable.object);
+                for each in [&measurement.value, &measurement.object, &measurement.timestamp] {
+                    self.constraints(each);
+                }
+            }
+            ConditionKind::Episode(episode) => {
+                self.predicates(&episode.variable.object);
+                let timing = [&episode.timing.start, &episode.timing.end, &episode.timing.duration];
+                let values = [&episode.value, &episode.first_value, &episode.last_value, &episode.object];
+                values.into_iter().chain(timing).for_each(|each| self.constraints(each));
+                episode.stats.iter().chain(&episode.trend).for_each(|(_, each)| self.constraints(each));
+            }
+            ConditionKind::Event { pattern, timing } => {
+                self.predicates(pattern);
+                [&timing.start, &timing.end, &timing.duration].into_iter().for_each(|each| self.constraints(each));
+            }
+            ConditionKind::TaskState { state, .. } => self.predicates(state),
+            ConditionKind::Cyclic { options, .. } => options.iter().for_each(|(_, each)| self.constraints(each)),
+            _ => {}
+        }
+    }
+}
