@@ -4,15 +4,15 @@ use crate::scenario::{self, PROGRAM_NAME, Scenario};
 use apex_runtime::explain;
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
 
-/// What `apex why` answers about the scenario's run. `question` is a task, as the command takes it, and an instant:
-/// `take-picture@2s`.
+/// What `apex why` or `apex why-not`, as `word` says, answers about the scenario's run. `question` is a task, resource or
+/// command, as the command takes it, and an instant: `take-picture@2s`.
 ///
 /// # Errors
 /// The checker's messages, a bad input line, option or question, or a record that cannot be written or read.
-pub fn answer(scenario: &Scenario, question: &str) -> Result<String, String> {
+pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String, String> {
     let parts = question.rsplit_once('@');
-    let (task, at) = parts.ok_or_else(|| format!("`why {question}`: expected a task and an instant, `TASK@2s`"))?;
-    let at = scenario::read_time(at).map_err(|reason| format!("`why {question}`: {reason}"))?;
+    let (task, at) = parts.ok_or_else(|| format!("`{word} {question}`: expected a task and an instant, `TASK@2s`"))?;
+    let at = scenario::read_time(at).map_err(|reason| format!("`{word} {question}`: {reason}"))?;
     let program = scenario::program(&scenario.pdl)?;
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let path = folder.path().join(PROGRAM_NAME).with_extension("apex");
@@ -22,8 +22,12 @@ pub fn answer(scenario: &Scenario, question: &str) -> Result<String, String> {
     let end = scenario::run_observed(scenario, &program, &mut [&mut recorder])?.map_err(|error| error.to_string())?;
     recorder.finish(end.at, &end.reason.text()).map_err(told)?;
     let reader = RecordReader::open(&path).map_err(told)?;
-    let why = explain::why_of_any(&reader, task.trim(), at, &|_| Ok(program.clone())).map_err(told)?;
-    Ok(why.to_string())
+    let question = explain::Question::new(task.trim(), at);
+    let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
+    match word {
+        "why-not" => explain::why_not(&reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
+        _ => explain::ask(&reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
+    }
 }
 
 #[cfg(test)]
@@ -35,15 +39,15 @@ mod tests {
     #[test]
     fn a_question_without_an_instant_says_what_is_missing() {
         let scenario = Scenario { pdl: PDL.into(), ..Scenario::default() };
-        let error = answer(&scenario, "a").expect_err("no instant");
+        let error = answer(&scenario, "why", "a").expect_err("no instant");
         assert!(error.contains("TASK@2s"), "{error}");
-        assert!(answer(&scenario, "a@soon").is_err());
+        assert!(answer(&scenario, "why", "a@soon").is_err());
     }
 
     #[test]
     fn the_record_is_asked() {
         let scenario = Scenario { pdl: PDL.into(), ..Scenario::default() };
-        let text = answer(&scenario, "a@2s").expect("a is known");
+        let text = answer(&scenario, "why", "a@2s").expect("a is known");
         assert!(text.contains("is pending at") && text.contains("waitfor (go)"), "{text}");
     }
 }

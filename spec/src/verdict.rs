@@ -64,7 +64,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
     let results = scenarios.map(|(block, scenario)| {
         let actual = match block.kind.as_str() {
             "trace" => scenario::run(&scenario).map(|told| told.text()),
-            "why" => question::answer(&scenario, &block.argument),
+            word @ ("why" | "why-not") => question::answer(&scenario, word, &block.argument),
             "check" => Ok(scenario::messages(&scenario::check(&scenario.pdl))),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };

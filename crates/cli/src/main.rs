@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         Command::Fly(options) => commands::fly::run(&options),
         Command::Replay(options) => commands::replay::run(&options),
         Command::Why(options) => commands::why::run(&options),
+        Command::WhyNot(options) => commands::why_not::run(&options),
         Command::Trace(options) => commands::trace::run(&options),
         Command::Plan(options) => commands::plan::run(&options),
         Command::Serve(options) => commands::serve::run(&options),

@@ -30,8 +30,10 @@ pub enum Command {
     Fly(FlyOptions),
     /// Re-execute a flight record and compare every decision byte for byte.
     Replay(ReplayOptions),
-    /// Explain a task of a flight: why it started, waits, was interrupted, ended.
+    /// Explain a flight: why a task started, waits, was interrupted, ended; why a resource is somebody's; why a command was sent.
     Why(WhyOptions),
+    /// Explain what did not happen: why something was not created, started, resumed, chosen, granted, visited.
+    WhyNot(WhyNotOptions),
     /// Print what happened in a flight, filtered.
     Trace(TraceOptions),
     /// Plan a mission without flying it and print the plan.
@@ -133,11 +135,35 @@ pub struct ReplayOptions {
 pub struct WhyOptions {
     /// The flight record.
     pub record: PathBuf,
-    /// The task: its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal.
+    /// A task by its number (`T12`; `pilot/T12` where several agents run), its tag, or words of its goal; a resource by its name; or a command (`command 7`, or words of it).
+    #[arg(value_name = "WHAT")]
     pub task: String,
+    /// How it is told.
+    #[command(flatten)]
+    pub telling: TellingOptions,
+}
+
+/// `apex why-not`
+#[derive(Args)]
+pub struct WhyNotOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// A task, a step's tag, a goal such as `(take picture ?x)`, a procedure (`mission.pdl:36`), a resource, a target.
+    pub what: String,
+    /// How it is told.
+    #[command(flatten)]
+    pub telling: TellingOptions,
+}
+
+/// When and how an explanation is told.
+#[derive(Args)]
+pub struct TellingOptions {
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: Option<String>,
+    /// How many causes stand below one another, back to what came from outside.
+    #[arg(long, value_name = "NUMBER", default_value_t = apex_runtime::explain::DEPTH_DEFAULT)]
+    pub depth: usize,
     /// Print as JSON.
     #[arg(long)]
     pub json: bool,

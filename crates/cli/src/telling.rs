@@ -53,7 +53,10 @@ pub fn wrapped(words: &[String], joint: &str, used: usize, indent: &str) -> Stri
 pub fn wrapped_line(line: &str) -> String {
     let words: Vec<String> = line.split(' ').map(str::to_string).collect();
     let leading = line.len() - line.trim_start().len();
-    wrapped(&words, " ", 0, if leading > 2 { TIME_INDENT } else { "    " })
+    // A moment of a history stands beside its time; everything else goes on a little further in.
+    let moment = line.trim_start().split_once("  ").is_some_and(|(time, _)| !time.contains(' '));
+    let indent = if moment && leading > 2 { TIME_INDENT.to_owned() } else { " ".repeat(leading.max(2) + 2) };
+    wrapped(&words, " ", 0, &indent)
 }
 
 /// A name in a column of `width`, and what is to be said of it in the lines beside it.

@@ -92,6 +92,10 @@ pub struct Unmet {
     pub now: String,
     /// Since when that is so.
     pub since: Option<Time>,
+    /// When it comes true by time alone, if nothing changes before.
+    pub until: Option<Time>,
+    /// How far the newest sample is from the threshold.
+    pub distance: Option<Value>,
     /// Where it stands.
     pub place: Place,
 }

@@ -27,3 +27,9 @@ pub const SNAPSHOT_BATCHES_MAX: u64 = 20_000;
 pub const SNAPSHOT_BYTES_MAX: usize = 16 << 20;
 /// Candidates that an ambiguous or unknown task name lists.
 pub const CANDIDATES_MAX: usize = 12;
+/// Links of a chain of causes below one another, unless asked otherwise: back to a sentence of the program in most cases.
+pub const EXPLANATION_DEPTH_DEFAULT: usize = 6;
+/// Links of one chain of causes: more than anybody reads, few enough for an answer at once.
+pub const EXPLANATION_LINKS_MAX: usize = 200;
+/// Steps that one question about something missing looks at.
+pub const MISSING_STEPS_MAX: usize = 10_000;

@@ -1,5 +1,4 @@
 //! One file per command.
-
 pub mod check;
 pub mod fly;
 pub mod format;
@@ -9,3 +8,4 @@ pub mod run;
 pub mod serve;
 pub mod trace;
 pub mod why;
+pub mod why_not;

@@ -1,29 +1,39 @@
-//! `apex why`: why a task started, waits, was interrupted or ended.
+//! `apex why`: why a task started, waits, was interrupted or ended; why a resource is somebody's, a command was sent.
 
-use crate::options::WhyOptions;
+use crate::options::{TellingOptions, WhyOptions};
 use crate::telling::wrapped_line;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
 use apex_model::time::Time;
-use apex_runtime::explain;
+use apex_runtime::explain::{self, Question};
+use serde::Serialize;
 
-/// Explains one task at one instant.
+/// Explains one thing at one instant.
 pub fn run(options: &WhyOptions) -> Outcome {
     if options.task.trim().is_empty() {
         return Err(Trouble::user("the task to explain has no name")
             .help("give its number (T12), its tag, or words of its goal"));
     }
     let reader = recording::open(&options.record)?;
-    let at = options.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
-    let why = explain::why_of_any(&reader, &options.task, at.unwrap_or(Time::END), &sources::load_recorded)
-        .map_err(|error| Trouble::user(error.to_string()))?;
-    if options.json {
-        let json = serde_json::to_string_pretty(&why)
+    let question = question(&options.task, &options.telling)?;
+    let answer =
+        explain::ask(&reader, &question, &sources::load_recorded).map_err(|error| Trouble::user(error.to_string()))?;
+    print(&answer, &answer.to_string(), options.telling.json)
+}
+
+/// What is asked.
+pub fn question(what: &str, telling: &TellingOptions) -> Outcome<Question> {
+    let at = telling.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
+    Ok(Question { what: what.to_owned(), at: at.unwrap_or(Time::END), depth: telling.depth })
+}
+
+/// Prints an answer as JSON or as text.
+pub fn print(answer: &impl Serialize, text: &str, json: bool) -> Outcome {
+    if json {
+        let json = serde_json::to_string_pretty(answer)
             .map_err(|error| Trouble::failure("cannot write the explanation as JSON").because(error))?;
-        output::print_line(json)?;
-    } else {
-        let lines: Vec<String> = why.to_string().trim_end().lines().map(wrapped_line).collect();
-        output::print_line(lines.join("\n"))?;
+        return output::print_line(json);
     }
-    Ok(())
+    let lines: Vec<String> = text.trim_end().lines().map(wrapped_line).collect();
+    output::print_line(lines.join("\n"))
 }

@@ -11,6 +11,7 @@ use apex_model::resource::Need;
 use apex_model::source::Place;
 use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::Time;
+use apex_model::value::Value;
 use serde::Serialize;
 
 /// Kinds of reasons.
@@ -52,6 +53,10 @@ pub struct Reason {
     pub now: Option<String>,
     /// Since when that is so.
     pub since: Option<Time>,
+    /// When it comes true by time alone, if nothing changes before.
+    pub until: Option<Time>,
+    /// How far the newest sample is from the threshold.
+    pub distance: Option<Value>,
     /// The task concerned, if another one is.
     pub task: Option<TaskId>,
     /// Where it stands in PDL.
@@ -60,7 +65,7 @@ pub struct Reason {
 
 impl Reason {
     fn new(kind: ReasonKind, text: String) -> Reason {
-        Reason { kind, text, now: None, since: None, task: None, place: None }
+        Reason { kind, text, now: None, since: None, until: None, distance: None, task: None, place: None }
     }
 }
 
@@ -106,7 +111,8 @@ fn preconditions(agent: &Agent, task: &Task) -> Vec<Reason> {
             Some(wake) => format!("its least interval is over at {}", wake.at),
             None => "its least interval is not over".to_string(),
         };
-        reasons.push(Reason { place: place(agent, task), ..Reason::new(ReasonKind::Time, text) });
+        let until = wake.map(|wake| wake.at);
+        reasons.push(Reason { until, place: place(agent, task), ..Reason::new(ReasonKind::Time, text) });
     }
     reasons.extend(unmet(agent, task, |clause| clause == Clause::Waitfor));
     reasons
@@ -123,6 +129,8 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
             reasons.push(Reason {
                 now: Some(part.now),
                 since: part.since,
+                until: part.until,
+                distance: part.distance,
                 place: Some(part.place),
                 ..Reason::new(ReasonKind::Condition, text)
             });
@@ -276,7 +284,12 @@ fn primitive(agent: &Agent, task: &Task, state: &PrimitiveController) -> Vec<Rea
     }
     if let Some(end) = state.end {
         let text = format!("the end of its duration at {}", end.at);
-        reasons.push(Reason { since: Some(task.since), place, ..Reason::new(ReasonKind::Time, text) });
+        reasons.push(Reason {
+            since: Some(task.since),
+            until: Some(end.at),
+            place,
+            ..Reason::new(ReasonKind::Time, text)
+        });
     }
     if let Some(update) = state.update.filter(|_| reasons.is_empty()) {
         let text = format!("its own (complete), looked for at {}", update.at);

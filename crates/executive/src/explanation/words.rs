@@ -1,10 +1,12 @@
 //! Conditions in words: the PDL text of a condition or of one of its parts, for `apex why`.
 
+use crate::control::instantiation::built_in_word;
 use apex_model::condition::{
     Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::pattern::Pattern;
+use apex_model::procedure::Activity;
 use apex_model::value::Value;
 
 /// The text of an expression, close to what its author wrote.
@@ -27,21 +29,35 @@ pub(crate) fn expression(expr: &Expr) -> String {
         ExprKind::FunctionName(name) => format!("#'{name}"),
         ExprKind::Assign { name, .. } => format!("(setq {name} ..)"),
         ExprKind::Sequence(_) => "(progn ..)".into(),
-        ExprKind::Template(template) => format!("`{}", template_text(template)),
+        ExprKind::Template(inner) => format!("`{}", template(inner)),
     }
 }
 
-fn template_text(template: &Template) -> String {
-    match template {
+/// The text of a template, with its holes as they are written.
+pub fn template(text: &Template) -> String {
+    match text {
         Template::Constant(value) => value.to_string(),
         Template::Hole(expr) => expression(expr),
         Template::Splice(expr) => format!(",@{}", expression(expr)),
-        Template::List(parts) => parenthesised(parts.iter().map(template_text)),
+        Template::List(parts) => parenthesised(parts.iter().map(template)),
+    }
+}
+
+/// The text of a step's activity, with its variables as they are written.
+pub fn activity(activity: &Activity) -> String {
+    let known = |expr: &Option<Box<Expr>>| expr.as_deref().map(expression);
+    match activity {
+        Activity::Goal(goal) => template(goal),
+        Activity::Terminate { task, outcome, value } => {
+            let words = [known(task), known(outcome), known(value).map(|value| format!(">> {value}"))];
+            list("terminate", words.into_iter().flatten())
+        }
+        Activity::BuiltIn(which, arguments) => list(built_in_word(*which), arguments.iter().map(expression)),
     }
 }
 
 /// The text of a pattern.
-pub(crate) fn pattern(pattern_to_tell: &Pattern) -> String {
+pub fn pattern(pattern_to_tell: &Pattern) -> String {
     match pattern_to_tell {
         Pattern::Literal(value) => value.to_string(),
         Pattern::Variable(name) => format!("?{name}"),

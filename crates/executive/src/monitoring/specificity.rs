@@ -32,6 +32,24 @@ pub(crate) fn specificity(pattern: &Pattern) -> Specificity {
     }
 }
 
+/// Why a pattern with specificity `first` is taken before one with `other`, said of the other.
+pub(crate) fn why_before(first: Specificity, other: Specificity) -> String {
+    if first.variables != other.variables {
+        return format!(
+            "it is less specific: it binds {} variables, the first {}",
+            other.variables.0, first.variables.0
+        );
+    }
+    if first.constant_prefix != other.constant_prefix {
+        let (own, best) = (other.constant_prefix, first.constant_prefix);
+        return format!("it is less specific: it begins with {own} fixed words, the first with {best}");
+    }
+    if first.segments != other.segments {
+        return "it is less specific: it has more segments than the first".into();
+    }
+    "it is as specific, and comes later in the library".into()
+}
+
 /// The variables that `pattern` can bind, in order of name.
 pub(crate) fn variables(pattern: &Pattern) -> BTreeSet<&Symbol> {
     let mut count = Count::default();

@@ -10,13 +10,45 @@
 use super::runs::with_newest;
 use super::time_conditions::{Kind, span};
 use super::{Asking, Truth, logic, measurement, task_state};
+use crate::control::selection::head;
+use crate::explanation::mismatch::first_mismatch;
 use crate::explanation::words;
+use apex_model::condition::Relation;
 use apex_model::event::StateVariable;
-use apex_model::history::Sample;
-use apex_model::monitor::{Composite, EpisodePart, MeasurementPart, Part, PartKind, TimePart, Unmet, Window};
+use apex_model::history::{Occurrence, Sample};
+use apex_model::monitor::{
+    Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet, Window,
+};
+use apex_model::pattern::Pattern;
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// What is known about an unmet part.
+#[derive(Default)]
+struct Known {
+    now: String,
+    since: Option<Time>,
+    until: Option<Time>,
+    distance: Option<Value>,
+}
+
+impl Known {
+    fn words(now: impl Into<String>) -> Known {
+        Known { now: now.into(), ..Known::default() }
+    }
+
+    fn since(self, since: Option<Time>) -> Known {
+        Known { since, ..self }
+    }
+
+    fn unmet(self, what: String, place: Place) -> Unmet {
+        let Known { now, since, until, distance } = self;
+        Unmet { what, now, since, until, distance, place }
+    }
+}
 
 /// Adds the unmet parts of `part` to `list`.
 pub(super) fn collect(part: &Part, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
@@ -33,11 +65,10 @@ pub(super) fn collect(part: &Part, asking: &mut Asking<'_>, list: &mut Vec<Unmet
                 Truth::False | Truth::Unknown => "the data do not say whether the inner condition holds".into(),
             };
             let since = logic::results(inner, asking).first().map(|result| result.recognised_at);
-            list.push(Unmet { what, now, since, place: part.place });
+            list.push(Known { now, since, ..Known::default() }.unmet(what, part.place));
         }
         _ => {
-            let (now, since) = state(part, asking);
-            list.push(Unmet { what: text(part), now, since, place: part.place });
+            list.push(state(part, asking).unmet(text(part), part.place));
         }
     }
 }
@@ -56,7 +87,7 @@ fn several(part: &Part, composite: &Composite, asking: &mut Asking<'_>, list: &m
                 format!("each part holds, but not together with {}", texts.join(" "))
             }
         };
-        list.push(Unmet { what: text(part), now: constraints, since: None, place: part.place });
+        list.push(Known::words(constraints).unmet(text(part), part.place));
     }
 }
 
@@ -80,20 +111,51 @@ pub(super) fn text(part: &Part) -> String {
     }
 }
 
-/// What is known about a part, and since when.
-fn state(part: &Part, asking: &Asking<'_>) -> (String, Option<Time>) {
+/// What is known about a part.
+fn state(part: &Part, asking: &Asking<'_>) -> Known {
     let start = part.window.start;
     match &part.kind {
         PartKind::Measurement(leaf) => measurement_state(leaf, part.window, asking),
         PartKind::Episode(leaf) => episode_state(leaf, asking),
-        PartKind::Event(leaf) if leaf.blind => ("older messages are no longer remembered".into(), None),
-        PartKind::Event(_) => ("no such event yet".into(), (start != Time::BEGINNING).then_some(start)),
+        PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
+        PartKind::Event(leaf) => event_state(leaf, part, asking),
         PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), asking),
         PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", asking),
-        PartKind::Timestamp(leaf) => (time_state(leaf, Kind::Timestamp, start, asking), None),
-        PartKind::Delay(leaf) => (time_state(leaf, Kind::Delay, start, asking), Some(start)),
-        PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) => (String::new(), None),
+        PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, asking),
+        PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, asking).since(Some(start)),
+        PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) => Known::default(),
     }
+}
+
+/// No such message, and how the newest one that begins like it differs.
+fn event_state(leaf: &EventPart, part: &Part, asking: &Asking<'_>) -> Known {
+    let start = part.window.start;
+    let since = (start != Time::BEGINNING).then_some(start);
+    let events = asking.surroundings.histories().events_from(Time::BEGINNING);
+    let Some(newest) = events.filter(|event| begins_alike(&leaf.pattern, &event.form)).last() else {
+        return Known::words("no such event yet").since(since);
+    };
+    let Occurrence { form, at, sequence } = newest;
+    let reason = match first_mismatch(&leaf.pattern, form, asking.surroundings) {
+        Some(mismatch) => mismatch,
+        None if *at < start => "that was before this was waited for".into(),
+        None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
+        None => "its guards, segments or timing do not fit".into(),
+    };
+    Known::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
+}
+
+/// Has the form the first word of the pattern?
+fn begins_alike(pattern: &Pattern, form: &Value) -> bool {
+    let wanted = match pattern {
+        Pattern::Literal(literal) => head(literal),
+        Pattern::List(parts) => match parts.first() {
+            Some(Pattern::Literal(first)) => first.as_symbol(),
+            _ => None,
+        },
+        _ => None,
+    };
+    wanted.is_some_and(|wanted| head(form) == Some(wanted))
 }
 
 fn newest(known: Option<&StateVariable>, attribute: &Symbol, asking: &Asking<'_>) -> Option<(String, Sample)> {
@@ -107,10 +169,11 @@ fn newest(known: Option<&StateVariable>, attribute: &Symbol, asking: &Asking<'_>
     }
 }
 
-fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>) -> (String, Option<Time>) {
+fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>) -> Known {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
-        return ("no sample yet".into(), None);
+        return Known::words("no sample yet");
     };
+    let distance = distance(&leaf.tests, &sample.value);
     let mut now = format!("{variable} = {}", sample.value);
     if sample.at < window.start {
         now.push_str(", measured before this was waited for");
@@ -118,13 +181,35 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>
         now.push_str("; older samples are no longer kept");
     } else if !measurement::has_seen_any(leaf, window, asking.surroundings) {
         now.push_str(", which is not among what this waits for");
+    } else if let Some(distance) = &distance {
+        now.push_str(&format!(", {distance} off"));
     }
-    (now, Some(sample.at))
+    Known { now, since: Some(sample.at), distance, ..Known::default() }
 }
 
-fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> (String, Option<Time>) {
+/// How far a value is from the nearest threshold that it misses.
+fn distance(tests: &[Test], value: &Value) -> Option<Value> {
+    let (own, dimension) = value.as_number()?;
+    let missed = tests.iter().filter_map(|test| match test {
+        Test::Fixed { relation, right } => right.as_number().map(|(wanted, _)| (relation, wanted)),
+        Test::General(_) => None,
+    });
+    let misses = missed.filter(|(relation, wanted)| match relation {
+        Relation::Equal => own != *wanted,
+        Relation::Different => false,
+        Relation::Less | Relation::LessOrEqual => own >= *wanted,
+        Relation::Greater | Relation::GreaterOrEqual => own <= *wanted,
+    });
+    let off = misses.map(|(_, wanted)| (own - wanted).abs()).reduce(f64::max)?;
+    Some(match value {
+        Value::Integer(_) if libm::trunc(off) == off => Value::Integer(off as i64),
+        _ => Value::measured(off, dimension),
+    })
+}
+
+fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
     let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
-        return ("no sample yet".into(), None);
+        return Known::words("no sample yet");
     };
     let run = leaf
         .runs
@@ -134,7 +219,7 @@ fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> (String, Option<Tim
     let Some((run, state)) = run else {
         let gap = leaf.runs.values().find_map(|state| state.gap);
         let gap = gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default();
-        return (format!("{variable} = {}{gap}", sample.value), Some(sample.at));
+        return Known::words(format!("{variable} = {}{gap}", sample.value)).since(Some(sample.at));
     };
     let mut now = format!("{variable} = {}, holds for {} so far", sample.value, run.last - run.start);
     if let Some(most) = leaf.gap_max {
@@ -145,21 +230,27 @@ fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> (String, Option<Tim
             now.push_str(&format!("; a gap of {gap} > {most} cut it before"));
         }
     }
-    (now, Some(run.start))
+    let until = Some(run.start + leaf.duration_min).filter(|at| *at > asking.now);
+    if let Some(at) = until {
+        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+    }
+    Known { now, since: Some(run.start), until, distance: None }
 }
 
-fn task_words(task: Option<TaskId>, unknown: &str, asking: &Asking<'_>) -> (String, Option<Time>) {
-    let Some(task) = task else { return (unknown.into(), None) };
+fn task_words(task: Option<TaskId>, unknown: &str, asking: &Asking<'_>) -> Known {
+    let Some(task) = task else { return Known::words(unknown) };
     match asking.surroundings.task_state(task) {
-        Some(state) => (format!("{task} is {state}"), asking.surroundings.task_start(task)),
-        None => (format!("{task} is not known any more"), None),
+        Some(state) => Known::words(format!("{task} is {state}")).since(asking.surroundings.task_start(task)),
+        None => Known::words(format!("{task} is not known any more")),
     }
 }
 
-fn time_state(leaf: &TimePart, kind: Kind, start: Time, asking: &Asking<'_>) -> String {
+fn time_state(leaf: &TimePart, kind: Kind, start: Time, asking: &Asking<'_>) -> Known {
     match span(leaf, kind, start, asking.surroundings) {
-        Err(error) => error.message,
-        Ok((from, _)) if from > asking.now => format!("it is {}, {from} is to come", asking.now),
-        Ok((from, _)) => format!("it is {}, {from} had passed before this was waited for", asking.now),
+        Err(error) => Known::words(error.message),
+        Ok((from, _)) if from > asking.now => {
+            Known { until: Some(from), ..Known::words(format!("it is {}, {from} is to come", asking.now)) }
+        }
+        Ok((from, _)) => Known::words(format!("it is {}, {from} had passed before this was waited for", asking.now)),
     }
 }

@@ -1,6 +1,6 @@
 //! Why, where several agents ran: `pilot/T12` names a task, and so does a name that only one of them has.
 
-use super::{Why, find_task, why};
+use super::{Question, Why, find_task, why};
 use crate::error::RecordError;
 use crate::record::{LoadProgram, RecordReader};
 use apex_model::time::Time;
@@ -23,6 +23,26 @@ pub fn why_of_any(reader: &RecordReader, name: &str, at: Time, load: LoadProgram
         found.task = format!("{agent}/{}", found.task);
     }
     Ok(found)
+}
+
+/// Where several agents ran: the record of the one that is asked, and the question without its name. An agent is named
+/// (`pilot/T12`, `pilot/camera-1`), or it is the only one with such a task.
+///
+/// # Errors
+/// [`RecordError::Question`] when it is not clear who is meant.
+pub(super) fn addressed(
+    reader: &RecordReader,
+    question: &Question,
+) -> Result<Option<(RecordReader, Question)>, RecordError> {
+    if !reader.has_several_agents() {
+        return Ok(None);
+    }
+    let named = question.what.split_once('/');
+    let (agent, what) = match named.and_then(|(agent, what)| Some((reader.agent_called(agent).ok()?, what))) {
+        Some(named) => named,
+        None => (only_agent_with(reader, &question.what, question.at)?, question.what.as_str()),
+    };
+    Ok(Some((reader.of_agent(agent)?, Question { what: what.to_owned(), ..question.clone() })))
 }
 
 fn only_agent_with(reader: &RecordReader, name: &str, at: Time) -> Result<usize, RecordError> {

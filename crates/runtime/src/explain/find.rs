@@ -6,6 +6,9 @@ use crate::record::TaskRow;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 
+/// Names less alike than this are not suggested; 1 is the same.
+const LIKENESS_MIN: f64 = 0.5;
+
 /// The task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has.
 ///
 /// # Errors
@@ -30,6 +33,42 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
         [one] => Ok(one),
         [] => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
         several => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
+    }
+}
+
+/// The name without its agent: `pilot/T12` is T12 of the agent `pilot`, whose record this must be.
+///
+/// # Errors
+/// [`RecordError::Question`] when the record belongs to another agent.
+pub(super) fn without_agent<'a>(name: &'a str, agent: &str) -> Result<&'a str, RecordError> {
+    match name.trim().split_once('/') {
+        Some((first, rest)) if first.eq_ignore_ascii_case(agent) => Ok(rest),
+        Some((first, rest)) if is_number(rest) => Err(RecordError::Question(format!(
+            "This is the record of the agent {agent}; it has no tasks of `{first}`."
+        ))),
+        _ => Ok(name),
+    }
+}
+
+/// `T12`, `12`
+pub(super) fn is_number(name: &str) -> bool {
+    name.trim_start_matches(['T', 't']).parse::<u64>().is_ok()
+}
+
+/// Nothing is called `name`: what looks like it among `known`.
+pub(super) fn unknown(name: &str, at: Time, known: &[String]) -> String {
+    let folded = name.trim().to_lowercase();
+    let bare = |text: &str| text.trim_start_matches('(').trim_end_matches(')').to_lowercase();
+    let likeness = |text: &str| strsim::normalized_damerau_levenshtein(&bare(text), &bare(&folded));
+    let mut ranked: Vec<(f64, &String)> = known.iter().map(|each| (likeness(each), each)).collect();
+    ranked.retain(|(likeness, each)| *likeness >= LIKENESS_MIN || each.to_lowercase().contains(&folded));
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let near: Vec<&str> = ranked.iter().take(CANDIDATES_MAX).map(|(_, each)| each.as_str()).collect();
+    match near.as_slice() {
+        [] => format!(
+            "Nothing is called `{name}` at {at}: no task, step, goal, resource or target. `apex trace` shows what there is."
+        ),
+        some => format!("Nothing is called `{name}` at {at}. Near it are: {}.", some.join(", ")),
     }
 }
 

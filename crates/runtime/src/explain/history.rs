@@ -112,6 +112,10 @@ impl History {
             }
             "satisfied" => (format!("{} satisfied", row.subject), row.text),
             "bound" | "procedure-added" => (row.subject, row.text),
+            // The message of a failure that is handled is its cause, told already.
+            "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()),
+            // The message of a failure that is handled is its cause, told already.
+            "trouble" if row.subject.starts_with(&row.text) => (format!("trouble: {}", row.text), String::new()),
             "trouble" => (format!("trouble: {}", row.subject), row.text),
             "print" => (format!("prints {}", row.text), String::new()),
             "solve" | "ask" => (format!("{}s: {} ({})", row.kind, row.subject, row.text), String::new()),

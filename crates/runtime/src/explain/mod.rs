@@ -1,102 +1,40 @@
-//! Why: explains one task of a recorded flight at an instant: how it came to its state, what it waits for and since
-//! when, who took its resource, why it ended.
+//! Explanations of a recorded flight: why a task is as it is, why a resource belongs to somebody, why a command was
+//! sent; and why something is not: not created, not started, not chosen, not granted, not visited.
+//!
+//! An answer is plain data (`answer.rs`); its JSON form is described in `docs/reference/explanations.md`, its text is made
+//! from the same data (`text.rs`).
 
+mod absence;
+mod answer;
+mod chain;
 mod crew;
 mod find;
 mod history;
+mod link;
+mod log;
+mod phrase;
+mod scene;
+mod target;
+mod text;
+mod things;
+mod why;
+mod why_not;
 
+pub use crate::limits::EXPLANATION_DEPTH_DEFAULT as DEPTH_DEFAULT;
+pub use answer::{
+    About, Answer, Blocked, Choice, CommandAnswer, EXPLANATION_VERSION, Holder, Missing, ResourceAnswer, Subtask,
+    TargetMoment, Unmet, Why, WhyNot,
+};
 pub use crew::why_of_any;
 pub use find::find_task;
 pub use history::Moment;
+pub use link::Link;
+pub use scene::Question;
 
 use crate::error::RecordError;
-use crate::record::{LoadProgram, RecordReader, TaskRow};
-use apex_executive::Agent;
-use apex_executive::explanation::{self, Reason, ReasonKind};
-use apex_model::event::Batch;
-use apex_model::task::TaskId;
+use crate::record::{LoadProgram, RecordReader};
 use apex_model::time::Time;
-use history::History;
-use serde::Serialize;
-use std::fmt;
-
-/// The explanation of a task.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Why {
-    /// The task, `T12`.
-    pub task: String,
-    /// Its step's tag.
-    pub tag: String,
-    /// Its goal, as known then.
-    pub goal: String,
-    /// The instant of the question, in seconds of mission time.
-    pub t: f64,
-    /// Its state then.
-    pub state: String,
-    /// How it is pursued, `procedure file.pdl:3:1`, if that was decided.
-    pub method: Option<String>,
-    /// `file:line:column` of its step.
-    pub place: Option<String>,
-    /// What happened to it, oldest first.
-    pub history: Vec<Moment>,
-    /// What it waits for then; empty when it waits for nothing.
-    pub waiting: Vec<Unmet>,
-    /// Who has its resource, when it lost a conflict and has not won since.
-    pub blocked: Option<Blocked>,
-    /// Its subtasks that live then.
-    pub subtasks: Vec<Subtask>,
-}
-
-/// One thing that must still come true.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Unmet {
-    /// What kind of thing.
-    pub kind: ReasonKind,
-    /// The part of the condition as PDL text, or the reason in words.
-    pub what: String,
-    /// What is known about it then; empty where `what` says it all.
-    pub now: String,
-    /// Since when, in seconds of mission time, where that is known.
-    pub since: Option<f64>,
-    /// The task concerned, `T4`, if another one is.
-    pub task: Option<String>,
-    /// Where it stands in PDL.
-    pub place: Option<String>,
-}
-
-/// A lost conflict.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Blocked {
-    /// The winner, `T4`.
-    pub by: String,
-    /// The winner's goal.
-    pub goal: String,
-    /// The resource.
-    pub resource: String,
-    /// Since when, in seconds of mission time.
-    pub since: f64,
-    /// The winner's priority or rank, with its interrupt cost where it defended.
-    pub winner_priority: f64,
-    /// The loser's.
-    pub loser_priority: f64,
-    /// The part of the winner's priority that is its interrupt cost.
-    pub winner_cost: f64,
-    /// The part of the loser's.
-    pub loser_cost: f64,
-    /// Both for people: `5 against 0 + interrupt cost 0.1`.
-    pub strengths: String,
-}
-
-/// A living subtask.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Subtask {
-    /// The task, `T13`.
-    pub task: String,
-    /// Its goal.
-    pub goal: String,
-    /// Its state.
-    pub state: String,
-}
+use scene::Scene;
 
 /// Explains the task called `name` (`T12`, `12`, or words of its goal or tag) as it was at `at`, or at the end of the
 /// record where that comes first.
@@ -105,110 +43,49 @@ pub struct Subtask {
 /// [`RecordError::Question`] with candidates for an ambiguous or unknown name; others when the record cannot be read
 /// or its mission not loaded.
 pub fn why(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -> Result<Why, RecordError> {
-    let Some((_, end)) = reader.span()? else {
-        return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
-    };
-    let at = at.min(end);
-    let tasks = reader.tasks()?;
-    let row = find_task(&tasks, name, at)?;
-    let history = History::read(reader, row.id, at)?;
-    let subtasks = subtasks(reader, &tasks, row.id, at)?;
-    let waiting = if history.waits() { waiting(reader, row.id, at, load)? } else { Vec::new() };
-    let blocked = history.blocked.map(|blocked| {
-        let winner = tasks.iter().find(|task| task.id == blocked.by);
-        Blocked {
-            by: blocked.by.to_string(),
-            goal: winner.map(|winner| winner.goal.clone()).unwrap_or_default(),
-            resource: blocked.resource,
-            since: blocked.since.seconds(),
-            winner_priority: blocked.winner.total(),
-            loser_priority: blocked.loser.total(),
-            winner_cost: blocked.winner.interrupt_cost,
-            loser_cost: blocked.loser.interrupt_cost,
-            strengths: format!("{} against {}", blocked.winner, blocked.loser),
-        }
-    });
-    Ok(Why {
-        task: row.id.to_string(),
-        tag: row.tag.clone(),
-        goal: history.goal.unwrap_or_else(|| row.goal.clone()),
-        t: at.seconds(),
-        state: history.state,
-        method: history.method,
-        place: row.place.clone(),
-        history: history.moments,
-        waiting,
-        blocked,
-        subtasks,
-    })
+    let question = Question::new(name, at);
+    let scene = Scene::set(reader, &question, load)?;
+    let id = find_task(&scene.tasks, find::without_agent(name, &scene.name)?, scene.at)?.id;
+    why::of_task(scene, id, "why", name)
 }
 
-/// What the restored agent says about the task.
-fn waiting(reader: &RecordReader, task: TaskId, at: Time, load: LoadProgram<'_>) -> Result<Vec<Unmet>, RecordError> {
-    let mut agent = reader.restore(at, load)?;
-    // Nothing happens between the last step and `at`, but silences grow: "no sample for 4 s".
-    apex_executive::step(&mut agent, &Batch { now: at, events: Vec::new() });
-    let reasons = explanation::waiting(&agent, task);
-    Ok(reasons.into_iter().map(|reason| unmet(&agent, reason)).collect())
+/// Explains a task, else a resource (`camera-1`), else a command (`command 7`, or words of its form).
+///
+/// # Errors
+/// As [`why`].
+pub fn ask(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<Answer, RecordError> {
+    if let Some((reader, question)) = crew::addressed(reader, question)? {
+        return ask_one(&reader, &question, load);
+    }
+    ask_one(reader, question, load)
 }
 
-fn unmet(agent: &Agent, reason: Reason) -> Unmet {
-    Unmet {
-        kind: reason.kind,
-        what: reason.text,
-        now: reason.now.unwrap_or_default(),
-        since: reason.since.map(Time::seconds),
-        task: reason.task.map(|task| task.to_string()),
-        place: reason.place.map(|place| agent.describe_place(place)),
+/// Asks the record of one agent.
+fn ask_one(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<Answer, RecordError> {
+    let scene = Scene::set(reader, question, load)?;
+    let name = find::without_agent(&question.what, &scene.name)?;
+    let tagged = scene.tasks.iter().any(|row| row.created <= scene.at && row.tag.eq_ignore_ascii_case(name.trim()));
+    if !tagged && let Some(answer) = things::of_resource(&scene, name, "why")? {
+        return Ok(Answer::Resource(Box::new(answer)));
+    }
+    match find_task(&scene.tasks, name, scene.at).map(|row| row.id) {
+        Ok(id) => why::of_task(scene, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
+        Err(error) => match things::of_command(&scene, name)? {
+            Some(answer) => Ok(Answer::Command(Box::new(answer))),
+            None => Err(error),
+        },
     }
 }
 
-fn subtasks(reader: &RecordReader, tasks: &[TaskRow], parent: TaskId, at: Time) -> Result<Vec<Subtask>, RecordError> {
-    let mut subtasks = Vec::new();
-    for task in tasks.iter().filter(|task| task.parent == Some(parent) && task.created <= at) {
-        let state = history::state_at(reader, task.id, at)?;
-        if state != "terminated" {
-            subtasks.push(Subtask { task: task.id.to_string(), goal: task.goal.clone(), state });
-        }
+/// Explains why something is not: a task by number, tag or goal, a step or a goal of the program, a procedure by its
+/// place, a resource, a target.
+///
+/// # Errors
+/// [`RecordError::Question`] with what may have been meant when nothing has this name; others as [`why`].
+pub fn why_not(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<WhyNot, RecordError> {
+    if let Some((reader, question)) = crew::addressed(reader, question)? {
+        return why_not::answer(Scene::set(&reader, &question, load)?, &question.what);
     }
-    Ok(subtasks)
-}
-
-impl fmt::Display for Why {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let at = Time::from_seconds(self.t);
-        writeln!(f, "{} {} is {} at {at}.", self.task, self.goal, self.state)?;
-        if let Some(place) = &self.place {
-            writeln!(f, "It is the step `{}` at {place}.", self.tag)?;
-        }
-        if let Some(method) = &self.method {
-            writeln!(f, "It is pursued by {method}.")?;
-        }
-        writeln!(f, "\nWhat happened to it:")?;
-        self.history.iter().try_for_each(|moment| writeln!(f, "{moment}"))?;
-        if !self.waiting.is_empty() {
-            writeln!(f, "\nWhat it waits for:")?;
-            for unmet in &self.waiting {
-                write!(f, "  {}", unmet.what)?;
-                if !unmet.now.is_empty() {
-                    write!(f, ": {}", unmet.now)?;
-                }
-                if let Some(since) = unmet.since {
-                    write!(f, ", since {}", Time::from_seconds(since))?;
-                }
-                writeln!(f, "{}", unmet.place.as_ref().map_or_else(String::new, |place| format!("; from {place}")))?;
-            }
-        }
-        if let Some(Blocked { by, goal, resource, since, strengths, .. }) = &self.blocked {
-            let since = Time::from_seconds(*since);
-            writeln!(f, "\nIt lost {resource} to {by} {goal} at {since} ({strengths}).")?;
-        }
-        if !self.subtasks.is_empty() {
-            writeln!(f, "\nIts subtasks:")?;
-            self.subtasks
-                .iter()
-                .try_for_each(|Subtask { task, goal, state }| writeln!(f, "  {task} {goal}: {state}"))?;
-        }
-        Ok(())
-    }
+    let scene = Scene::set(reader, question, load)?;
+    why_not::answer(scene, &question.what)
 }

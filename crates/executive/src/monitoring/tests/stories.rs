@@ -282,7 +282,7 @@ fn unmet_parts_say_what_is_known_and_since_when() {
     assert_eq!(
         told(&world),
         [
-            "(a uav > 5) | (a uav) = 3",
+            "(a uav > 5) | (a uav) = 3, 2 off",
             "(:episode (b uav) :quality (:max-gap P2S) :value (> 5) :timing (:duration (>= P5S))) | \
          (b uav) = 8, holds for P1S so far; no sample for P3S, more than the gap of P2S allowed",
             "(ready ?who) | no such event yet",

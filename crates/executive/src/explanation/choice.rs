@@ -1,0 +1,117 @@
+//! Choices: which methods a goal has now, best first, and why each other one is not taken.
+
+use super::mismatch::first_mismatch;
+use super::words;
+use crate::control::selection::head;
+use crate::monitoring::pattern_matching::match_pattern;
+use crate::monitoring::specificity::{Specificity, specificity, why_before};
+use crate::view::View;
+use apex_model::agent::Agent;
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::effect::Method;
+use apex_model::index::Candidate;
+use apex_model::pattern::Pattern;
+use apex_model::source::Place;
+use apex_model::task::{ProcedureRef, TaskId};
+use apex_model::value::Value;
+use std::cmp::Reverse;
+
+/// A procedure, primitive or solver that might serve a goal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodOption {
+    /// What it is.
+    pub method: Method,
+    /// Its index, as PDL text.
+    pub index: String,
+    /// Where it stands.
+    pub place: Place,
+    /// It matches the goal.
+    pub matches: bool,
+    /// Why it is first, why it comes after the first, or why it does not match.
+    pub because: String,
+}
+
+/// Everything whose index begins with the goal's first word, or with anything: matches first, the best of them first.
+/// Solvers come last, because they are asked only when nothing else matches.
+pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
+    let stored = agent.index.methods.candidates(head(goal));
+    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(head(goal))).collect();
+    ways.sort_by_cached_key(|each| (Reverse(index(agent, *each).map(|(pattern, _)| specificity(pattern))), *each));
+    let mut options = judged(agent, goal, &ways);
+    let solvers: Vec<Candidate> = agent.index.solvers.candidates(head(goal)).collect();
+    let served = options.iter().any(|option| option.matches);
+    for mut solver in judged(agent, goal, &solvers) {
+        if solver.matches && served {
+            solver.because = "a solver is asked only when no procedure or primitive matches".into();
+        }
+        options.push(solver);
+    }
+    options.sort_by_key(|option| !option.matches);
+    options
+}
+
+fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOption> {
+    let mut best: Option<Specificity> = None;
+    let mut options = Vec::new();
+    for candidate in candidates {
+        let Some((pattern, place)) = index(agent, *candidate) else { continue };
+        let Some(method) = method(agent, *candidate) else { continue };
+        let (matches, because) = match why_not(agent, pattern, goal, place) {
+            Some(reason) => (false, reason),
+            None => {
+                let own = specificity(pattern);
+                let because = best.map_or_else(|| "it is the most specific match".into(), |best| why_before(best, own));
+                best.get_or_insert(own);
+                (true, because)
+            }
+        };
+        options.push(MethodOption { method, index: words::pattern(pattern), place, matches, because });
+    }
+    options
+}
+
+/// Why the index does not match; none when it does. An index sees no variables but its own.
+fn why_not(agent: &Agent, pattern: &Pattern, goal: &Value, place: Place) -> Option<String> {
+    let blank = View { agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
+    match match_pattern(pattern, goal, &mut Bindings::new(), &blank, place) {
+        Ok(true) => None,
+        Ok(false) => {
+            let found = first_mismatch(pattern, goal, &blank);
+            Some(found.unwrap_or_else(|| "its guards or segments do not fit the goal".into()).replacen(
+                "it has",
+                "the goal has",
+                1,
+            ))
+        }
+        Err(error) => Some(error.message),
+    }
+}
+
+fn index(agent: &Agent, candidate: Candidate) -> Option<(&Pattern, Place)> {
+    Some(match candidate {
+        Candidate::Procedure(number) => of_procedure(agent, ProcedureRef::Stored(number))?,
+        Candidate::Generated(number) => of_procedure(agent, ProcedureRef::Generated(number))?,
+        Candidate::Primitive(number) => {
+            let primitive = agent.library.primitives.get(number as usize)?;
+            (&primitive.index, primitive.place)
+        }
+        Candidate::Solver(number) => {
+            let solver = agent.library.solvers.get(number as usize)?;
+            (&solver.index, solver.place)
+        }
+    })
+}
+
+fn of_procedure(agent: &Agent, reference: ProcedureRef) -> Option<(&Pattern, Place)> {
+    agent.procedure(reference).map(|procedure| (&procedure.index, procedure.place))
+}
+
+fn method(agent: &Agent, candidate: Candidate) -> Option<Method> {
+    let (_, place) = index(agent, candidate)?;
+    Some(match candidate {
+        Candidate::Procedure(_) | Candidate::Generated(_) => Method::Procedure(place),
+        Candidate::Primitive(_) => Method::Primitive(place),
+        Candidate::Solver(number) => Method::Solver(agent.library.solvers.get(number as usize)?.name.clone()),
+    })
+}

@@ -1,0 +1,218 @@
+//! What is missing: from a step that no task stands for, up through the procedures that nobody pursues, to the first task
+//! that exists. What that one waits for is what all wait for.
+
+use super::answer::Missing;
+use super::log::Log;
+use super::phrase::Phrase;
+use super::scene::place_text;
+use crate::limits::MISSING_STEPS_MAX;
+use apex_executive::Agent;
+use apex_executive::explanation;
+use apex_model::controller::Way;
+use apex_model::procedure::{Procedure, Step};
+use apex_model::task::{Origin, ProcedureRef, StepRef, Task, TaskId};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+/// A step of the program or of a plan.
+#[derive(Clone)]
+pub(super) struct Site {
+    pub(super) step: StepRef,
+    procedure: Arc<Procedure>,
+}
+
+impl Site {
+    /// The step itself.
+    pub(super) fn get(&self) -> Option<&Step> {
+        self.procedure.steps.get(self.step.step as usize)
+    }
+
+    fn activities(&self) -> impl Iterator<Item = Phrase> {
+        let step = self.get();
+        let own = step.map(|step| Phrase::of_activity(&step.activity));
+        let handler = step.and_then(|step| step.on_failure.as_deref()).map(Phrase::of_activity);
+        own.into_iter().chain(handler)
+    }
+
+    /// The step and its file and line.
+    pub(super) fn text(&self, agent: &Agent) -> String {
+        let place = self.get().map(|step| (step.tag.to_string(), place_text(agent, step.place)));
+        place.map(|(tag, place)| format!("step `{tag}` at {place}")).unwrap_or_default()
+    }
+}
+
+/// The way up from what was asked about.
+pub(super) struct Absence {
+    /// From what was asked about upwards.
+    pub(super) missing: Vec<Missing>,
+    /// The first task that exists.
+    pub(super) task: Option<TaskId>,
+}
+
+/// All steps of the program and of plans that serve now.
+pub(super) fn sites(agent: &Agent) -> Vec<Site> {
+    let stored = agent.library.procedures.iter().zip(0..).map(|(each, number)| (ProcedureRef::Stored(number), each));
+    let current = agent.generated.iter().filter(|(_, plan)| plan.current || plan.users > 0);
+    let plans = current.map(|(number, plan)| (ProcedureRef::Generated(number), &plan.procedure));
+    let of = |(procedure, each): (ProcedureRef, &Arc<Procedure>)| {
+        let steps = u32::try_from(each.steps.len()).unwrap_or(u32::MAX);
+        let each = Arc::clone(each);
+        (0..steps).map(move |step| Site { step: StepRef { procedure, step }, procedure: Arc::clone(&each) })
+    };
+    stored.chain(plans).flat_map(of).collect()
+}
+
+/// Steps with this tag, else steps whose activity fits the phrase.
+pub(super) fn named(sites: &[Site], name: &str, phrase: &Phrase) -> Vec<Site> {
+    let tag = |site: &&Site| site.get().is_some_and(|step| step.tag.is(name));
+    let by_tag: Vec<Site> = sites.iter().filter(tag).cloned().collect();
+    if !by_tag.is_empty() || !phrase.is_telling() {
+        return by_tag;
+    }
+    sites
+        .iter()
+        .filter(|site| site.activities().any(|activity| activity.is_telling() && activity.fits(phrase)))
+        .cloned()
+        .collect()
+}
+
+/// Steps that mention a word, as plans mention their targets.
+pub(super) fn mentioning(sites: &[Site], word: &str) -> Vec<Site> {
+    sites.iter().filter(|site| site.activities().any(|activity| activity.mentions(word))).cloned().collect()
+}
+
+/// Tasks by the step that they were made from.
+fn by_step(agent: &Agent) -> BTreeMap<StepRef, Vec<&Task>> {
+    let mut map: BTreeMap<StepRef, Vec<&Task>> = BTreeMap::new();
+    for (_, task) in agent.tasks.iter() {
+        if let Origin::Step(step) | Origin::OnFailure(step) = task.origin {
+            map.entry(step).or_default().push(task);
+        }
+    }
+    map
+}
+
+/// The shortest way up from one of `wanted` to a task that exists.
+pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[Site], wanted: &[Site]) -> Absence {
+    let tasks = by_step(agent);
+    let mut known: BTreeSet<StepRef> = wanted.iter().map(|site| site.step).collect();
+    let mut paths: Vec<(Site, Option<usize>)> = wanted.iter().map(|site| (site.clone(), None)).collect();
+    let mut queue: VecDeque<usize> = (0..paths.len()).collect();
+    let mut last = None;
+    while let Some(index) = queue.pop_front() {
+        let Some((site, _)) = paths.get(index).cloned() else { break };
+        last.get_or_insert(index);
+        if let Some(task) = tasks.get(&site.step).and_then(|tasks| best(tasks)).or_else(|| beginning(agent, &site)) {
+            return Absence { missing: told(agent, log, &paths, index, Some(task)), task: Some(task.id) };
+        }
+        if paths.len() > MISSING_STEPS_MAX {
+            break;
+        }
+        let mut above = callers(all, &site.procedure);
+        if above.is_empty() {
+            // Nothing that is written asks for it; a plan may.
+            above = planned(agent, all);
+        }
+        for caller in above {
+            if known.insert(caller.step) {
+                paths.push((caller, Some(index)));
+                queue.push_back(paths.len() - 1);
+            }
+        }
+        if serves_initial(agent, &site.procedure)
+            && let Some((_, root)) = agent.tasks.iter().find(|(_, task)| task.parent.is_none())
+        {
+            return Absence { missing: told(agent, log, &paths, index, Some(root)), task: Some(root.id) };
+        }
+    }
+    let missing = last.map(|index| told(agent, log, &paths, index, None)).unwrap_or_default();
+    Absence { missing, task: None }
+}
+
+/// The living one, else the last.
+fn best<'a>(tasks: &[&'a Task]) -> Option<&'a Task> {
+    tasks.iter().find(|task| !task.is_terminated()).or(tasks.last()).copied()
+}
+
+/// A task that has chosen the site's procedure and has not begun it.
+fn beginning<'a>(agent: &'a Agent, site: &Site) -> Option<&'a Task> {
+    let chose = |task: &&Task| {
+        let way = task.selection.as_ref().map(|selection| &selection.way);
+        matches!(way, Some(Way::Procedure(reference, _)) if *reference == site.step.procedure)
+    };
+    agent.tasks.iter().map(|(_, task)| task).filter(|task| task.controller.is_none()).find(chose)
+}
+
+/// Steps whose goals the procedure may serve.
+fn callers(all: &[Site], procedure: &Procedure) -> Vec<Site> {
+    let index = Phrase::of_pattern(&procedure.index);
+    let calls = |site: &&Site| site.activities().any(|activity| activity.is_telling() && activity.fits(&index));
+    all.iter().filter(calls).cloned().collect()
+}
+
+/// Steps whose goals a solver serves: their plans may have any step.
+fn planned(agent: &Agent, all: &[Site]) -> Vec<Site> {
+    let solvers: Vec<Phrase> = agent.library.solvers.iter().map(|solver| Phrase::of_pattern(&solver.index)).collect();
+    let asks = |activity: &Phrase| activity.is_telling() && solvers.iter().any(|solver| solver.fits(activity));
+    all.iter().filter(|site| site.activities().any(|activity| asks(&activity))).cloned().collect()
+}
+
+fn serves_initial(agent: &Agent, procedure: &Procedure) -> bool {
+    Phrase::read(&agent.initial_task.to_string()).fits(&Phrase::of_pattern(&procedure.index))
+}
+
+/// The way from what was asked about to `index`, each with what is missing.
+fn told(
+    agent: &Agent,
+    log: &Log<'_>,
+    paths: &[(Site, Option<usize>)],
+    index: usize,
+    task: Option<&Task>,
+) -> Vec<Missing> {
+    let mut way = Vec::new();
+    let mut next = Some(index);
+    while let Some((site, below)) = next.and_then(|index| paths.get(index)) {
+        way.push(site);
+        next = *below;
+    }
+    way.reverse();
+    let count = way.len();
+    let mut missing = Vec::new();
+    for (number, site) in way.into_iter().enumerate() {
+        let Some(step) = site.get() else { continue };
+        let procedure = explanation::pattern(&site.procedure.index);
+        let because = match task.filter(|_| number + 1 == count) {
+            Some(task) => reached(agent, site, task),
+            None if number + 1 == count => format!("no step of the program pursues {procedure}, to which it belongs"),
+            None => format!("no task pursues {procedure}, to which it belongs"),
+        };
+        let place = place_text(agent, step.place);
+        missing.push(Missing {
+            step: step.tag.to_string(),
+            activity: explanation::activity(&step.activity),
+            procedure,
+            source: log.source_line(&place),
+            place,
+            because,
+        });
+    }
+    missing
+}
+
+/// How the task at the end of the way stands to the site.
+fn reached(agent: &Agent, site: &Site, task: &Task) -> String {
+    let name = format!(
+        "{} {}",
+        task.id,
+        explanation::describe_task(agent, task.id).map(|view| view.goal.to_string()).unwrap_or_default()
+    );
+    let own = matches!(task.origin, Origin::Step(step) | Origin::OnFailure(step) if step == site.step);
+    match (own, task.controller.is_some()) {
+        (true, _) => format!("its task is {name}, which is {}", task.state),
+        (false, false) => {
+            let procedure = explanation::pattern(&site.procedure.index);
+            format!("{name} would pursue {procedure} and is {}", task.state)
+        }
+        (false, true) => format!("{name} does not pursue its procedure at {}", place_text(agent, site.procedure.place)),
+    }
+}

@@ -1,0 +1,281 @@
+//! Chains: a decision, what it rests on, what that rests on, back to a sample, a message or a sentence of the program.
+
+use super::link::Link;
+use super::log::{Log, Row};
+use crate::error::RecordError;
+use crate::limits::EXPLANATION_LINKS_MAX;
+use crate::narrator::cause_text;
+use apex_model::because::{Because, Cause, Evidence};
+use apex_model::effect::{DecisionKind, Effect};
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use std::collections::BTreeSet;
+
+/// Follows decisions back.
+pub(super) struct Chain<'a> {
+    log: &'a Log<'a>,
+    seen: BTreeSet<i64>,
+    goals: &'a dyn Fn(TaskId) -> String,
+}
+
+type Found = Result<Vec<Row>, RecordError>;
+
+impl<'a> Chain<'a> {
+    /// A chain through the decisions of `log`; `goals` names tasks.
+    pub(super) fn new(log: &'a Log<'a>, goals: &'a dyn Fn(TaskId) -> String) -> Chain<'a> {
+        Chain { log, seen: BTreeSet::new(), goals }
+    }
+
+    /// The link of `row` with at most `depth` links below one another.
+    pub(super) fn link(&mut self, row: &Row, depth: usize) -> Result<Link, RecordError> {
+        self.seen.insert(row.id);
+        let because = because_of(row);
+        let mut link = Link {
+            t: row.at.seconds(),
+            task: row.task.map(|task| task.to_string()),
+            what: self.what(row),
+            kind: because.map(|because| because.cause.kind()),
+            because: because.map(cause_text).unwrap_or_default(),
+            place: row.place.clone(),
+            source: row.place.as_ref().and_then(|place| self.log.source_line(place)),
+            causes: Vec::new(),
+            more: false,
+        };
+        let Some(because) = because else {
+            if let (Some(task), true) = (row.task, row.kind == "inform" || row.kind == "solve") {
+                let start = self.log.transition(task, "ongoing", (row.id, row.at))?;
+                self.add(&mut link, start.into_iter().collect(), depth)?;
+            }
+            return Ok(link);
+        };
+        let mut below = self.evidence(&mut link, row, because)?;
+        below.extend(self.behind(row, &because.cause)?);
+        self.add(&mut link, below, depth)?;
+        Ok(link)
+    }
+
+    fn add(&mut self, link: &mut Link, below: Vec<Row>, depth: usize) -> Result<(), RecordError> {
+        for row in below {
+            if self.seen.contains(&row.id) {
+                continue;
+            }
+            if depth <= 1 || self.seen.len() >= EXPLANATION_LINKS_MAX {
+                link.more = true;
+                return Ok(());
+            }
+            let next = self.link(&row, depth - 1)?;
+            link.causes.push(next);
+        }
+        Ok(())
+    }
+
+    fn what(&self, row: &Row) -> String {
+        let name = row.task.map(|task| format!("{task} {}", (self.goals)(task))).unwrap_or_else(|| "the agent".into());
+        match row.effect.as_ref() {
+            Some(Effect::Decided(decision)) => match &decision.kind {
+                DecisionKind::Created { .. } => format!("{name} was created"),
+                DecisionKind::Transition { from, to, .. } => {
+                    let word = moved(*from, *to, decision_outcome(decision));
+                    format!("{name} {word}")
+                }
+                DecisionKind::Satisfied { clause, .. } => format!("{clause} of {name} came true"),
+                DecisionKind::Bound { variable, value } => format!("{name} got ?{variable} = {value}"),
+                DecisionKind::Selected { .. } => {
+                    let method = row.text.split_once(" because ").map_or(row.text.as_str(), |(method, _)| method);
+                    format!("{name} is pursued by {method}")
+                }
+                DecisionKind::Refused { resource, .. } => format!("{name} was refused {resource}"),
+                DecisionKind::ProcedureAdded { summary, .. } => format!("{name} got a plan: {summary}"),
+                DecisionKind::Trouble { .. } => format!("{name} had trouble"),
+            },
+            Some(Effect::Command { command, form, .. }) => format!("{name} sent command {} {form}", command.0),
+            Some(Effect::Inform { form, .. }) => format!("{name} said {form}"),
+            Some(Effect::Solve(request)) => format!("{name} asked {} for a plan", request.solver),
+            _ => format!("{name}: {} {}", row.kind, row.subject),
+        }
+    }
+
+    /// What was seen: leaves of the chain, and the decisions that are evidence themselves.
+    fn evidence(&self, link: &mut Link, row: &Row, because: &Because) -> Found {
+        let mut rows = Vec::new();
+        let here = |at: Time| (row.id, at);
+        for evidence in because.evidence.iter() {
+            let found = match evidence {
+                Evidence::TaskEnd { task, at } => self.log.transition(*task, "terminated", here(*at))?,
+                Evidence::TaskState { task, state, at } => {
+                    let word = state.to_string();
+                    let word = if word == "resumed" { "ongoing" } else { word.as_str() };
+                    self.log.transition(*task, word, here(*at))?
+                }
+                Evidence::Event { form, at } => {
+                    let said = self.log.inform(&form.to_string(), *at)?;
+                    if said.is_none() {
+                        link.causes.push(Link::seen(*at, format!("{form} came from outside")));
+                    }
+                    said
+                }
+                Evidence::Sample { at, .. } => {
+                    link.causes.push(Link::seen(*at, format!("{} was measured", evidence.text())));
+                    None
+                }
+                Evidence::Run { end, .. } => {
+                    link.causes.push(Link::seen(*end, format!("{} were measured", evidence.text())));
+                    None
+                }
+                Evidence::Instant { at, .. } => {
+                    link.causes.push(Link::seen(*at, format!("time went on: {}", evidence.text())));
+                    None
+                }
+                Evidence::Absence { at, .. } => {
+                    link.causes.push(Link::seen(*at, evidence.text()));
+                    None
+                }
+            };
+            rows.extend(found);
+        }
+        Ok(rows)
+    }
+
+    /// The decisions that a cause names, or that stand behind it without being named.
+    fn behind(&self, row: &Row, cause: &Cause) -> Found {
+        let log = self.log;
+        let own = row.task.unwrap_or(TaskId(u64::MAX));
+        let here = (row.id, row.at);
+        let found = match cause {
+            Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
+                log.transition(*parent, "ongoing", here)?
+            }
+            Cause::PlanPursued { parent } | Cause::PlanBegunAgain { parent } => {
+                log.before(*parent, "procedure-added", row.id)?
+            }
+            Cause::HandlesFailure { of } | Cause::ParentFailed { parent: of } => log.beside(*of, "trouble", here)?,
+            Cause::Responding { answered } => log.transition(*answered, "enabled", here)?,
+            Cause::Repetition => log.transition_before(own, "terminated", row.id)?,
+            Cause::NoPreconditions => log.before(own, "created", row.id)?,
+            Cause::StartsOver | Cause::RepeatedEnabled | Cause::IntervalElapsed => {
+                log.transition_before(own, "pending", row.id)?
+            }
+            Cause::PredecessorEnded { predecessor } => log.transition(*predecessor, "terminated", here)?,
+            Cause::ResultArrived { variable } => return self.result(own, variable.printed(), row),
+            Cause::ResourcesGranted { .. } => return self.granted(own, row),
+            Cause::Outranked { by, .. } => log.transition(*by, "ongoing", here)?,
+            Cause::AncestorSuspended { ancestor } => self.either(*ancestor, "interrupted", here)?,
+            Cause::AncestorResumed { ancestor } => self.either(*ancestor, "ongoing", here)?,
+            Cause::Activity { by, .. } | Cause::ApplicationEnded { by } => log.transition(*by, "ongoing", here)?,
+            Cause::StepsEnded { last } | Cause::ItemsEnded { last, .. } => match last {
+                Some(last) => log.transition(*last, "terminated", here)?,
+                None => log.transition_before(own, "ongoing", row.id)?,
+            },
+            Cause::CommandAcknowledged { command }
+            | Cause::CommandFailed { command, .. }
+            | Cause::CommandTimedOut { command, .. } => log.command_of(own, command.0)?,
+            Cause::BuiltInDone { .. }
+            | Cause::CompletedAtOnce
+            | Cause::CompletedByForm
+            | Cause::DurationElapsed { .. }
+            | Cause::FormRan { .. }
+            | Cause::SentAgain
+            | Cause::OperatorAnswered { .. }
+            | Cause::OperatorSilent { .. } => log.transition_before(own, "ongoing", row.id)?,
+            Cause::ParentEnded { parent } => log.transition(*parent, "terminated", here)?,
+            Cause::ParentRestarted { parent } => log.transition(*parent, "pending", here)?,
+            Cause::ChildFailed { child } | Cause::HandlerEnded { handler: child } => {
+                log.transition(*child, "terminated", here)?
+            }
+            Cause::FailureHandled { .. } => log.before(own, "trouble", row.id)?,
+            Cause::PlanArrived { request, .. } | Cause::SolverFailed { request, .. } => log.request(own, request.0)?,
+            Cause::MostSpecific { .. }
+            | Cause::BuiltIn { .. }
+            | Cause::ForAll { .. }
+            | Cause::NoProcedureMatched
+            | Cause::NoMethod { .. } => log.transition_before(own, "enabled", row.id)?,
+            Cause::ConditionSatisfied { .. }
+            | Cause::PreconditionsSatisfied
+            | Cause::Binding { .. }
+            | Cause::InitialTask
+            | Cause::ResourceExhausted { .. }
+            | Cause::ExpressionFailed { .. }
+            | Cause::ResultDoesNotFit { .. }
+            | Cause::InputRefused { .. }
+            | Cause::StrayAnswer { .. }
+            | Cause::LimitReached { .. }
+            | Cause::Stopped { .. }
+            | Cause::NobodyHears { .. }
+            | Cause::ExecutiveFault { .. } => None,
+        };
+        Ok(found.into_iter().collect())
+    }
+
+    /// The change of state, or the clause that came true without one.
+    fn either(&self, task: TaskId, state: &str, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
+        let changed = self.log.transition(task, state, here)?.filter(|row| row.at == here.1);
+        if changed.is_some() { Ok(changed) } else { self.log.beside(task, "satisfied", here) }
+    }
+
+    /// A result stands in the context of the parent.
+    fn result(&self, own: TaskId, variable: &str, row: &Row) -> Found {
+        let Some(created) = self.log.before(own, "created", row.id)? else { return Ok(Vec::new()) };
+        let parent = match created.effect {
+            Some(Effect::Decided(decision)) => match decision.kind {
+                DecisionKind::Created { parent, .. } => parent,
+                _ => None,
+            },
+            _ => None,
+        };
+        let found = match parent {
+            Some(parent) => self.log.binding(parent, variable, row.id)?,
+            None => None,
+        };
+        Ok(found.into_iter().collect())
+    }
+
+    /// Why a grant came now: whoever was in the way left, and the task had been enabled.
+    fn granted(&self, own: TaskId, row: &Row) -> Found {
+        let mut rows = Vec::new();
+        let enabled = self.log.transition_before(own, "enabled", row.id)?;
+        let waited = self.log.before(own, "refused", row.id)?;
+        let lost = self.log.transition_before(own, "interrupted", row.id)?;
+        let since = enabled.as_ref().map_or(0, |row| row.id);
+        let conflict = [waited, lost].into_iter().flatten().filter(|row| row.id > since).max_by_key(|row| row.id);
+        if let Some(Cause::Outranked { by, .. }) = conflict.as_ref().and_then(because_of).map(|because| &because.cause)
+        {
+            for state in ["terminated", "interrupted"] {
+                let left = self.log.transition(*by, state, (row.id, row.at))?;
+                rows.extend(left.filter(|left| left.at == row.at));
+            }
+        }
+        rows.extend(enabled);
+        Ok(rows)
+    }
+}
+
+/// The cause that a row states.
+pub(super) fn because_of(row: &Row) -> Option<&Because> {
+    match row.effect.as_ref()? {
+        Effect::Decided(decision) => Some(&decision.because),
+        Effect::Command { because, .. } => Some(because),
+        _ => None,
+    }
+}
+
+fn decision_outcome(decision: &apex_model::effect::Decision) -> Option<&apex_model::task::Outcome> {
+    match &decision.kind {
+        DecisionKind::Transition { outcome, .. } => outcome.as_ref(),
+        _ => None,
+    }
+}
+
+fn moved(from: TaskState, to: TaskState, outcome: Option<&apex_model::task::Outcome>) -> &'static str {
+    use apex_model::task::Outcome;
+    match (from, to, outcome) {
+        (_, TaskState::Enabled, _) => "was enabled",
+        (TaskState::Interrupted, TaskState::Ongoing, _) => "went on",
+        (_, TaskState::Ongoing, _) => "started",
+        (_, TaskState::Interrupted, _) => "was interrupted",
+        (TaskState::Terminated, TaskState::Pending, _) => "is pending again",
+        (_, TaskState::Pending, _) => "started over",
+        (_, TaskState::Terminated, Some(Outcome::Failure)) => "failed",
+        (_, TaskState::Terminated, Some(Outcome::Cut)) => "was cut",
+        (_, TaskState::Terminated, _) => "ended",
+    }
+}

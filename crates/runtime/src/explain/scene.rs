@@ -1,0 +1,133 @@
+//! The scene of a question: a record at an instant, its tasks, and the agent as it was then.
+
+use super::answer::{About, EXPLANATION_VERSION};
+use super::log::Log;
+use crate::error::RecordError;
+use crate::record::{LoadProgram, RecordReader, TaskRow};
+use apex_executive::{Agent, explanation};
+use apex_model::effect::Method;
+use apex_model::event::Batch;
+use apex_model::source::{Place, SourceFile};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+
+/// Longer goals are cut where they are only mentioned.
+const GOAL_CHARACTERS_MAX: usize = 60;
+
+/// What is asked of a record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// A task, resource, command, target, step, procedure, in the asker's words.
+    pub what: String,
+    /// The instant; past the record's end it is the end.
+    pub at: Time,
+    /// How many links of a chain of causes stand below one another.
+    pub depth: usize,
+}
+
+impl Question {
+    /// A question about `what` at `at`, answered as deep as people read.
+    pub fn new(what: &str, at: Time) -> Question {
+        Question { what: what.into(), at, depth: crate::limits::EXPLANATION_DEPTH_DEFAULT }
+    }
+}
+
+/// A record at an instant.
+pub(super) struct Scene<'a> {
+    pub(super) reader: &'a RecordReader,
+    pub(super) at: Time,
+    pub(super) depth: usize,
+    pub(super) tasks: Vec<TaskRow>,
+    pub(super) name: String,
+    agent: Result<Box<Agent>, RecordError>,
+}
+
+impl<'a> Scene<'a> {
+    /// Sets the scene of `question`.
+    pub(super) fn set(
+        reader: &'a RecordReader,
+        question: &Question,
+        load: LoadProgram<'_>,
+    ) -> Result<Scene<'a>, RecordError> {
+        let Some((start, end)) = reader.span()? else {
+            return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
+        };
+        let at = question.at.min(end);
+        if at < start {
+            return Err(RecordError::Question(format!("The flight begins at {start}; nothing was decided by {at}.")));
+        }
+        let agent = reader.restore(at, load).map(|mut agent| {
+            // Nothing happens between the last step and `at`, but silences grow: "no sample for 4 s".
+            apex_executive::step(&mut agent, &Batch { now: at, events: Vec::new() });
+            Box::new(agent)
+        });
+        let name = match &agent {
+            Ok(agent) => agent.name.to_string(),
+            Err(_) => reader.meta("agent")?.unwrap_or_default(),
+        };
+        Ok(Scene { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
+    }
+
+    /// The agent as it was.
+    ///
+    /// # Errors
+    /// Why it cannot be restored.
+    pub(super) fn into_agent(self) -> Result<Box<Agent>, RecordError> {
+        self.agent
+    }
+
+    /// The agent as it was; none when this Apex cannot restore it.
+    pub(super) fn agent(&self) -> Option<&Agent> {
+        self.agent.as_deref().ok()
+    }
+
+    /// What every answer says first.
+    pub(super) fn about(&self, question: &'static str, kind: &'static str, asked: &str) -> About {
+        let t = self.at.seconds();
+        About { version: EXPLANATION_VERSION, question, kind, asked: asked.trim().into(), agent: self.name.clone(), t }
+    }
+
+    /// The record's decisions up to the instant.
+    pub(super) fn log(&self) -> Result<Log<'a>, RecordError> {
+        let plans = self.agent().into_iter().flat_map(|agent| agent.generated.iter());
+        let mut sources: Vec<SourceFile> = plans.map(|(_, plan)| plan.source.clone()).collect();
+        sources.extend(self.reader.pdl_sources()?);
+        Ok(Log { reader: self.reader, until: self.at, sources })
+    }
+
+    /// The goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
+    pub(super) fn goal(&self, task: TaskId) -> String {
+        let living =
+            self.agent().and_then(|agent| explanation::describe_task(agent, task)).map(|view| view.goal.to_string());
+        let goal = living.or_else(|| self.row(task).map(|row| row.goal.clone())).unwrap_or_default();
+        match goal.char_indices().nth(GOAL_CHARACTERS_MAX) {
+            Some((end, _)) => format!("{} ..)", goal.get(..end).unwrap_or_default().trim_end()),
+            None => goal,
+        }
+    }
+
+    /// The task's row.
+    pub(super) fn row(&self, task: TaskId) -> Option<&TaskRow> {
+        let found = self.tasks.binary_search_by_key(&task, |row| row.id);
+        found.ok().and_then(|index| self.tasks.get(index))
+    }
+}
+
+/// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
+pub(super) fn place_text(agent: &Agent, place: Place) -> String {
+    let number = u64::from(place.file).checked_sub(agent.library.sources.len() as u64);
+    match number.and_then(|number| agent.generated.get(number)) {
+        Some(generated) => format!("{}:{}:{}", generated.source.name, place.line, place.column),
+        None => agent.library.describe_place(place),
+    }
+}
+
+/// `procedure file.pdl:3:1`
+pub(super) fn method_text(agent: &Agent, method: &Method) -> String {
+    match method {
+        Method::Procedure(place) => format!("procedure {}", place_text(agent, *place)),
+        Method::Primitive(place) => format!("primitive {}", place_text(agent, *place)),
+        Method::BuiltIn => "built-in".into(),
+        Method::Solver(name) => format!("solver {name}"),
+    }
+}

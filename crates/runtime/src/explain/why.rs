@@ -1,0 +1,126 @@
+//! Why a task is as it is: its history, the chain behind its state, what it waits for, who has its resource.
+
+use super::answer::{Blocked, Choice, Subtask, Unmet, Why};
+use super::chain::Chain;
+use super::history::{self, Conflict, History};
+use super::scene::{Scene, method_text, place_text};
+use crate::error::RecordError;
+use crate::record::TaskRow;
+use apex_executive::Agent;
+use apex_executive::explanation::{self, Reason};
+use apex_model::effect::{Decision, DecisionKind, Effect, Method};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Explains the task of `row`.
+pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, asked: &str) -> Result<Why, RecordError> {
+    let log = scene.log()?;
+    let Some(row) = scene.row(id).cloned() else {
+        return Err(RecordError::Question(format!("There is no task {id} in this flight.")));
+    };
+    let goals = |task| scene.goal(task);
+    let last = log.last_move(id)?;
+    let because = last.as_ref().map(|row| Chain::new(&log, &goals).link(row, scene.depth)).transpose()?;
+    let history = History::read(scene.reader, id, scene.at)?;
+    let subtasks = subtasks(&scene, id)?;
+    let blocked = history.blocked.as_ref().map(|conflict| blocked(&scene, conflict));
+    let goal = history.goal.clone().unwrap_or_else(|| row.goal.clone());
+    let about = scene.about(question, "task", asked);
+    let waits = history.waits();
+    let chosen = log.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
+        Some(Effect::Decided(Decision { kind: DecisionKind::Selected { method, goal, .. }, .. })) => {
+            Some((method, goal))
+        }
+        _ => None,
+    });
+    let agent = match (scene.into_agent(), waits) {
+        (Ok(agent), _) => Some(agent),
+        // What has ended is explained by the record alone.
+        (Err(_), false) => None,
+        (Err(error), true) => return Err(error),
+    };
+    let view = agent.as_deref().and_then(|agent| explanation::describe_task(agent, id)).filter(|_| waits);
+    Ok(Why {
+        about,
+        task: id.to_string(),
+        tag: row.tag.clone(),
+        goal,
+        state: history.state,
+        since: last.as_ref().map_or(row.created, |row| row.at).seconds(),
+        outcome: row.outcome.clone().filter(|_| !waits),
+        priority: view.as_ref().map(|view| view.priority),
+        holds: view.iter().flat_map(|view| &view.resources).map(Value::to_string).collect(),
+        method: history.method,
+        place: row.place,
+        because,
+        choices: choices(agent.as_deref(), chosen),
+        history: history.moments,
+        waiting: agent.filter(|_| waits).map(|agent| waiting(&agent, id)).unwrap_or_default(),
+        blocked,
+        subtasks,
+    })
+}
+
+fn blocked(scene: &Scene<'_>, conflict: &Conflict) -> Blocked {
+    Blocked {
+        by: conflict.by.to_string(),
+        goal: scene.goal(conflict.by),
+        resource: conflict.resource.clone(),
+        since: conflict.since.seconds(),
+        winner_priority: conflict.winner.total(),
+        loser_priority: conflict.loser.total(),
+        winner_cost: conflict.winner.interrupt_cost,
+        loser_cost: conflict.loser.interrupt_cost,
+        strengths: format!("{} against {}", conflict.winner, conflict.loser),
+    }
+}
+
+/// What could have pursued the goal that was chosen for, best first; what is built in has no choice.
+fn choices(agent: Option<&Agent>, chosen: Option<(Method, Value)>) -> Vec<Choice> {
+    let (Some(agent), Some((method, goal))) = (agent, chosen) else { return Vec::new() };
+    if method == Method::BuiltIn {
+        return Vec::new();
+    }
+    let choice = |option: explanation::MethodOption| Choice {
+        method: method_text(agent, &option.method),
+        index: option.index,
+        matches: option.matches,
+        because: option.because,
+    };
+    explanation::options(agent, &goal).into_iter().map(choice).collect()
+}
+
+/// What the agent says that the task waits for.
+pub(super) fn waiting(agent: &Agent, task: TaskId) -> Vec<Unmet> {
+    explanation::waiting(agent, task).into_iter().map(|reason| unmet(agent, reason)).collect()
+}
+
+fn unmet(agent: &Agent, reason: Reason) -> Unmet {
+    Unmet {
+        kind: reason.kind,
+        what: reason.text,
+        now: reason.now.unwrap_or_default(),
+        since: reason.since.map(Time::seconds),
+        until: reason.until.map(Time::seconds),
+        distance: reason.distance.map(|distance| distance.to_string()),
+        task: reason.task.map(|task| task.to_string()),
+        place: reason.place.map(|place| place_text(agent, place)),
+    }
+}
+
+fn subtasks(scene: &Scene<'_>, parent: TaskId) -> Result<Vec<Subtask>, RecordError> {
+    let mut subtasks = Vec::new();
+    let lives = |task: &&TaskRow| task.parent == Some(parent) && task.created <= scene.at;
+    for task in scene.tasks.iter().filter(lives) {
+        // A task that ended long ago and did not come back needs no look at its decisions.
+        if task.ended.is_some_and(|ended| ended <= scene.at) {
+            continue;
+        }
+        let state = history::state_at(scene.reader, task.id, scene.at)?;
+        if state != "terminated" {
+            subtasks.push(Subtask { task: task.id.to_string(), goal: task.goal.clone(), state });
+        }
+    }
+    Ok(subtasks)
+}
