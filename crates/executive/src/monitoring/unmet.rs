@@ -230,7 +230,8 @@ fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
             now.push_str(&format!("; a gap of {gap} > {most} cut it before"));
         }
     }
-    let until = Some(run.start + leaf.duration_min).filter(|at| *at > asking.now);
+    let silent = leaf.gap_max.is_some_and(|most| asking.now - state.newest.at > most);
+    let until = Some(run.start + leaf.duration_min).filter(|at| *at > asking.now && !silent);
     if let Some(at) = until {
         now.push_str(&format!("; it is long enough at {at} if it goes on"));
     }

@@ -37,6 +37,16 @@ pub enum Answer {
     Command(Box<CommandAnswer>),
 }
 
+impl Answer {
+    /// Where several agents ran a task is named with its agent.
+    pub(super) fn of_crew(mut self) -> Answer {
+        if let Answer::Task(why) = &mut self {
+            why.task = format!("{}/{}", why.about.agent, why.task);
+        }
+        self
+    }
+}
+
 /// Who has a resource, and why; who wants it too.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResourceAnswer {

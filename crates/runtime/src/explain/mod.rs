@@ -55,7 +55,7 @@ pub fn why(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -
 /// As [`why`].
 pub fn ask(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<Answer, RecordError> {
     if let Some((reader, question)) = crew::addressed(reader, question)? {
-        return ask_one(&reader, &question, load);
+        return ask_one(&reader, &question, load).map(|answer| answer.of_crew());
     }
     ask_one(reader, question, load)
 }
