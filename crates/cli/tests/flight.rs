@@ -86,14 +86,53 @@ fn why_explains_an_interruption() {
 }
 
 #[test]
+fn why_goes_back_to_what_came_from_outside() {
+    let desk = Desk::with_flight();
+    let why = |what: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", what], more].concat());
+    why("hangar", &["--at", "50"]).well().told(&["Why:", "(calibration-due camera-1) came from outside"]);
+    why("camera-1", &["--at", "50"]).well().told(&["camera-1 belongs to T4 (calibrate camera-1) at 50s", "Who waits"]);
+    why("command 0", &[]).well().told(&["(take-off 40m)", "because a form of its on-start said so", "vehicle.pdl:"]);
+    let deep = why("command 0", &["--depth", "20", "--json"]).well();
+    let deep: serde_json::Value = serde_json::from_str(&deep.out).unwrap();
+    assert_eq!((deep["version"].as_u64(), deep["kind"].as_str()), (Some(1), Some("command")));
+    let mut link = &deep["because"];
+    while let Some(next) = link["causes"].get(0) {
+        link = next;
+    }
+    assert_eq!(link["kind"], "initial-task", "the chain ends where the flight begins");
+}
+
+#[test]
+fn why_not_answers_also_about_what_never_was() {
+    let desk = Desk::with_flight();
+    let why_not = |what: &str, more: &[&str]| desk.apex(&[&["why-not", "flight.apex", what], more].concat());
+    why_not("take-picture ?x", &["--at", "5"]).well().told(&[
+        "No task pursues (take-picture camera-1) at 5s: all waits for T2 (get hires image hangar-1)",
+        "step `s4` at ",
+        "waitfor (end ?up): T1 is ongoing",
+    ]);
+    why_not("finish", &["--at", "20"]).well().told(&["T6 (terminate) has not been enabled by 20s", "(end ?down)"]);
+    let said = why_not("s4", &["--at", "5", "--json"]).well();
+    let answer: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!((answer["question"].as_str(), answer["kind"].as_str()), (Some("why-not"), Some("step")));
+    assert_eq!(answer["task"]["state"], "pending");
+    assert_eq!(answer["missing"][0]["step"], "s4");
+}
+
+#[test]
 fn a_task_that_is_not_there_is_answered_with_those_that_are() {
     let desk = Desk::with_flight();
     let why = |task: &str, more: &[&str]| desk.apex(&[&["why", "flight.apex", task], more].concat());
+    let why_not = |what: &str, more: &[&str]| desk.apex(&[&["why-not", "flight.apex", what], more].concat());
     why("nonsense", &[])
         .complained(2, &["No task is called `nonsense`", "T2 (get hires image hangar-1), created at 0s"]);
     why("T999", &[]).complained(2, &["There is no task T999 in this flight", "Tasks are:"]);
     why("get hires", &[]).complained(2, &["may be one of 2 tasks. Say which:", "hangar-1", "wind-tunnel"]);
     why(" ", &[]).complained(2, &["has no name", "its number (T12)"]);
+    why_not(" ", &[]).complained(2, &["names nothing", "a goal such as"]);
+    why_not("hangr", &[]).complained(2, &["Nothing is called `hangr`", "Near it are: ", "hangar"]);
+    why_not("T999", &[]).complained(2, &["There is no task T999 in this flight"]);
+    why_not("T2", &["--at", "-5"]).complained(2, &["`--at -5` is before the start"]);
     why("T9", &["--at", "1"]).complained(2, &["T9", "later than 1s. Ask for a later instant"]);
     for at in ["soon", "NaN", "inf", "1:xx", "1:75:00", ""] {
         why("T2", &["--at", at]).complained(2, &[&format!("`--at {at}` is no time"), "help: write seconds (90)"]);

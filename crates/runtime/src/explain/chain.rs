@@ -176,7 +176,8 @@ impl<'a> Chain<'a> {
             | Cause::FormRan { .. }
             | Cause::SentAgain
             | Cause::OperatorAnswered { .. }
-            | Cause::OperatorSilent { .. } => log.transition_before(own, "ongoing", row.id)?,
+            | Cause::OperatorSilent { .. }
+            | Cause::OperatorMute { .. } => log.transition_before(own, "ongoing", row.id)?,
             Cause::ParentEnded { parent } => log.transition(*parent, "terminated", here)?,
             Cause::ParentRestarted { parent } => log.transition(*parent, "pending", here)?,
             Cause::ChildFailed { child } | Cause::HandlerEnded { handler: child } => {
