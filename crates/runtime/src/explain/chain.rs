@@ -184,7 +184,9 @@ impl<'a> Chain<'a> {
                 log.transition(*child, "terminated", here)?
             }
             Cause::FailureHandled { .. } => log.before(own, "trouble", row.id)?,
-            Cause::PlanArrived { request, .. } | Cause::SolverFailed { request, .. } => log.request(own, request.0)?,
+            Cause::PlanArrived { request, .. }
+            | Cause::SolverFailed { request, .. }
+            | Cause::SolverTimedOut { request, .. } => log.request(own, request.0)?,
             Cause::MostSpecific { .. }
             | Cause::BuiltIn { .. }
             | Cause::ForAll { .. }

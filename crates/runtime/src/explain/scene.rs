@@ -115,11 +115,7 @@ impl<'a> Scene<'a> {
 
 /// `file.pdl:14:3`, also for places inside of plans: their files are numbered after those of the library.
 pub(super) fn place_text(agent: &Agent, place: Place) -> String {
-    let number = u64::from(place.file).checked_sub(agent.library.sources.len() as u64);
-    match number.and_then(|number| agent.generated.get(number)) {
-        Some(generated) => format!("{}:{}:{}", generated.source.name, place.line, place.column),
-        None => agent.library.describe_place(place),
-    }
+    agent.describe_place(place)
 }
 
 /// `procedure file.pdl:3:1`
