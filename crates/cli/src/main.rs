@@ -18,6 +18,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let outcome = match Options::parse().command {
         Command::Check(options) => commands::check::run(&options),
+        Command::Explain(options) => commands::explain::run(&options),
         Command::Fmt(options) => commands::format::run(&options),
         Command::Run(options) => commands::run::run(&options),
         Command::Fly(options) => commands::fly::run(&options),

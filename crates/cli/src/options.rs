@@ -20,8 +20,10 @@ pub struct Options {
 /// The commands of `apex`.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Check PDL files: syntax, names, dimensions, goals that nothing serves.
+    /// Check PDL files: syntax, names, dimensions, goals that nothing serves, steps that can never begin.
     Check(CheckOptions),
+    /// Explain a code of the checker's messages.
+    Explain(ExplainOptions),
     /// Format PDL files in place.
     Fmt(FormatOptions),
     /// Run a PDL program without a vehicle and print its trace.
@@ -54,6 +56,13 @@ pub struct CheckOptions {
     /// Print diagnostics as JSON, one object a line.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `apex explain`
+#[derive(Args)]
+pub struct ExplainOptions {
+    /// Codes as `apex check` prints them, such as E0203; without any, all are listed.
+    pub codes: Vec<String>,
 }
 
 /// `apex fmt`

@@ -13,6 +13,16 @@ pub fn error_codes() -> &'static [ErrorCode] {
     TABLE
 }
 
+/// The code written as `text`, in any case and also without its zeros: `E0203`, `e203`.
+pub fn error_code(text: &str) -> Option<&'static ErrorCode> {
+    let key = |code: &str| {
+        let digits = code.trim_start_matches(|letter: char| letter.is_ascii_alphabetic());
+        let letters = code.get(..code.len() - digits.len()).unwrap_or_default();
+        (letters.to_ascii_uppercase(), digits.trim_start_matches('0').to_string())
+    };
+    TABLE.iter().find(|known| key(known.code) == key(text.trim()))
+}
+
 /// Reads one datum, for example `(altitude ac-1)`, `35kt` or `(stop)`. Nothing is evaluated.
 ///
 /// # Errors

@@ -1,4 +1,5 @@
-//! Every code that a message can carry, with one line that explains it. Codes are stable: a retired one is not used again.
+//! Every code that a message can carry, with one line that explains it and its page in `docs/reference/codes/`. Codes are
+//! stable: a retired one is not used again.
 
 /// A code and its explanation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,13 +8,19 @@ pub struct ErrorCode {
     pub code: &'static str,
     /// What it means, in one line.
     pub explanation: &'static str,
+    /// Its page of the documentation, in Markdown.
+    pub page: &'static str,
 }
 
 macro_rules! codes {
     ($($name:ident $code:literal $explanation:literal;)*) => {
         $(pub(crate) const $name: &str = $code;)*
         /// All codes in order.
-        pub(crate) const TABLE: &[ErrorCode] = &[$(ErrorCode { code: $code, explanation: $explanation }),*];
+        pub(crate) const TABLE: &[ErrorCode] = &[$(ErrorCode {
+            code: $code,
+            explanation: $explanation,
+            page: include_str!(concat!("../../../docs/reference/codes/", $code, ".md")),
+        }),*];
     };
 }
 

@@ -19,7 +19,7 @@ mod render;
 mod suggest;
 mod syntax;
 
-pub use api::{ParsedCondition, error_codes, parse_condition, read_value};
+pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
 pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check, check_forms};
 pub use codes::ErrorCode;
 pub use diagnostic::{Diagnostic, Label, Severity, Span};

@@ -18,6 +18,9 @@ pub fn run(options: &CheckOptions) -> Outcome {
             let color = std::io::stdout().is_terminal();
             output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))?;
             output::print_line(format_args!("{}: {}", sources::program_path(file).display(), summary(&checked)))?;
+            if let Some(serious) = checked.diagnostics.iter().find(|each| each.severity != Severity::Note) {
+                output::print_line(format_args!("`apex explain {}` tells more about that message", serious.code))?;
+            }
         }
     }
     if wrong { Err(Trouble::told()) } else { Ok(()) }

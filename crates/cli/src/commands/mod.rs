@@ -1,5 +1,6 @@
 //! One file per command.
 pub mod check;
+pub mod explain;
 pub mod fly;
 pub mod format;
 pub mod plan;
