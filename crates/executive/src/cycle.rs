@@ -11,14 +11,17 @@ use apex_model::clause::{Clause, Level, MonitorId};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
+use apex_model::index::LibraryIndex;
 use apex_model::library::Library;
 use apex_model::monitor::Satisfaction;
+use apex_model::monitor_set::Found;
 use apex_model::procedure::{Procedure, Step};
 use apex_model::resource::ResourceId;
 use apex_model::source::Place;
-use apex_model::task::{StepRef, Task, TaskId, TaskState};
+use apex_model::task::{ProcedureRef, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
+use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -27,7 +30,9 @@ pub(crate) struct Cycle<'a> {
     /// The agent.
     pub(crate) agent: &'a mut Agent,
     /// Its library, held beside it so that templates can be read while the agent changes.
-    pub(crate) library: Arc<Library>,
+    pub(crate) library: &'a Library,
+    /// What is known about the library beforehand.
+    pub(crate) index: &'a LibraryIndex,
     /// The instant.
     pub(crate) now: Time,
     /// What was decided, in order.
@@ -36,27 +41,30 @@ pub(crate) struct Cycle<'a> {
     pub(crate) work: Work,
 }
 
-/// What is to be done at this instant, by phase.
+/// Tasks to be looked at: mostly a few.
+pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
+
+/// What is to be done at this instant, by phase. Most instants touch few tasks: then nothing of it takes room elsewhere.
 #[derive(Default)]
 pub(crate) struct Work {
     /// Record: what the agent said to itself.
     pub(crate) said: Vec<Said>,
     /// Notice: what was recorded.
-    pub(crate) stimuli: Vec<Stimulus>,
+    pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
     /// Notice: monitors to be judged.
-    pub(crate) touched: Vec<MonitorId>,
+    pub(crate) touched: Found,
     /// Enable: clauses that came true.
-    pub(crate) firings: Vec<Firing>,
+    pub(crate) firings: SmallVec<[Firing; 1]>,
     /// Enable: evidence for tasks about to be enabled.
-    pub(crate) evidence: BTreeMap<TaskId, EvidenceList>,
+    pub(crate) evidence: SmallVec<[(TaskId, EvidenceList); 1]>,
     /// Enable: what freed a pending task last, where it was neither its waitfor nor the end of the step before it.
     pub(crate) freed: BTreeMap<TaskId, Cause>,
     /// Enable: pending tasks that may be free now.
-    pub(crate) ready: Vec<TaskId>,
+    pub(crate) ready: TaskList,
     /// Choose: tasks that were enabled.
-    pub(crate) enabled: Vec<TaskId>,
+    pub(crate) enabled: TaskList,
     /// Contend: enabled and interrupted tasks that want to go on.
-    pub(crate) claims: Vec<TaskId>,
+    pub(crate) claims: TaskList,
     /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
     pub(crate) resumed: BTreeMap<TaskId, Because>,
     /// Contend: resources whose users may change.
@@ -66,11 +74,24 @@ pub(crate) struct Work {
     /// Contend: how often tasks lost resources at this instant.
     pub(crate) losses: BTreeMap<TaskId, u32>,
     /// Act: tasks that became ongoing.
-    pub(crate) starting: Vec<TaskId>,
+    pub(crate) starting: TaskList,
     /// Act, a round later: resumed tasks that may rather start over.
     pub(crate) resuming: BTreeSet<TaskId>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
+    /// What the round did to the number of tasks that live.
+    pub(crate) balance: Balance,
+}
+
+/// Ends and beginnings of a round.
+#[derive(Default)]
+pub(crate) struct Balance {
+    /// Tasks ended.
+    pub(crate) ends: bool,
+    /// A task was repeated or restarted.
+    pub(crate) again: bool,
+    /// The next task's number as the round began.
+    next_task: u64,
 }
 
 /// Something the agent said to itself.
@@ -100,6 +121,26 @@ pub(crate) struct Firing {
 }
 
 impl Work {
+    /// Did tasks end in the round that is over, while none was made or began again? Then fewer are left, and rounds of
+    /// this kind are no more than tasks. The next round begins.
+    pub(crate) fn came_closer(&mut self, next_task: u64) -> bool {
+        let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
+        self.balance.next_task = next_task;
+        ends && !again && before == next_task
+    }
+
+    /// Leaves nothing over for the next instant: lists of work are empty unless the agent has finished.
+    pub(crate) fn end_instant(&mut self) {
+        if self.is_done() {
+            self.evidence.clear();
+            self.freed.clear();
+            self.resumed.clear();
+            self.resuming.clear();
+        } else {
+            *self = Work::default();
+        }
+    }
+
     /// True when nothing is left to do at this instant.
     pub(crate) fn is_done(&self) -> bool {
         self.said.is_empty()
@@ -118,14 +159,14 @@ impl Work {
 }
 
 /// A list of tasks in order of creation, each once: the order in which steps are written.
-pub(crate) fn in_order(list: &mut Vec<TaskId>) -> Vec<TaskId> {
+pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
     let mut taken = std::mem::take(list);
     taken.sort_unstable();
     taken.dedup();
     taken
 }
 
-impl Cycle<'_> {
+impl<'a> Cycle<'a> {
     /// Writes a decision.
     pub(crate) fn decide(&mut self, task: Option<TaskId>, kind: DecisionKind, because: Because) {
         self.effects.push(Effect::Decided(Decision { task, kind, because }));
@@ -158,15 +199,19 @@ impl Cycle<'_> {
         self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
     }
 
-    /// The procedure with the step, and the step's number in it.
-    pub(crate) fn template(&self, step: StepRef) -> Option<(Arc<Procedure>, usize)> {
-        Some((self.agent.procedure(step.procedure)?.clone(), step.step as usize))
-    }
-
-    /// The step that `id` was made from, with the procedure that holds it.
-    pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle> {
-        let (procedure, index) = self.template(self.task(id)?.step()?)?;
-        Some(StepHandle { procedure, index })
+    /// The step that `id` was made from, with whatever holds it.
+    pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle<'a>> {
+        let step = self.task(id)?.step()?;
+        let index = step.step as usize;
+        match step.procedure {
+            ProcedureRef::Stored(number) => {
+                let procedure: &'a Procedure = self.library.procedures.get(number as usize)?;
+                procedure.steps.get(index).map(StepHandle::Stored)
+            }
+            ProcedureRef::Generated(_) => {
+                Some(StepHandle::Generated(self.agent.procedure(step.procedure)?.clone(), index))
+            }
+        }
     }
 
     /// Where `id` was written.
@@ -176,15 +221,20 @@ impl Cycle<'_> {
     }
 }
 
-/// Keeps a procedure alive while one of its steps is read.
-pub(crate) struct StepHandle {
-    procedure: Arc<Procedure>,
-    index: usize,
+/// A step that can be read while the agent changes.
+pub(crate) enum StepHandle<'a> {
+    /// Of the library.
+    Stored(&'a Step),
+    /// Of a generated procedure, which the handle keeps alive.
+    Generated(Arc<Procedure>, usize),
 }
 
-impl StepHandle {
+impl StepHandle<'_> {
     /// The step.
     pub(crate) fn get(&self) -> Option<&Step> {
-        self.procedure.steps.get(self.index)
+        match self {
+            StepHandle::Stored(step) => Some(step),
+            StepHandle::Generated(procedure, index) => procedure.steps.get(*index),
+        }
     }
 }

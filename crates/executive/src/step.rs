@@ -18,6 +18,8 @@ use apex_model::limits::CASCADE_ROUNDS_MAX;
 use apex_model::task::{Origin, TaskId};
 use apex_model::time::Time;
 
+/// Room for what a small step decides, so that its list does not grow bit by bit.
+const EFFECTS_EXPECTED: usize = 8;
 /// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
 const RESTLESS_TASKS_MAX: u32 = 100;
 
@@ -26,9 +28,10 @@ pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     if agent.is_finished() {
         return Vec::new();
     }
-    let library = agent.library.clone();
+    let (library, index) = (agent.library.clone(), agent.index.clone());
     let before = agent.now;
-    let mut cycle = Cycle { agent, library, now: before, effects: Vec::new(), work: Work::default() };
+    let effects = Vec::with_capacity(EFFECTS_EXPECTED);
+    let mut cycle = Cycle { agent, library: &library, index: &index, now: before, effects, work: Work::default() };
     let mut events = batch.events.as_slice();
     while let Some(instant) = next_instant(&cycle, events, batch.now) {
         let count = events.iter().take_while(|event| instant_of(event, &cycle, batch.now) <= instant).count();
@@ -69,7 +72,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     let mut restless = 0;
     let mut rounds = 0;
     while !cycle.work.is_done() && !cycle.agent.is_finished() {
-        rounds += 1;
+        rounds += u32::from(!cycle.work.came_closer(cycle.agent.next.task));
         if rounds > CASCADE_ROUNDS_MAX {
             rounds = 0;
             restless += 1;
@@ -86,7 +89,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         invocation::act(cycle);
         recording::wake(cycle);
     }
-    cycle.work = Work::default();
+    cycle.work.end_instant();
     invariants::check(cycle.agent);
 }
 

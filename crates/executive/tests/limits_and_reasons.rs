@@ -45,6 +45,19 @@ fn two_tasks_that_wake_each_other_at_one_instant_are_stopped() {
 }
 
 #[test]
+fn a_chain_of_steps_without_time_is_as_long_as_it_is_written() {
+    let steps: String = (0..12_000).map(|number| format!("(step (work {number}))\n")).collect();
+    let pdl = format!("(procedure :sequential (index (do-domain)) {steps}) (primitive (index (work ?n)))");
+    let mut agent = agent(&pdl);
+    let effects = run(&mut agent, &[], 1.0);
+    assert!(agent.is_finished());
+    let told = story(&effects);
+    assert!(told.iter().all(|line| !line.contains("CASCADE_ROUNDS_MAX")), "{:?}", told.last());
+    // The steps, the end that every sequence has, and the root.
+    assert_eq!(told.iter().filter(|line| line.ends_with("terminated")).count(), 12_002);
+}
+
+#[test]
 fn suspending_and_resuming_without_end_is_stopped() {
     let pdl = "(procedure (index (do-domain)) (step a (work)) (step stop (terminate) (waitfor (bye))))
       (procedure (index (work)) (step p (pause))

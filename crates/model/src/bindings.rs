@@ -1,12 +1,13 @@
-//! Variable bindings of a context: small, ordered by first binding, searched linearly.
+//! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no room of its own.
 
 use crate::symbol::Symbol;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 /// Variables (named without `?`) and their values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Bindings(Vec<(Symbol, Value)>);
+pub struct Bindings(SmallVec<[(Symbol, Value); 1]>);
 
 impl Bindings {
     /// No bindings.
@@ -23,13 +24,7 @@ impl Bindings {
     pub fn set(&mut self, name: Symbol, value: Value) {
         match self.0.iter_mut().find(|(key, _)| *key == name) {
             Some((_, slot)) => *slot = value,
-            None => {
-                // Most contexts hold one or two variables, and a hundred thousand tasks may wait.
-                if self.0.len() == self.0.capacity() {
-                    self.0.reserve_exact(self.0.len().max(1));
-                }
-                self.0.push((name, value));
-            }
+            None => self.0.push((name, value)),
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::clause::MonitorId;
 use crate::event::StateVariable;
 use crate::monitor::Interest;
-use crate::monitor_set::MonitorSet;
+use crate::monitor_set::{Found, MonitorSet};
 use crate::symbol::Symbol;
 use crate::task::TaskId;
 use crate::thresholds::{Threshold, Thresholds};
@@ -145,7 +145,7 @@ impl Interests {
 
     /// Who must be told of a sample of `variable`. One that is not the newest of its variable, or takes the place of
     /// another one, can undo what its forerunner did: all who watch the variable must see it.
-    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Vec<MonitorId>) {
+    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Found) {
         if let Some(watchers) = self.variables.get(variable) {
             watchers.every.collect_into(found);
             match &watchers.thresholds {
@@ -160,7 +160,7 @@ impl Interests {
     }
 
     /// Who must be told of a message.
-    pub fn of_event(&self, form: &Value, found: &mut Vec<MonitorId>) {
+    pub fn of_event(&self, form: &Value, found: &mut Found) {
         self.any_event.collect_into(found);
         let head = match form {
             Value::Symbol(symbol) => Some(symbol),
@@ -184,7 +184,7 @@ impl Interests {
     }
 
     /// Who must be told of a transition of `task`.
-    pub fn of_task(&self, task: TaskId, found: &mut Vec<MonitorId>) {
+    pub fn of_task(&self, task: TaskId, found: &mut Found) {
         if let Some(set) = self.tasks.get(&task) {
             set.collect_into(found);
         }

@@ -2,7 +2,11 @@
 
 use crate::clause::MonitorId;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use std::collections::BTreeSet;
+
+/// Monitors to be told of something: mostly a few.
+pub type Found = SmallVec<[MonitorId; 8]>;
 
 /// A set of monitors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,11 +60,11 @@ impl MonitorSet {
     }
 
     /// Adds all members to `found`.
-    pub fn collect_into(&self, found: &mut Vec<MonitorId>) {
+    pub fn collect_into(&self, found: &mut Found) {
         match self {
             MonitorSet::Empty => {}
             MonitorSet::One(present) => found.push(*present),
-            MonitorSet::Many(set) => found.extend(set.iter()),
+            MonitorSet::Many(set) => found.extend(set.iter().copied()),
         }
     }
 }

@@ -15,9 +15,41 @@ const VACANT: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub struct Table<T> {
     pages: Vec<Option<Box<Page>>>,
-    slots: Vec<Option<T>>,
+    slots: Slots<T>,
     free: Vec<u32>,
     length: usize,
+}
+
+/// Slots in chunks of one size: none is moved when more are needed, and few are spare.
+#[derive(Clone, Debug)]
+struct Slots<T>(Vec<Vec<Option<T>>>);
+
+/// Slots of one chunk.
+const CHUNK: usize = 128;
+
+impl<T> Slots<T> {
+    fn get(&self, slot: usize) -> Option<&T> {
+        self.0.get(slot / CHUNK)?.get(slot % CHUNK)?.as_ref()
+    }
+
+    fn place(&mut self, slot: usize) -> Option<&mut Option<T>> {
+        self.0.get_mut(slot / CHUNK)?.get_mut(slot % CHUNK)
+    }
+
+    /// Adds an empty slot; its number.
+    fn add(&mut self) -> u32 {
+        if self.0.last().is_none_or(|chunk| chunk.len() == CHUNK) {
+            self.0.push(Vec::with_capacity(CHUNK));
+        }
+        if let Some(chunk) = self.0.last_mut() {
+            chunk.push(None);
+        }
+        u32::try_from(self.len() - 1).unwrap_or(VACANT)
+    }
+
+    fn len(&self) -> usize {
+        self.0.last().map_or(0, |last| (self.0.len() - 1) * CHUNK + last.len())
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -28,7 +60,7 @@ struct Page {
 
 impl<T> Default for Table<T> {
     fn default() -> Table<T> {
-        Table { pages: Vec::new(), slots: Vec::new(), free: Vec::new(), length: 0 }
+        Table { pages: Vec::new(), slots: Slots(Vec::new()), free: Vec::new(), length: 0 }
     }
 }
 
@@ -57,13 +89,13 @@ impl<T> Table<T> {
 
     /// The entry with this number.
     pub fn get(&self, number: u64) -> Option<&T> {
-        self.slots.get(self.slot(number)?)?.as_ref()
+        self.slots.get(self.slot(number)?)
     }
 
     /// The entry with this number, to change it.
     pub fn get_mut(&mut self, number: u64) -> Option<&mut T> {
         let slot = self.slot(number)?;
-        self.slots.get_mut(slot)?.as_mut()
+        self.slots.place(slot)?.as_mut()
     }
 
     /// Is there an entry with this number?
@@ -80,17 +112,14 @@ impl<T> Table<T> {
         let Some((page, offset)) = split(number) else { return };
         let slot = match self.free.pop() {
             Some(slot) => slot,
-            None => {
-                self.slots.push(None);
-                u32::try_from(self.slots.len() - 1).unwrap_or(VACANT)
-            }
+            None => self.slots.add(),
         };
         if self.pages.len() <= page {
             self.pages.resize_with(page + 1, || None);
         }
         if let Some(place) = self.pages.get_mut(page) {
             let page = place.get_or_insert_with(|| Box::new(Page { slots: [VACANT; PAGE as usize], used: 0 }));
-            if let (Some(pointer), Some(room)) = (page.slots.get_mut(offset), self.slots.get_mut(slot as usize)) {
+            if let (Some(pointer), Some(room)) = (page.slots.get_mut(offset), self.slots.place(slot as usize)) {
                 *pointer = slot;
                 *room = Some(entry);
                 page.used += 1;
@@ -115,18 +144,18 @@ impl<T> Table<T> {
         }
         self.length -= 1;
         self.free.push(u32::try_from(slot).unwrap_or(VACANT));
-        self.slots.get_mut(slot)?.take()
+        self.slots.place(slot)?.take()
     }
 
     /// Lifts the entry with this number out for a moment: its place stays reserved for [`Table::put`].
     pub fn lift(&mut self, number: u64) -> Option<T> {
         let slot = self.slot(number)?;
-        self.slots.get_mut(slot)?.take()
+        self.slots.place(slot)?.take()
     }
 
     /// Puts a lifted entry back.
     pub fn put(&mut self, number: u64, entry: T) {
-        if let Some(place) = self.slot(number).and_then(|slot| self.slots.get_mut(slot)) {
+        if let Some(place) = self.slot(number).and_then(|slot| self.slots.place(slot)) {
             *place = Some(entry);
         }
     }
@@ -135,9 +164,10 @@ impl<T> Table<T> {
     pub fn iter(&self) -> impl Iterator<Item = (u64, &T)> {
         self.pages.iter().zip(0_u64..).filter_map(|(page, index)| page.as_ref().map(|page| (page, index))).flat_map(
             move |(page, index)| {
-                page.slots.iter().zip(index * PAGE..).filter_map(move |(slot, number)| {
-                    Some((number, self.slots.get(usize::try_from(*slot).ok()?)?.as_ref()?))
-                })
+                page.slots
+                    .iter()
+                    .zip(index * PAGE..)
+                    .filter_map(move |(slot, number)| Some((number, self.slots.get(usize::try_from(*slot).ok()?)?)))
             },
         )
     }

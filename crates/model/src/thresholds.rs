@@ -3,6 +3,7 @@
 
 use crate::clause::MonitorId;
 use crate::condition::Relation;
+use crate::monitor_set::Found;
 use crate::quantity::Dimension;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
@@ -116,15 +117,15 @@ impl Thresholds {
     }
 
     /// Monitors whose comparison with `value` may be true, or an error.
-    pub fn of_value(&self, value: &Value, found: &mut Vec<MonitorId>) {
+    pub fn of_value(&self, value: &Value, found: &mut Found) {
         let number = value.as_number().filter(|(number, _)| !number.is_nan());
         for group in &self.0 {
             match number {
                 Some((number, dimension)) if dimension == group.dimension => {
                     let key = Key::of(number);
-                    found.extend(group.above.range(..=(key, LAST)).map(|(_, monitor)| monitor));
-                    found.extend(group.below.range((key, FIRST)..).map(|(_, monitor)| monitor));
-                    found.extend(group.at.range((key, FIRST)..=(key, LAST)).map(|(_, monitor)| monitor));
+                    found.extend(group.above.range(..=(key, LAST)).map(|(_, monitor)| *monitor));
+                    found.extend(group.below.range((key, FIRST)..).map(|(_, monitor)| *monitor));
+                    found.extend(group.at.range((key, FIRST)..=(key, LAST)).map(|(_, monitor)| *monitor));
                 }
                 _ => group.all(found),
             }
@@ -132,15 +133,15 @@ impl Thresholds {
     }
 
     /// All monitors.
-    pub fn all(&self, found: &mut Vec<MonitorId>) {
+    pub fn all(&self, found: &mut Found) {
         self.0.iter().for_each(|group| group.all(found));
     }
 }
 
 impl OfDimension {
-    fn all(&self, found: &mut Vec<MonitorId>) {
+    fn all(&self, found: &mut Found) {
         for side in [&self.above, &self.below, &self.at] {
-            found.extend(side.iter().map(|(_, monitor)| monitor));
+            found.extend(side.iter().map(|(_, monitor)| *monitor));
         }
     }
 }
@@ -151,7 +152,7 @@ mod tests {
     use crate::time::Duration;
 
     fn of(thresholds: &Thresholds, value: Value) -> Vec<u64> {
-        let mut found = Vec::new();
+        let mut found = Found::new();
         thresholds.of_value(&value, &mut found);
         found.sort_unstable();
         found.iter().map(|monitor| monitor.0).collect()

@@ -44,7 +44,8 @@ pub enum Value {
 impl Value {
     /// `nil`: the empty list, false.
     pub fn nil() -> Value {
-        Value::List(Arc::from([]))
+        // The empty list is shared: no room is taken.
+        Value::List(Arc::default())
     }
 
     /// The symbol `name`.
@@ -60,6 +61,11 @@ impl Value {
     /// A list of `items`.
     pub fn list(items: impl IntoIterator<Item = Value>) -> Value {
         Value::List(items.into_iter().collect())
+    }
+
+    /// A list of `items`, which are taken out.
+    pub fn list_of(items: &mut [Value]) -> Value {
+        Value::List(items.iter_mut().map(|item| std::mem::replace(item, Value::Integer(0))).collect())
     }
 
     /// `t` or `nil`.

@@ -10,6 +10,7 @@ use apex_model::because::{Because, Cause};
 use apex_model::clause::Clause;
 use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
+use apex_model::evidence_list::EvidenceList;
 use apex_model::monitor::Satisfaction;
 use apex_model::procedure::ProcedureKind;
 use apex_model::source::Place;
@@ -31,6 +32,7 @@ fn order(clause: Clause) -> u8 {
 /// The enable phase.
 pub(crate) fn enable(cycle: &mut Cycle<'_>) {
     fire_all(cycle);
+    cycle.work.evidence.sort_by_key(|(task, _)| *task);
     for id in in_order(&mut cycle.work.ready) {
         let free = cycle.task(id).is_some_and(|task| task.state == TaskState::Pending && task.held_back.is_free());
         if free {
@@ -45,6 +47,9 @@ pub(crate) fn enable(cycle: &mut Cycle<'_>) {
 }
 
 fn fire_all(cycle: &mut Cycle<'_>) {
+    if cycle.work.firings.is_empty() {
+        return;
+    }
     let mut firings = std::mem::take(&mut cycle.work.firings);
     firings.sort_by_key(|firing| (order(firing.clause), firing.task, firing.monitor));
     for firing in firings {
@@ -103,7 +108,7 @@ fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfact
         let evidence = satisfaction.evidence.clone();
         binding::bind_locally(cycle, id, (name, value.clone()), "waitfor", place, evidence);
     }
-    cycle.work.evidence.insert(id, satisfaction.evidence);
+    cycle.work.evidence.push((id, satisfaction.evidence));
     if let Some(task) = cycle.agent.task_mut(id) {
         task.held_back.by_condition = false;
     }
@@ -113,11 +118,18 @@ fn preconditions_hold(cycle: &mut Cycle<'_>, id: TaskId, satisfaction: Satisfact
 /// What freed the pending task last: that is why it is enabled now and not before.
 fn freed(cycle: &mut Cycle<'_>, id: TaskId) -> Because {
     let place = cycle.place_of(id);
-    if let Some(evidence) = cycle.work.evidence.remove(&id) {
+    if let Some(evidence) = evidence_of(cycle, id) {
         return Because { cause: Cause::PreconditionsSatisfied, place, evidence };
     }
     let cause = cycle.work.freed.remove(&id).or_else(|| predecessor(cycle, id)).unwrap_or(Cause::NoPreconditions);
     Because::new(cause, place)
+}
+
+/// What satisfied the task's `waitfor` last.
+fn evidence_of(cycle: &Cycle<'_>, id: TaskId) -> Option<EvidenceList> {
+    let list = &cycle.work.evidence;
+    let after = list.partition_point(|(task, _)| *task <= id);
+    list.get(after.checked_sub(1)?).filter(|(task, _)| *task == id).map(|(_, evidence)| evidence.clone())
 }
 
 /// The step before the task's in a sequence, which has ended now.

@@ -15,7 +15,7 @@ use apex_model::controller::{Controller, Way};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
-use apex_model::task::{Origin, Task, TaskId, TaskState};
+use apex_model::task::{Origin, ProcedureRef, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::variables::of_condition;
 
@@ -45,17 +45,24 @@ pub(crate) fn run_hooks(
     clause: &'static str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
-    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| match &selection.way {
-        Way::Procedure(reference, _) => (cycle.agent.procedure(*reference).cloned(), None),
-        Way::Primitive(index, _) => (None, cycle.library.primitives.get(*index as usize).cloned()),
-        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => (None, None),
-    });
-    let (procedure, primitive) = way.unwrap_or_default();
-    if let Some(procedure) = procedure {
-        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
-    }
-    if let Some(primitive) = primitive {
-        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&primitive.hooks));
+    let library = cycle.library;
+    match cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way) {
+        Some(Way::Procedure(ProcedureRef::Stored(index), _)) => {
+            if let Some(procedure) = library.procedures.get(*index as usize) {
+                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
+            }
+        }
+        Some(Way::Procedure(reference, _)) => {
+            if let Some(procedure) = cycle.agent.procedure(*reference).cloned() {
+                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
+            }
+        }
+        Some(Way::Primitive(index, _)) => {
+            if let Some(primitive) = library.primitives.get(*index as usize) {
+                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&primitive.hooks));
+            }
+        }
+        Some(Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_)) | None => {}
     }
     run_step_hook(cycle, id, clause, which);
 }
@@ -146,7 +153,7 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
 fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) -> Vec<TaskId> {
     let mut tasks = subtree(cycle, id);
     tasks.retain(|each| matches!(cycle.state(*each), TaskState::Interrupted | TaskState::Enabled));
-    cycle.work.claims.extend(&tasks);
+    cycle.work.claims.extend(tasks.iter().copied());
     tasks
 }
 

@@ -15,6 +15,7 @@ use apex_model::condition::Condition;
 use apex_model::expression::ExprKind;
 use apex_model::interests::{Interests, Narrowed};
 use apex_model::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
+use apex_model::monitor_set::Found;
 use apex_model::pattern::Pattern;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
@@ -130,7 +131,7 @@ fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
 /// The notice phase: tells monitors what was recorded, then judges all that were touched.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     let stimuli = std::mem::take(&mut cycle.work.stimuli);
-    let mut found = Vec::new();
+    let mut found = Found::new();
     for stimulus in &stimuli {
         found.clear();
         match stimulus {

@@ -19,7 +19,6 @@ use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
 use apex_model::wake::Wake;
-use std::sync::Arc;
 
 fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut PrimitiveController> {
     match cycle.agent.task_mut(id)?.controller.as_deref_mut()? {
@@ -28,21 +27,22 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Primit
     }
 }
 
-fn template(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Arc<Primitive>> {
+fn template<'a>(cycle: &mut Cycle<'a>, id: TaskId) -> Option<&'a Primitive> {
     let index = controller(cycle, id)?.primitive;
-    cycle.library.primitives.get(index as usize).cloned()
+    cycle.library.primitives.get(index as usize).map(|primitive| &**primitive)
 }
 
 /// Begins the primitive as the task's controller.
 pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, index: u32, context: Bindings) {
     let now = cycle.now;
-    let Some(primitive) = cycle.library.primitives.get(index as usize).cloned() else { return };
+    let library = cycle.library;
+    let Some(primitive) = library.primitives.get(index as usize) else { return };
     let fresh =
         PrimitiveController { primitive: index, context, running_since: Some(now), ..PrimitiveController::default() };
     if let Some(task) = cycle.agent.task_mut(id) {
         task.controller = Some(Box::new(Controller::Primitive(fresh)));
     }
-    if let Err(because) = begin(cycle, id, &primitive) {
+    if let Err(because) = begin(cycle, id, primitive) {
         termination::fail(cycle, id, because);
     }
 }

@@ -135,8 +135,8 @@ fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Contro
 /// A step has ended for good: the next one is freed, or the procedure is done.
 pub(crate) fn step_ended(cycle: &mut Cycle<'_>, id: TaskId, child: TaskId) {
     let Some(Origin::Step(step)) = cycle.task(child).map(|task| task.origin) else { return };
-    let index = cycle.agent.procedure_index(step.procedure).cloned();
-    let counts = index.and_then(|index| index.steps.get(step.step as usize).map(|step| step.counts)).unwrap_or(true);
+    let index = cycle.agent.procedure_index(step.procedure);
+    let counts = index.and_then(|index| index.steps.get(step.step as usize)).is_none_or(|step| step.counts);
     let sequential =
         cycle.agent.procedure(step.procedure).is_some_and(|procedure| procedure.kind == ProcedureKind::Sequential);
     let Some(Controller::Procedure(controller)) = controller(cycle, id) else { return };

@@ -67,7 +67,7 @@ fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
 
 fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
     let number = arrival(cycle);
-    let recording = monitoring::record_sample(&mut cycle.agent.histories, &cycle.library, variable, value, at, number);
+    let recording = monitoring::record_sample(&mut cycle.agent.histories, cycle.library, variable, value, at, number);
     cycle.work.stimuli.extend(recording.stimulus);
     if let Some(message) = recording.trouble {
         cycle.trouble_of(None, Cause::InputRefused { message }, None);

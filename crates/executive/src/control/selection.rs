@@ -19,13 +19,15 @@ use apex_model::expression::Expr;
 use apex_model::index::Candidate;
 use apex_model::limits::FORALL_ITEMS_MAX;
 use apex_model::pattern::Pattern;
-use apex_model::procedure::{Activity, BuiltInActivity, ResourceNeed};
+use apex_model::procedure::{Activity, BuiltInActivity, Primitive, Procedure, ResourceNeed};
 use apex_model::resource::Need;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, ProcedureRef, TaskId, TaskState};
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// What was chosen, and what the decision says about it.
 struct Choice {
@@ -204,19 +206,25 @@ pub(crate) fn head(goal: &Value) -> Option<&Symbol> {
     }
 }
 
+/// What serves a goal, with what its index binds.
+type Matches = SmallVec<[(Candidate, Bindings); 1]>;
+
 /// All procedures and primitives that serve the goal with what their indexes bind, best first.
-fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Vec<(Candidate, Bindings)> {
-    let stored = cycle.agent.index.methods.candidates(head(goal));
-    let candidates: Vec<Candidate> = stored.chain(cycle.agent.generated_heads.candidates(head(goal))).collect();
-    let mut found: Vec<(Candidate, Bindings)> = Vec::new();
-    for candidate in candidates {
+fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
+    let mut found: Matches = Matches::new();
+    let mut errors = Vec::new();
+    let stored = cycle.index.methods.candidates(head(goal));
+    for candidate in stored.chain(cycle.agent.generated_heads.candidates(head(goal))) {
         let Some((pattern, place)) = index_of(cycle, candidate) else { continue };
         let mut bindings = Bindings::new();
         match match_index(cycle, id, &pattern, goal, &mut bindings, place) {
             Ok(true) => found.push((candidate, bindings)),
             Ok(false) => {}
-            Err(error) => cycle.trouble(Some(id), error.message, Some(error.place)),
+            Err(error) => errors.push(error),
         }
+    }
+    for error in errors {
+        cycle.trouble(Some(id), error.message, Some(error.place));
     }
     if found.len() > 1 {
         let pattern = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
@@ -229,7 +237,7 @@ fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Vec<(Candidate, B
 pub(crate) fn match_index(
     cycle: &Cycle<'_>,
     id: TaskId,
-    pattern: &IndexPattern,
+    pattern: &IndexPattern<'_>,
     goal: &Value,
     bindings: &mut Bindings,
     place: Place,
@@ -239,20 +247,23 @@ pub(crate) fn match_index(
 }
 
 /// A pattern held by whoever defines it.
-pub(crate) enum IndexPattern {
-    /// A procedure's.
-    Procedure(std::sync::Arc<apex_model::procedure::Procedure>),
+pub(crate) enum IndexPattern<'a> {
+    /// A stored procedure's.
+    Stored(&'a Procedure),
+    /// A generated procedure's, which is kept alive.
+    Generated(Arc<Procedure>),
     /// A primitive's.
-    Primitive(std::sync::Arc<apex_model::procedure::Primitive>),
-    /// A solver's, by copy.
-    Solver(Box<Pattern>),
+    Primitive(&'a Primitive),
+    /// A solver's.
+    Solver(&'a Pattern),
 }
 
-impl IndexPattern {
+impl IndexPattern<'_> {
     /// The pattern.
     pub(crate) fn get(&self) -> &Pattern {
         match self {
-            IndexPattern::Procedure(procedure) => &procedure.index,
+            IndexPattern::Stored(procedure) => &procedure.index,
+            IndexPattern::Generated(procedure) => &procedure.index,
             IndexPattern::Primitive(primitive) => &primitive.index,
             IndexPattern::Solver(pattern) => pattern,
         }
@@ -260,23 +271,25 @@ impl IndexPattern {
 }
 
 /// The index of a candidate and where it stands.
-pub(crate) fn index_of(cycle: &Cycle<'_>, candidate: Candidate) -> Option<(IndexPattern, Place)> {
-    let procedure = |reference| {
-        let procedure = cycle.agent.procedure(reference)?.clone();
-        let place = procedure.place;
-        Some((IndexPattern::Procedure(procedure), place))
-    };
+pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: Candidate) -> Option<(IndexPattern<'a>, Place)> {
+    let library = cycle.library;
     match candidate {
-        Candidate::Procedure(index) => procedure(ProcedureRef::Stored(index)),
-        Candidate::Generated(number) => procedure(ProcedureRef::Generated(number)),
+        Candidate::Procedure(index) => {
+            let procedure = library.procedures.get(index as usize)?;
+            Some((IndexPattern::Stored(procedure), procedure.place))
+        }
+        Candidate::Generated(number) => {
+            let procedure = cycle.agent.procedure(ProcedureRef::Generated(number))?.clone();
+            let place = procedure.place;
+            Some((IndexPattern::Generated(procedure), place))
+        }
         Candidate::Primitive(index) => {
-            let primitive = cycle.library.primitives.get(index as usize)?.clone();
-            let place = primitive.place;
-            Some((IndexPattern::Primitive(primitive), place))
+            let primitive = library.primitives.get(index as usize)?;
+            Some((IndexPattern::Primitive(primitive), primitive.place))
         }
         Candidate::Solver(index) => {
-            let solver = cycle.library.solvers.get(index as usize)?;
-            Some((IndexPattern::Solver(Box::new(solver.index.clone())), solver.place))
+            let solver = library.solvers.get(index as usize)?;
+            Some((IndexPattern::Solver(&solver.index), solver.place))
         }
     }
 }
@@ -292,11 +305,8 @@ struct Details {
 fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
     let mut details = Details::default();
     match chosen(cycle, id) {
-        Some(IndexPattern::Procedure(procedure)) => {
-            profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
-            details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
-            details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
-        }
+        Some(IndexPattern::Stored(procedure)) => of_procedure(cycle, id, procedure, &mut details)?,
+        Some(IndexPattern::Generated(procedure)) => of_procedure(cycle, id, &procedure, &mut details)?,
         Some(IndexPattern::Primitive(primitive)) => {
             profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
             // The duration may use locals, which do not exist yet: then nothing is expected.
@@ -318,8 +328,20 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
     Ok(details)
 }
 
+fn of_procedure(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    procedure: &Procedure,
+    details: &mut Details,
+) -> Result<(), Because> {
+    profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
+    details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
+    details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
+    Ok(())
+}
+
 /// The procedure or primitive that was selected; none for everything else.
-fn chosen(cycle: &Cycle<'_>, id: TaskId) -> Option<IndexPattern> {
+fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
     let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
         Way::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
         Way::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),

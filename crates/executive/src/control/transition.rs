@@ -101,9 +101,12 @@ pub(crate) fn transition(
         cycle.work.resuming.remove(&id);
     }
     let Some(task) = cycle.agent.task_mut(id) else { return false };
+    let again = matches!(trigger, Trigger::Repeated | Trigger::Restarted);
     task.state = to;
     task.since = now;
     task.outcome = outcome.clone().map(Box::new);
+    cycle.work.balance.again |= again;
+    cycle.work.balance.ends |= to == TaskState::Terminated;
     cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);
     if !cycle.agent.interests.ignore_task(id) {
         cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now });

@@ -13,6 +13,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use smallvec::SmallVec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -102,7 +103,10 @@ impl<'a> Evaluator<'a> {
                 None => Err(error(expr.place, format!("the constant {name} is not defined"))),
             },
             ExprKind::Call { function, arguments } => {
-                let values = arguments.iter().map(|argument| self.value(argument)).collect::<Result<Vec<_>, _>>()?;
+                let mut values = SmallVec::<[Value; 4]>::with_capacity(arguments.len());
+                for argument in arguments {
+                    values.push(self.value(argument)?);
+                }
                 self.call(function, &values, expr.place)
             }
             ExprKind::If(test, then, otherwise) => match (self.value(test)?.is_true(), otherwise) {

@@ -103,14 +103,15 @@ pub(super) fn items(value: &Value) -> Result<&[Value], String> {
 ///
 /// # Errors
 /// When there are too many.
-pub(super) fn bounded(items: Vec<Value>) -> Outcome {
+pub(super) fn bounded(mut items: impl AsMut<[Value]>) -> Outcome {
+    let items = items.as_mut();
     if items.len() > LIST_ITEMS_MAX {
         return Err(format!(
             "a list of {} items is longer than the limit LIST_ITEMS_MAX = {LIST_ITEMS_MAX}",
             items.len()
         ));
     }
-    Ok(Value::list(items))
+    Ok(Value::list_of(items))
 }
 
 fn contains(items: &[Value], wanted: &Value) -> bool {

@@ -6,6 +6,10 @@ use super::lists::{bounded, items};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::source::Place;
 use apex_model::value::Value;
+use smallvec::SmallVec;
+
+/// Values on the way into a list: mostly a few.
+type Few = SmallVec<[Value; 8]>;
 
 /// Nesting of templates, which is bounded by the reader already.
 const DEPTH_MAX: usize = apex_model::limits::READ_DEPTH_MAX;
@@ -24,7 +28,7 @@ impl Evaluator<'_> {
             Template::Constant(value) => Ok(value.clone()),
             Template::Hole(expr) | Template::Splice(expr) => self.value(expr),
             Template::List(parts) => {
-                let mut values = Vec::with_capacity(parts.len());
+                let mut values = Few::with_capacity(parts.len());
                 for part in parts {
                     match part {
                         Template::Splice(expr) => {
@@ -65,13 +69,19 @@ fn partially_within(template: &Template, surroundings: &dyn Surroundings, depth:
         Template::Hole(expr) | Template::Splice(expr) => {
             Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
         }
-        Template::List(parts) => Value::list(parts.iter().flat_map(|part| match part {
-            Template::Splice(expr) => match Evaluator::new(surroundings, None).value(expr) {
-                Ok(Value::List(items)) => items.to_vec(),
-                _ => vec![written(expr)],
-            },
-            other => vec![partially_within(other, surroundings, depth)],
-        })),
+        Template::List(parts) => {
+            let mut values = Few::with_capacity(parts.len());
+            for part in parts {
+                match part {
+                    Template::Splice(expr) => match Evaluator::new(surroundings, None).value(expr) {
+                        Ok(Value::List(items)) => values.extend(items.iter().cloned()),
+                        _ => values.push(written(expr)),
+                    },
+                    other => values.push(partially_within(other, surroundings, depth)),
+                }
+            }
+            Value::list_of(&mut values)
+        }
     }
 }
 

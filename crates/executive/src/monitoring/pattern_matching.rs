@@ -32,11 +32,23 @@ pub(crate) fn match_pattern(
 ) -> Result<bool, EvaluationError> {
     let mut steps = 0;
     let length = bindings.len();
-    let result = Matcher { bindings, surroundings, place, steps: &mut steps }.solve(Goal::One(pattern, value));
+    let straight = is_straight(pattern);
+    let mut matcher = Matcher { bindings, surroundings, place, steps: &mut steps };
+    let result = if straight { matcher.straight(pattern, value) } else { matcher.solve(Goal::One(pattern, value)) };
     if !matches!(result, Ok(true)) {
         bindings.truncate(length);
     }
     result
+}
+
+/// Is there one way only to match it, without a choice to take back? Most patterns are so.
+fn is_straight(pattern: &Pattern) -> bool {
+    match pattern {
+        Pattern::Literal(_) | Pattern::Variable(_) | Pattern::BoundVariable(_) | Pattern::Anonymous => true,
+        Pattern::Computed(_) | Pattern::Is { .. } => true,
+        Pattern::List(parts) => parts.iter().all(is_straight),
+        Pattern::Guard(_) | Pattern::Segment { .. } | Pattern::And(_) | Pattern::Or(_) | Pattern::Not(_) => false,
+    }
 }
 
 /// What remains to be matched.
@@ -77,6 +89,41 @@ enum Progress<'a> {
 }
 
 impl Matcher<'_> {
+    /// Matches a straight pattern, part by part. As deep as the pattern, which the reader bounds.
+    fn straight(&mut self, pattern: &Pattern, value: &Value) -> Result<bool, EvaluationError> {
+        match pattern {
+            Pattern::List(parts) => {
+                let Some(values) = value.as_list() else { return Ok(false) };
+                for (part, value) in parts.iter().zip(values) {
+                    if !self.straight(part, value)? {
+                        return Ok(false);
+                    }
+                }
+                Ok(parts.len() == values.len())
+            }
+            _ => self.simple(pattern, value).map(|holds| holds.unwrap_or(false)),
+        }
+    }
+
+    /// The outcome of a pattern that has no parts; none for others.
+    fn simple(&mut self, pattern: &Pattern, value: &Value) -> Result<Option<bool>, EvaluationError> {
+        Ok(Some(match pattern {
+            Pattern::Literal(literal) => literal.matches(value),
+            Pattern::Variable(name) => self.bind(name, value),
+            Pattern::BoundVariable(name) => self
+                .lookup(name)
+                .ok_or_else(|| self.error(format!("<?{name}> must have a value already, but has none here")))?
+                .matches(value),
+            Pattern::Anonymous => true,
+            Pattern::Computed(expr) => self.evaluate(expr)?.matches(value),
+            Pattern::Guard(expr) => self.evaluate(expr)?.is_true(),
+            Pattern::Is { variable, predicate } => self.holds(predicate, value)? && self.bind(variable, value),
+            // A segment outside of a list has no surrounding elements to take.
+            Pattern::Segment { .. } => false,
+            Pattern::List(_) | Pattern::And(_) | Pattern::Or(_) | Pattern::Not(_) => return Ok(None),
+        }))
+    }
+
     fn solve<'p>(&mut self, goal: Goal<'p>) -> Result<bool, EvaluationError> {
         let mut goals: Goals<'p> = Some(Rc::new(Node { goal, next: None }));
         let mut choices: Vec<Choice<'p>> = Vec::new();
@@ -121,24 +168,12 @@ impl Matcher<'_> {
         choices: &mut Vec<Choice<'p>>,
     ) -> Result<Progress<'p>, EvaluationError> {
         let holds = match pattern {
-            Pattern::Literal(literal) => literal.matches(value),
-            Pattern::Variable(name) => self.bind(name, value),
-            Pattern::BoundVariable(name) => self
-                .lookup(name)
-                .ok_or_else(|| self.error(format!("<?{name}> must have a value already, but has none here")))?
-                .matches(value),
-            Pattern::Anonymous => true,
-            Pattern::Computed(expr) => self.evaluate(expr)?.matches(value),
-            Pattern::Guard(expr) => self.evaluate(expr)?.is_true(),
-            Pattern::Is { variable, predicate } => self.holds(predicate, value)? && self.bind(variable, value),
             Pattern::Not(inner) => {
                 let bound = self.bindings.len();
                 let matched = self.solve(Goal::One(inner, value))?;
                 self.bindings.truncate(bound);
                 !matched
             }
-            // A segment outside of a list has no surrounding elements to take.
-            Pattern::Segment { .. } => false,
             Pattern::List(patterns) => match value.as_list() {
                 Some(values) => return Ok(push(Goal::Sequence(patterns, values), next.clone())),
                 None => false,
@@ -156,6 +191,7 @@ impl Matcher<'_> {
                 choices.push(Choice { goal, next: next.clone(), bound: self.bindings.len(), attempt: attempt + 1 });
                 return Ok(push(Goal::One(chosen, value), next.clone()));
             }
+            _ => self.simple(pattern, value)?.unwrap_or(false),
         };
         Ok(if holds { Progress::Continue(next.clone()) } else { Progress::Fail })
     }

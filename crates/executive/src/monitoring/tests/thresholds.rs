@@ -4,6 +4,7 @@ use super::*;
 use apex_model::clause::MonitorId;
 use apex_model::interests::{Interests, Narrowed};
 use apex_model::library::{Library, StateVariableDeclaration};
+use apex_model::monitor_set::Found;
 use apex_model::quantity::{Dimension, Quantity};
 use proptest::prelude::*;
 
@@ -80,7 +81,7 @@ struct Pair {
 
 fn tell(pairs: &mut [Pair], interests: &Interests, stimulus: &Stimulus, view: &View) {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return };
-    let mut found = Vec::new();
+    let mut found = Found::new();
     interests.of_sample(variable, value, *newest, &mut found);
     for (number, pair) in pairs.iter_mut().enumerate() {
         notice(&mut pair.told, stimulus, view);
