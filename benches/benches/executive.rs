@@ -1,62 +1,175 @@
-//! From a sample to a command, with many tasks waiting; and the life of a task.
+//! From a sample to a command, with many tasks waiting; the life of a task; a resource that changes hands.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
+#![allow(clippy::expect_used, reason = "a measurement that did not happen must stop at once")]
 
-use apex_benches::{Driven, SHORT_LIVES, WATCHERS, command_in, level, library};
+use apex_benches::{Driven, WATCHERS, command_in, level, library, programs};
+use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::EventKind;
+use apex_model::task::TaskState;
 use apex_model::value::Value;
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
+
+const COUNTS: [i64; 4] = [100, 1_000, 10_000, 100_000];
+
+/// Times the step that brings `kind`, which must end in a command; the vehicle then answers, outside of the measurement.
+fn to_command(driven: &mut Driven, kind: EventKind) -> Duration {
+    let batch = driven.batch(kind);
+    let start = Instant::now();
+    let effects = driven.step(black_box(&batch));
+    let taken = start.elapsed();
+    let command = command_in(&effects).expect("the waiting task did not command");
+    let done = driven.batch(EventKind::CommandAcknowledged(command, Ok(Value::nil())));
+    driven.step(&done);
+    taken
+}
 
 /// A sample that satisfies one of `count` waiting tasks, each with its own variable, until its command is there.
 fn event_to_command(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to command");
     group.sample_size(20);
-    for count in [1_000_i64, 100_000] {
-        let library = library(&WATCHERS.replace("COUNT", &count.to_string()));
-        let mut driven = Driven::new(&library);
-        let mut next = 0;
-        group.bench_function(BenchmarkId::new("waiting tasks", count), |bencher| {
+    for count in COUNTS {
+        let armed = Driven::new(&library(&programs::waiting(count as usize)));
+        let (mut driven, mut used) = (armed.clone(), 0);
+        group.bench_function(BenchmarkId::new("one step", count), |bencher| {
             bencher.iter_custom(|iterations| {
                 let mut total = Duration::ZERO;
                 for _ in 0..iterations {
-                    next = (next + 7_919) % count;
-                    let batch = driven.batch(level(next, 11));
-                    let start = Instant::now();
-                    let effects = driven.step(black_box(&batch));
-                    total += start.elapsed();
-                    let command = command_in(&effects);
-                    assert!(command.is_some(), "the waiting task did not command");
-                    if let Some(command) = command {
-                        let done = driven.batch(EventKind::CommandAcknowledged(command, Ok(Value::nil())));
-                        driven.step(&done);
+                    if used == count {
+                        (driven, used) = (armed.clone(), 0);
                     }
+                    // A prime stride: the next task is never beside the last one in memory.
+                    total += to_command(&mut driven, level(used * 7_919 % count, 11));
+                    used += 1;
                 }
                 total
             });
         });
-        group.bench_function(BenchmarkId::new("sample nobody watches", count), |bencher| {
+        for (name, clause) in [("then waiting again", "(repeating)"), ("beside the next one", "(responding)")] {
+            let text = WATCHERS.replace("(repeating)", clause).replace("COUNT", &count.to_string());
+            let (mut driven, mut next) = (Driven::new(&library(&text)), 0);
+            group.bench_function(BenchmarkId::new(name, count), |bencher| {
+                bencher.iter_custom(|iterations| {
+                    (0..iterations).fold(Duration::ZERO, |total, _| {
+                        next = (next + 7_919) % count;
+                        total + to_command(&mut driven, level(next, 11))
+                    })
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Samples that touch nobody: of a variable that nobody watches, and on the wrong side of every bound.
+fn event_to_nothing(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("event to nothing");
+    group.sample_size(20);
+    for count in COUNTS {
+        for (name, text, variable) in [
+            ("nobody watches", programs::waiting(count as usize), -1),
+            ("one variable, all bounds above", programs::bounds(count as usize), 0),
+        ] {
+            let mut driven = Driven::new(&library(&text));
+            group.bench_function(BenchmarkId::new(name, count), |bencher| {
+                bencher.iter_custom(|iterations| {
+                    let value = |number| level(variable, (number % 1_000) as i64);
+                    let batches: Vec<_> = (0..iterations).map(|number| driven.batch(value(number))).collect();
+                    let start = Instant::now();
+                    for batch in &batches {
+                        assert!(driven.step(batch).is_empty(), "a sample that touches nobody had an effect");
+                    }
+                    start.elapsed()
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// One variable, as many bounds as tasks: a sample just above the least bound that is left.
+fn one_of_many_bounds(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("one of many bounds");
+    group.sample_size(20);
+    for count in COUNTS {
+        let armed = Driven::new(&library(&programs::bounds(count as usize)));
+        let (mut driven, mut used) = (armed.clone(), 0);
+        group.bench_function(BenchmarkId::new("to command", count), |bencher| {
             bencher.iter_custom(|iterations| {
-                let batches: Vec<_> = (0..iterations).map(|_| driven.batch(level(-1, 11))).collect();
-                let start = Instant::now();
-                for batch in &batches {
-                    black_box(driven.step(batch));
+                let mut total = Duration::ZERO;
+                for _ in 0..iterations {
+                    if used == count {
+                        (driven, used) = (armed.clone(), 0);
+                    }
+                    total += to_command(&mut driven, level(0, 1_001 + used));
+                    used += 1;
                 }
-                start.elapsed()
+                total
             });
         });
     }
     group.finish();
 }
 
-/// Creation, enablement, selection, work and end of a task, a thousand at one instant.
+/// Creation, enablement, selection, work and end of every task of a plan, all at one instant.
 fn task_life(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("task life");
-    let library = library(&SHORT_LIVES.replace("COUNT", "1000"));
-    group.throughput(Throughput::Elements(1_000));
-    group.bench_function("1000 tasks", |bencher| bencher.iter(|| black_box(Driven::new(&library))));
+    group.sample_size(10);
+    for count in COUNTS {
+        let count = count as usize;
+        group.throughput(Throughput::Elements(count as u64));
+        for (shape, text) in [
+            ("flat", programs::flat(count)),
+            ("nested", programs::nested(count)),
+            ("one sequence", programs::sequence(count)),
+            ("one chain of waitfors", programs::chain(count)),
+            ("concurrent", programs::concurrent(count)),
+            ("ranked", programs::ranked(count)),
+        ] {
+            let library = library(&text);
+            let (_, effects) = Driven::begun(&library);
+            let created = |effect: &&Effect| matches!(effect, Effect::Decided(each) if matches!(each.kind, DecisionKind::Created { .. }));
+            assert!(effects.iter().filter(created).count() >= count, "not all tasks were made");
+            assert!(matches!(effects.last(), Some(Effect::EndApplication { .. })), "the plan did not come to its end");
+            group.bench_function(BenchmarkId::new(shape, count), |bencher| {
+                // What was decided is dropped outside of the measurement: whoever takes it decides what becomes of it.
+                bencher.iter_batched(|| Driven::ready(&library), |driven| driven.begin(), BatchSize::PerIteration);
+            });
+        }
+    }
     group.finish();
 }
 
-criterion_group!(benches, event_to_command, task_life);
+/// A more important task takes the arm from its holder, before the eyes of all who wait for it; and gives it back.
+fn hand_off(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("hand-off");
+    group.sample_size(10);
+    for count in [10_usize, 100] {
+        let mut driven = Driven::new(&library(&programs::hand_off(count)));
+        group.bench_function(BenchmarkId::new("interruption and resumption", count), |bencher| {
+            bencher.iter_custom(|iterations| {
+                let mut total = Duration::ZERO;
+                for _ in 0..iterations {
+                    let fire = driven.batch(EventKind::Occurrence(Value::list([Value::symbol("fire")])));
+                    let start = Instant::now();
+                    let effects = driven.step(black_box(&fire));
+                    total += start.elapsed();
+                    let command = command_in(&effects).expect("the fire did not interrupt");
+                    let done = driven.batch(EventKind::CommandAcknowledged(command, Ok(Value::nil())));
+                    let start = Instant::now();
+                    let effects = driven.step(black_box(&done));
+                    total += start.elapsed();
+                    let resumed = effects.iter().any(|effect| matches!(effect, Effect::Decided(each)
+                        if matches!(each.kind, DecisionKind::Transition { from: TaskState::Interrupted, to: TaskState::Ongoing, .. })));
+                    assert!(resumed, "the holder was not resumed");
+                }
+                total
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, event_to_command, event_to_nothing, one_of_many_bounds, task_life, hand_off);
 criterion_main!(benches);

@@ -24,13 +24,6 @@ pub const WATCHERS: &str = "
 (primitive (index (act on ?n)) (on-start (command (act ?n))))
 ";
 
-/// Many tasks that live and end at one instant.
-pub const SHORT_LIVES: &str = "
-(procedure (index (do-domain))
-  (step all (live ?n) (forall ?n in (range COUNT))))
-(primitive (index (live ?n)))
-";
-
 /// A patrol that is interrupted by every fire, for ten thousand seconds.
 pub const PATROL: &str = "
 (procedure (index (do-domain))
@@ -74,7 +67,7 @@ pub fn declaration() -> AgentDeclaration {
 }
 
 /// An agent with the clock and the counter of its inputs.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Driven {
     agent: Agent,
     now: Time,
@@ -82,11 +75,25 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Steps a new agent at mission time 0.
+    /// A new agent that has not begun.
+    pub fn ready(library: &Arc<Library>) -> Driven {
+        Driven { agent: agent(library), now: Time::ZERO, sequence: 0 }
+    }
+
+    /// Begins at mission time 0: the agent and what it wanted done.
+    pub fn begin(mut self) -> (Driven, Vec<Effect>) {
+        let effects = step(&mut self.agent, &Batch { now: Time::ZERO, events: Vec::new() });
+        (self, effects)
+    }
+
+    /// A new agent that has begun, and what it wanted done.
+    pub fn begun(library: &Arc<Library>) -> (Driven, Vec<Effect>) {
+        Driven::ready(library).begin()
+    }
+
+    /// A new agent that has begun.
     pub fn new(library: &Arc<Library>) -> Driven {
-        let mut driven = Driven { agent: agent(library), now: Time::ZERO, sequence: 0 };
-        step(&mut driven.agent, &Batch { now: Time::ZERO, events: Vec::new() });
-        driven
+        Driven::begun(library).0
     }
 
     /// The batch that brings `kind` a millisecond later.

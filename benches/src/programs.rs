@@ -2,6 +2,71 @@
 
 use std::fmt::Write as _;
 
+/// One procedure of `kind`, whose steps `step` writes by number, and the primitive that serves them.
+fn written(kind: &str, steps: usize, step: impl Fn(usize) -> String, primitive: &str) -> String {
+    let mut text = format!("(procedure {kind} (index (do-domain))\n");
+    for number in 0..steps {
+        let _ = writeln!(text, "  {}", step(number));
+    }
+    let _ = write!(text, ")\n(primitive (index (work on ?n)) {primitive})\n");
+    text
+}
+
+/// Steps that each wait for a sample of a variable of their own, and command.
+pub fn waiting(steps: usize) -> String {
+    let step = |number| format!("(step s{number} (work on {number}) (waitfor (level {number} > 10)))");
+    written("", steps, step, "(on-start (command (act ?n)))")
+}
+
+/// Steps that each wait for one variable to exceed a bound of their own, from 1,000 on, and command.
+pub fn bounds(steps: usize) -> String {
+    let step = |number| format!("(step s{number} (work on {number}) (waitfor (level 0 > {})))", 1_000 + number);
+    written("", steps, step, "(on-start (command (act ?n)))")
+}
+
+/// Tasks of one `forall`.
+pub fn flat(tasks: usize) -> String {
+    format!(
+        "(procedure (index (do-domain)) (step all (work on ?n) (forall ?n in (range {tasks}))))
+(primitive (index (work on ?n)))\n"
+    )
+}
+
+/// `tasks` tasks in towers of fifty, each task with one below it.
+pub fn nested(tasks: usize) -> String {
+    const HEIGHT: usize = 50;
+    let towers = (tasks / HEIGHT).max(1);
+    let mut text = format!("(procedure (index (do-domain)) (step all (floor1 ?n) (forall ?n in (range {towers}))))\n");
+    for floor in 1..HEIGHT {
+        let _ = writeln!(text, "(procedure (index (floor{floor} ?n)) (step up (floor{} ?n)))", floor + 1);
+    }
+    let _ = writeln!(text, "(primitive (index (floor{HEIGHT} ?n)))");
+    text
+}
+
+/// One concurrent procedure of `steps` steps.
+pub fn concurrent(steps: usize) -> String {
+    written("", steps, |number| format!("(step s{number} (work on {number}))"), "")
+}
+
+/// One ranked procedure of `steps` steps.
+pub fn ranked(steps: usize) -> String {
+    written(":ranked", steps, |number| format!("(step s{number} (work on {number}))"), "")
+}
+
+/// A task that holds the arm, `competitors` that want it and are less important, and a more important one at every fire.
+pub fn hand_off(competitors: usize) -> String {
+    format!(
+        "(procedure (index (do-domain))
+  (step hold (hold) (priority 3))
+  (step all (want ?n) (forall ?n in (range {competitors})))
+  (step fire (look) (waitfor (fire)) (responding) (priority 5)))
+(primitive (index (hold)) (profile arm) (duration 10h))
+(primitive (index (want ?n)) (profile arm) (duration 1h))
+(primitive (index (look)) (profile arm) (on-start (command (look))))\n"
+    )
+}
+
 /// One sequential procedure of `steps` steps.
 pub fn sequence(steps: usize) -> String {
     let mut text = String::from("(procedure :sequential (index (do-domain))\n");
