@@ -62,6 +62,7 @@ pub fn declaration() -> AgentDeclaration {
         initial_task: Value::list([Value::symbol("do-domain")]),
         bundles: Vec::new(),
         routers: Vec::new(),
+        workload: apex_model::library::DEFAULT_WORKLOAD,
         place: Place::default(),
     }
 }

@@ -41,6 +41,7 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
         name: declaration.name.clone(),
         initial_task: declaration.initial_task.clone(),
         bundles: declaration.bundles.clone(),
+        workload: declaration.workload,
         ..Agent::default()
     };
     monitoring::prepare(&mut agent.histories, &library);

@@ -42,6 +42,8 @@ pub struct Agent {
     pub initial_task: Value,
     /// Bundles it uses; empty is all.
     pub bundles: Vec<Symbol>,
+    /// Its workload, 1 to 9, in the formula of urgency and importance.
+    pub workload: f64,
     /// The instant of the last step.
     pub now: Time,
     /// True when the first step was taken.
@@ -121,6 +123,7 @@ impl Default for Agent {
             name: Symbol::new("agent"),
             initial_task: Value::list([Value::symbol("do-domain")]),
             bundles: Vec::new(),
+            workload: crate::library::DEFAULT_WORKLOAD,
             now: Time::BEGINNING,
             started: false,
             finished: None,

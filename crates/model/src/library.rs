@@ -153,9 +153,14 @@ pub struct AgentDeclaration {
     pub bundles: Vec<Symbol>,
     /// Routers that it publishes to or subscribes to, in written order.
     pub routers: Vec<RouterUse>,
+    /// Its workload, 1 to 9: the more, the more counts importance against urgency.
+    pub workload: f64,
     /// Where it stands.
     pub place: Place,
 }
+
+/// The workload of an agent that names none.
+pub const DEFAULT_WORKLOAD: f64 = 5.0;
 
 /// The router that every agent uses whose declaration has no `:routers`.
 pub const DEFAULT_ROUTER: &str = "default";
@@ -168,6 +173,7 @@ impl AgentDeclaration {
             initial_task: Value::list([Value::symbol("do-domain")]),
             bundles: Vec::new(),
             routers: vec![RouterUse::everything(Symbol::new(DEFAULT_ROUTER), Place::default())],
+            workload: DEFAULT_WORKLOAD,
             place: Place::default(),
         }
     }

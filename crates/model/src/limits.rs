@@ -49,5 +49,9 @@ pub const MONITOR_RESULTS_MAX: usize = 4_096;
 pub const MONITOR_COMBINATIONS_MAX: u64 = 100_000;
 /// Objects that one condition with an object variable follows.
 pub const MONITOR_OBJECTS_MAX: usize = 10_000;
+/// Looks at two priorities that move, to find when one overtakes the other: some 30 halvings of each of 30 spans.
+pub const PRIORITY_SEARCH_MAX: u32 = 2_000;
+/// Milliseconds after which two priorities are compared again whose crossing cannot be computed.
+pub const PRIORITY_LOOK_AGAIN_MS: i64 = 250;
 /// Milliseconds between updates of a primitive whose `update` names no interval: a pilot's hand, not a control loop.
 pub const UPDATE_INTERVAL_DEFAULT_MS: i64 = 100;

@@ -12,8 +12,10 @@ use crate::control::competition::{
 use crate::control::priority;
 use crate::control::sharing::{Use, UseKind, has_room, matters};
 use crate::cycle::Cycle;
+use crate::expression::Surroundings;
 use apex_model::agent::Agent;
 use apex_model::because::{ConflictRule, Strength};
+use apex_model::clause::Level;
 use apex_model::resource::{Need, ResourceId};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
@@ -271,16 +273,25 @@ impl Field<'_, '_> {
             winner_holds: false,
         };
         let refusal = Refusal { loss: told.unwrap_or_else(nobody), rivals: all };
-        let earliest = self.expected_end(&refusal.loss);
+        // It begins when one of those in its way is done, if all of them said when that is.
+        let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
+        let earliest = ends.and_then(|ends| ends.into_iter().min());
         self.note(claimant, UseKind::Awaited(earliest));
         refusal
     }
 
-    /// When the winner of a conflict is expected to be done with the resource, if somebody said.
-    fn expected_end(&self, loss: &Loss) -> Option<Time> {
-        let task = self.cycle.task(loss.winner).filter(|_| loss.winner_holds)?;
+    /// When a rival is expected to be done with the resource, if somebody said; one that only claims it cannot be done
+    /// before it begins.
+    fn expected_end(&self, rival: &Use) -> Option<Time> {
+        if let UseKind::Awaited(earliest) = rival.kind {
+            return earliest;
+        }
+        let task = self.cycle.task(rival.task)?;
         let expected = task.selection.as_ref()?.expected?;
-        Some(task.started_at.unwrap_or(self.cycle.now) + expected)
+        // What it has worked counts, not how long ago it began: it may have been interrupted.
+        let view = self.cycle.view(rival.task, Level::Step);
+        let worked = view.task_time_ongoing(rival.task).unwrap_or_default();
+        Some(self.cycle.now + (expected - worked))
     }
 
     /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.

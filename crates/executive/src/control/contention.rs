@@ -5,7 +5,7 @@
 
 use crate::control::conflict::{self, Arbitration, Loss, Refusal};
 use crate::control::transition::{Trigger, transition};
-use crate::control::{competition, resources};
+use crate::control::{competition, crossing, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use apex_model::because::{Because, Cause, Share};
@@ -162,11 +162,12 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     let loser = refusal.loss.loser;
-    let mut moved = priority::reads_histories(cycle.agent, loser);
+    let mut moved = priority::reads_inputs(cycle.agent, loser);
     let mut at: Option<Time> = None;
     for (rival, holds) in &refusal.rivals {
-        moved |= priority::reads_histories(cycle.agent, *rival);
-        let crossing = crossing_time(cycle, loser, *rival, *holds || cycle.state(*rival) == TaskState::Ongoing);
+        moved |= priority::reads_inputs(cycle.agent, *rival);
+        let holds = *holds || cycle.state(*rival) == TaskState::Ongoing;
+        let crossing = crossing::next_look(cycle.agent, loser, *rival, holds, cycle.now);
         at = [at, crossing].into_iter().flatten().min();
     }
     if moved {
@@ -184,10 +185,4 @@ fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     if let Some(task) = cycle.agent.task_mut(loser) {
         task.extras_mut().crossing = wake;
     }
-}
-
-fn crossing_time(cycle: &Cycle<'_>, loser: TaskId, rival: TaskId, holds: bool) -> Option<Time> {
-    let rising = priority::rises_until(cycle.agent, loser, cycle.now);
-    let until = rising.max(priority::rises_until(cycle.agent, rival, cycle.now))?;
-    priority::crossing(cycle, loser, rival, holds, until)
 }

@@ -1,15 +1,17 @@
 //! Priority (TC)
-//! What: computes how important a task is now, and when a rising priority overtakes another one.
+//! What: computes how important a task is now, and between which values that stays while time passes.
 //! Runs: contend phase.  Reads: priority clauses, ancestors, agent workload.  Writes: nothing.
-//! Bound: O(depth) per task; crossings by bisection in at most 64 + 64 evaluations.
+//! Bound: O(depth) per task.
 //! PDL: `priority`, section 9.  Paper: section III, priority of competitors.
 
+use crate::control::moving::{self, Bounds};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate};
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::because::Strength;
 use apex_model::clause::Level;
+use apex_model::controller::Way;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{PriorityClause, Step};
 use apex_model::source::Place;
@@ -17,12 +19,8 @@ use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Workload of the agent, 1 to 9: how much urgency counts against importance.
-const WORKLOAD: f64 = 5.0;
 /// Added to the priority of an ongoing task when it defends a resource, where nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
-/// Instants looked at when both priorities move.
-const GRID: i64 = 64;
 
 /// The priority of `id` at `at`: the greatest of its own clauses and of its ancestors that are not interrupted.
 pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
@@ -42,7 +40,13 @@ pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
 /// What an ongoing task defends its resources with.
 pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
     let selection = agent.task(id).and_then(|task| task.selection.as_ref());
-    let interrupt_cost = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
+    let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
+    let interrupt_cost = match cost_clause(agent, id) {
+        Some((expr, level)) if !matches!(expr.kind, ExprKind::Constant(_)) => {
+            number(expr, &View { agent, task: id, level, now: at }).unwrap_or(at_choice)
+        }
+        _ => at_choice,
+    };
     Strength { priority: priority(agent, id, at), interrupt_cost }
 }
 
@@ -84,7 +88,8 @@ fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Ti
         PriorityClause::Number(expr) => number(expr, view),
         PriorityClause::UrgencyImportance(urgency, importance) => {
             let urgency = urgency_at(number(urgency, view)?, created(task), at);
-            Some(combined(urgency, number(importance, view)?.clamp(0.0, 10.0)))
+            let importance = number(importance, view)?.clamp(0.0, 10.0);
+            Some(combined(urgency, importance, view.agent.workload))
         }
     }
 }
@@ -113,9 +118,10 @@ fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
     if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
 }
 
-fn combined(urgency: f64, importance: f64) -> f64 {
-    (importance * WORKLOAD * (1.0 - 1.0 / (1.0 + urgency))
-        + urgency * (10.0 - WORKLOAD) * (1.0 - 1.0 / (1.0 + importance)))
+/// The more workload, 1 to 9, the more counts importance against urgency.
+fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
+    (importance * workload * (1.0 - 1.0 / (1.0 + urgency))
+        + urgency * (10.0 - workload) * (1.0 - 1.0 / (1.0 + importance)))
         / 9.0
 }
 
@@ -139,80 +145,95 @@ fn recovery_span(agent: &Agent, task: &Task) -> Option<(Time, Duration)> {
     }
 }
 
-/// When the priorities of the task and its ancestors stop rising by themselves; none when they stand still already.
-pub(crate) fn rises_until(agent: &Agent, id: TaskId, now: Time) -> Option<Time> {
-    let mut latest: Option<Time> = None;
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| agent.task(id)) {
-        let template = task.step().and_then(|step| agent.procedure(step.procedure)?.steps.get(step.step as usize));
-        let view = View { agent, task: task.id, level: Level::Step, now };
-        for clause in template.into_iter().flat_map(|step| &step.priority) {
-            if let PriorityClause::UrgencyImportance(urgency, _) = clause
-                && let Some(urgency) = number(urgency, &view)
-            {
-                latest = latest.max(Some(deadline(urgency, created(task))));
-            }
-        }
-        if template.is_some_and(|step| !step.priority.is_empty())
-            && let Some((ended, span)) = recovery_span(agent, task)
-        {
-            latest = latest.max(Some(ended + span));
-        }
-        next = task.parent;
-    }
-    latest.filter(|latest| *latest > now)
+/// True when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
+pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
+    let computed = |expr: &Expr| !matches!(expr.kind, ExprKind::Constant(_) | ExprKind::Variable { .. });
+    cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
+        || clauses_above(agent, id).any(|(_, clause)| match clause {
+            PriorityClause::Number(expr) => computed(expr),
+            PriorityClause::UrgencyImportance(urgency, importance) => computed(urgency) || computed(importance),
+        })
 }
 
-/// True when the priority of the task or of an ancestor may depend on what is measured.
-pub(crate) fn reads_histories(agent: &Agent, id: TaskId) -> bool {
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| agent.task(id)) {
-        let template = task.step().and_then(|step| agent.procedure(step.procedure)?.steps.get(step.step as usize));
-        let mut exprs = template.into_iter().flat_map(|step| &step.priority).filter_map(|clause| match clause {
-            PriorityClause::Number(expr) => Some(expr),
-            PriorityClause::UrgencyImportance(..) => None,
-        });
-        if exprs.any(|expr| !matches!(expr.kind, ExprKind::Constant(_) | ExprKind::Variable { .. })) {
-            return true;
-        }
-        next = task.parent;
-    }
-    false
+/// True when what the task brings to a conflict changes by the passing of time; its interrupt cost counts `with_cost`.
+pub(crate) fn moves(agent: &Agent, id: TaskId, with_cost: bool) -> bool {
+    let moves = |expr: &Expr| moving::moves(expr, &agent.library);
+    with_cost && cost_clause(agent, id).is_some_and(|(expr, _)| moves(expr))
+        || clauses_above(agent, id).any(|(task, clause)| match clause {
+            _ if recovery_span(agent, task).is_some() => true,
+            PriorityClause::Number(expr) => moves(expr),
+            PriorityClause::UrgencyImportance(..) => true,
+        })
 }
 
-/// The first instant after `now`, and not after `until`, at which `challenger` would beat the defence of `holder`.
-pub(crate) fn crossing(
-    cycle: &Cycle<'_>,
-    challenger: TaskId,
-    holder: TaskId,
-    holds: bool,
-    until: Time,
-) -> Option<Time> {
-    let agent: &Agent = cycle.agent;
-    let ahead = |at: Time| {
-        let defended = if holds { defence(agent, holder, at).total() } else { priority(agent, holder, at) };
-        priority(agent, challenger, at) > defended
+/// The priority clauses of the task and of its ancestors.
+fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
+    let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    family.flat_map(|task| {
+        let step = task.step().filter(|_| matches!(task.origin, apex_model::task::Origin::Step(_)));
+        let template = step.and_then(|step| agent.procedure(step.procedure)?.steps.get(step.step as usize));
+        template.into_iter().flat_map(|step| &step.priority).map(move |clause| (task, clause))
+    })
+}
+
+/// Between which values the priority stays from `from` to `to`, while only time passes.
+pub(crate) fn bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
+    let counts = |task: &Task| task.id == id || task.state != TaskState::Interrupted;
+    let clauses = clauses_above(agent, id).filter(|(task, _)| counts(task));
+    let all = clauses.filter_map(|(task, clause)| clause_bounds(agent, task, clause, from, to));
+    all.reduce(Bounds::greater).unwrap_or(Bounds { low: 0.0, high: 0.0 })
+}
+
+/// Between which values stays what the task defends with.
+pub(crate) fn defence_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
+    let priority = bounds(agent, id, from, to);
+    let cost = match cost_clause(agent, id) {
+        Some((expr, level)) if moving::moves(expr, &agent.library) => {
+            moving::bounds(expr, &View { agent, task: id, level, now: from }, to).unwrap_or(Bounds::ANY)
+        }
+        _ => {
+            let cost = defence(agent, id, from).interrupt_cost;
+            Bounds { low: cost, high: cost }
+        }
     };
-    let now = cycle.now;
-    let step = ((until - now).0 / GRID).max(1);
-    let mut before = now;
-    for index in 1..=GRID {
-        let at = if index == GRID { until } else { now + Duration(step.saturating_mul(index)) };
-        if ahead(at) {
-            return Some(first_after(before, at, &ahead));
-        }
-        before = at;
-    }
-    None
+    Bounds { low: priority.low + cost.low, high: priority.high + cost.high }
 }
 
-/// The least instant in `(low, high]` at which `holds` is true, which is true at `high`.
-fn first_after(mut low: Time, mut high: Time, holds: &dyn Fn(Time) -> bool) -> Time {
-    while (high - low).0 > 1 {
-        let middle = low + Duration((high - low).0 / 2);
-        if holds(middle) { high = middle } else { low = middle }
+/// Urgency, recovery and what is made of them only rise, so their ends are their bounds.
+fn clause_bounds(agent: &Agent, task: &Task, clause: &PriorityClause, from: Time, to: Time) -> Option<Bounds> {
+    let view = View { agent, task: task.id, level: Level::Step, now: from };
+    let value = match clause {
+        PriorityClause::Number(expr) => moving::bounds(expr, &view, to)?,
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            let (urgency, importance) = (moving::bounds(urgency, &view, to)?, moving::bounds(importance, &view, to)?);
+            let at = |urgency: f64, importance: f64, at: Time| {
+                let urgency = urgency_at(urgency.clamp(0.0, 10.0), created(task), at);
+                combined(urgency, importance.clamp(0.0, 10.0), agent.workload)
+            };
+            Bounds { low: at(urgency.low, importance.low, from), high: at(urgency.high, importance.high, to) }
+        }
+    };
+    let (first, last) = (recovery(agent, task, from), recovery(agent, task, to));
+    if first == 1.0 {
+        return Some(value);
     }
-    high
+    Some(Bounds::of(&[first * value.low, first * value.high, last * value.low, last * value.high]))
+}
+
+/// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
+fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
+    let task = agent.task(id)?;
+    if let (apex_model::task::Origin::Step(step), true) = (task.origin, task.selection.is_some())
+        && let Some(expr) = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.interrupt_cost.as_deref()
+    {
+        return Some((expr, Level::Step));
+    }
+    match &task.selection.as_ref()?.way {
+        Way::Procedure(reference, _) => {
+            agent.procedure(*reference)?.interrupt_cost.as_ref().map(|expr| (expr, Level::Procedure))
+        }
+        Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+    }
 }
 
 /// The rank of a task among its siblings, if it has one.
@@ -259,12 +280,7 @@ mod tests {
     #[test]
     fn the_documented_formula() {
         // I = U = 9, S = 5: (9*5*0.9 + 9*5*0.9) / 9 = 9.
-        assert!((combined(9.0, 9.0) - 9.0).abs() < 1e-12);
-        assert_eq!(combined(0.0, 0.0), 0.0);
-    }
-
-    #[test]
-    fn the_first_instant_is_found_exactly() {
-        assert_eq!(first_after(Time(0), Time(1_000_000), &|at| at.0 >= 31_337), Time(31_337));
+        assert!((combined(9.0, 9.0, 5.0) - 9.0).abs() < 1e-12);
+        assert_eq!(combined(0.0, 0.0, 5.0), 0.0);
     }
 }

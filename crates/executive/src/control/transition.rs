@@ -100,6 +100,7 @@ pub(crate) fn transition(
     if from == TaskState::Ongoing {
         cycle.work.resuming.remove(&id);
     }
+    cycle.work.priorities_changed |= !cycle.agent.unsteady.is_empty();
     let Some(task) = cycle.agent.task_mut(id) else { return false };
     let again = matches!(trigger, Trigger::Repeated | Trigger::Restarted);
     task.state = to;

@@ -31,6 +31,8 @@ pub struct Twin {
     present: Option<Moment>,
     /// How often each task lost at this instant.
     losses: Vec<u32>,
+    /// Rank and priority have contradicted one another in a ring: what comes of that depends on what else happens.
+    pub is_ring: bool,
 }
 
 impl Twin {
@@ -51,6 +53,7 @@ impl Twin {
             births: 0,
             present: None,
             losses: vec![0; count],
+            is_ring: false,
         };
         twin.create_children(None);
         twin.settle();
@@ -198,6 +201,7 @@ impl Twin {
         let changed = !(granted.is_empty() && impossible.is_empty());
         for task in displaced {
             self.losses[task] += 1;
+            self.is_ring |= self.losses[task] > 1;
             self.change(task, State::Interrupted);
         }
         for task in impossible {

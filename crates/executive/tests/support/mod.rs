@@ -37,6 +37,7 @@ pub fn agent_of(library: Arc<Library>) -> Agent {
         initial_task: Value::list([Value::symbol("do-domain")]),
         bundles: Vec::new(),
         routers: Vec::new(),
+        workload: apex_model::library::DEFAULT_WORKLOAD,
         place: Place::default(),
     });
     load(library, &declaration, HostFunctions::default()).unwrap()

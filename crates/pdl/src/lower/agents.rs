@@ -7,11 +7,14 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
 use apex_model::expression::Template;
-use apex_model::library::{AgentDeclaration, DEFAULT_ROUTER, Library, RouterDeclaration, RouterUse, Topics};
+use apex_model::library::{
+    AgentDeclaration, DEFAULT_ROUTER, DEFAULT_WORKLOAD, Library, RouterDeclaration, RouterUse, Topics,
+};
+use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-const AGENT_SHAPE: &str = "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)])";
+const AGENT_SHAPE: &str = "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9])";
 const ROUTER_SHAPE: &str = "(router NAME [:carries (TOPIC..)])";
 
 /// A name of something that another form must define.
@@ -42,7 +45,7 @@ impl Lowering {
         }
     }
 
-    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)])`
+    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9])`
     pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
         let (before, options) = groups(form.tail());
         let [named @ Datum { kind: DatumKind::Symbol(name), span }] = before else {
@@ -53,7 +56,7 @@ impl Lowering {
             return self
                 .refuse(Diagnostic::error(codes::DUPLICATE_DEFINITION, *span, message).help("rename one of them"));
         }
-        self.check_groups(&options, &["initial-task", "use-bundles", "routers"], "`agent`")?;
+        self.check_groups(&options, &["initial-task", "use-bundles", "routers", "workload"], "`agent`")?;
         let task = self.optional(&options, "initial-task", |lowering, datum| lowering.initial_task(datum))?;
         let (initial_task, source) = match task {
             Some(source) => (source.to_value(), source),
@@ -69,7 +72,21 @@ impl Lowering {
             Some(group) => self.router_uses(group.values)?,
             None => vec![RouterUse::everything(Symbol::new(DEFAULT_ROUTER), place)],
         };
-        Some(AgentDeclaration { name: name.clone(), initial_task, bundles, routers, place })
+        let workload = self.optional(&options, "workload", |lowering, datum| lowering.workload(datum))?;
+        let workload = workload.unwrap_or(DEFAULT_WORKLOAD);
+        Some(AgentDeclaration { name: name.clone(), initial_task, bundles, routers, workload, place })
+    }
+
+    fn workload(&mut self, datum: &Datum) -> Option<f64> {
+        let number = datum.to_value().as_number().filter(|(_, dimension)| *dimension == Dimension::NONE);
+        match number {
+            Some((workload, _)) if (1.0..=9.0).contains(&workload) => Some(workload),
+            _ => {
+                let message = "a workload is a number from 1 to 9";
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, message);
+                self.refuse(diagnostic.help("1: urgency decides; 9: importance decides; without the word it is 5"))
+            }
+        }
     }
 
     fn initial_task(&mut self, datum: &Datum) -> Option<Datum> {

@@ -44,6 +44,7 @@ pub(crate) fn load(sources: &[SourceFile]) -> Result<Program, String> {
         initial_task: Value::list([Value::symbol("do-domain")]),
         bundles: Vec::new(),
         routers: Vec::new(),
+        workload: apex_model::library::DEFAULT_WORKLOAD,
         place: Place::default(),
     };
     Ok((Arc::new(checked.library), declaration, HostFunctions::default()))
