@@ -5,10 +5,12 @@
 
 mod bindings;
 mod bound;
+mod dimensions;
 mod endings;
 mod flow;
 mod horn;
 mod impossible;
+mod kinds;
 mod limits;
 mod locate;
 mod loops;
@@ -68,6 +70,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, foreign: &BTreeSet<u32>)
     profiles::check(&program, &mut report);
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
+    dimensions::check(&program, &mut report);
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);

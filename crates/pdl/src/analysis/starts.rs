@@ -73,7 +73,9 @@ impl<'l> Waits<'l> {
         let procedure = library.procedures.get(number)?;
         let is_sequence = procedure.kind == ProcedureKind::Sequential && procedure.steps.len() > 1;
         let waits = |step: &Step| !step.waitfor.is_empty() || step.binds.is_some();
-        if !is_sequence && !procedure.steps.iter().any(waits) {
+        let passes = |(index, step): (usize, &Step)| can_end(step, number, index, endings) && !goes_on(procedure, step);
+        let mut before_last = procedure.steps.iter().enumerate().take(procedure.steps.len().saturating_sub(1));
+        if !procedure.steps.iter().any(waits) && (!is_sequence || before_last.all(passes)) {
             return None;
         }
         let needs = needs_of(library, procedure);

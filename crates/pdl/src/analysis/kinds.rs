@@ -1,0 +1,224 @@
+//! What kind of value an expression has: a number of a dimension, an instant, or neither, as far as the program tells.
+//! Follows `let`, functions, indexicals and queries of declared state variables.
+
+use super::Program;
+use super::resemblance::QUERIES;
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::Library;
+use apex_model::quantity::{Dimension, unit_named};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+
+/// The kind of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Not known before it is there.
+    Unknown,
+    /// A number, quantity or span of time of this dimension.
+    Number(Dimension),
+    /// A point in time.
+    Instant,
+    /// Something else, in words.
+    Other(&'static str),
+}
+
+impl Kind {
+    /// In words, with an article where there is one.
+    pub(crate) fn words(self) -> String {
+        match self {
+            Kind::Unknown => "unknown".to_string(),
+            Kind::Number(Dimension::TIME) => "a span of time".to_string(),
+            Kind::Number(dimension) => dimension.to_string(),
+            Kind::Instant => "an instant".to_string(),
+            Kind::Other(what) => what.to_string(),
+        }
+    }
+
+    /// The kind of both, where they agree.
+    fn join(self, other: Kind) -> Kind {
+        if self == other { self } else { Kind::Unknown }
+    }
+}
+
+/// Calls of functions and indexicals that are followed into each other.
+const DEPTH_MAX: usize = 8;
+/// Expressions looked at to find out about one.
+const STEPS_MAX: usize = 2_000;
+
+/// Finds kinds.
+pub(crate) struct Kinds<'l> {
+    library: &'l Library,
+    /// Variables of functions and `let`s, innermost last.
+    locals: Vec<(&'l Symbol, Kind)>,
+    depth: usize,
+    steps: usize,
+}
+
+impl<'l> Kinds<'l> {
+    /// The kind of `expr`, which stands outside of functions.
+    pub(crate) fn of(program: &Program<'l>, expr: &'l Expr) -> Kind {
+        Kinds { library: program.library, locals: Vec::new(), depth: 0, steps: 0 }.kind(expr)
+    }
+
+    fn kind(&mut self, expr: &'l Expr) -> Kind {
+        self.steps += 1;
+        if self.steps > STEPS_MAX {
+            return Kind::Unknown;
+        }
+        match &expr.kind {
+            ExprKind::Constant(value) => of_value(value),
+            ExprKind::Local(name) => {
+                self.locals.iter().rev().find(|(local, _)| *local == name).map_or(Kind::Unknown, |(_, kind)| *kind)
+            }
+            ExprKind::Indexical(name) => self.indexical(name),
+            ExprKind::Call { function, arguments } => self.call(function, arguments),
+            ExprKind::If(_, then, Some(otherwise)) => self.kind(then).join(self.kind(otherwise)),
+            ExprKind::Let { sequential, bindings, body } => self.scoped(|kinds| {
+                let mut found = Vec::new();
+                for (name, value) in bindings {
+                    let kind = kinds.kind(value);
+                    if *sequential { kinds.locals.push((name, kind)) } else { found.push((name, kind)) }
+                }
+                kinds.locals.extend(found);
+                kinds.body(body)
+            }),
+            ExprKind::Sequence(body) => self.body(body),
+            ExprKind::Template(_) => Kind::Other("a list"),
+            _ => Kind::Unknown,
+        }
+    }
+
+    fn body(&mut self, body: &'l [Expr]) -> Kind {
+        body.last().map_or(Kind::Unknown, |last| self.kind(last))
+    }
+
+    fn scoped(&mut self, action: impl FnOnce(&mut Self) -> Kind) -> Kind {
+        let length = self.locals.len();
+        let kind = action(self);
+        self.locals.truncate(length);
+        kind
+    }
+
+    /// In a body that sees `locals` alone.
+    fn apart(&mut self, locals: Vec<(&'l Symbol, Kind)>, body: &'l [Expr]) -> Kind {
+        if self.depth >= DEPTH_MAX {
+            return Kind::Unknown;
+        }
+        self.depth += 1;
+        let outer = std::mem::replace(&mut self.locals, locals);
+        let kind = self.body(body);
+        self.locals = outer;
+        self.depth -= 1;
+        kind
+    }
+
+    fn indexical(&mut self, name: &Symbol) -> Kind {
+        match name.folded() {
+            "now" | "beginning-of-time" | "end-of-time" => Kind::Instant,
+            "tot" | "met" => Kind::Number(Dimension::TIME),
+            "self" => Kind::Other("a name"),
+            _ => match self.library.indexicals.get(name) {
+                Some(expr) => self.apart(Vec::new(), std::slice::from_ref(expr)),
+                None => Kind::Unknown,
+            },
+        }
+    }
+
+    fn call(&mut self, function: &Symbol, arguments: &'l [Expr]) -> Kind {
+        if let Some(defined) = self.library.functions.get(function) {
+            let kinds: Vec<Kind> = arguments.iter().map(|argument| self.kind(argument)).collect();
+            let names = defined.parameters.required.iter();
+            // Further parameters have no known kind.
+            let locals: Vec<(&Symbol, Kind)> = names.zip(kinds).collect();
+            return self.apart(locals, &defined.body);
+        }
+        match (function.folded(), arguments) {
+            ("+" | "-", all) => {
+                let kinds: Vec<Kind> = all.iter().map(|part| self.kind(part)).collect();
+                sum(function.is("-"), &kinds)
+            }
+            ("max" | "min" | "mod" | "rem", [first, rest @ ..]) => {
+                let first = self.kind(first);
+                rest.iter().fold(first, |kind, part| kind.join(self.kind(part)))
+            }
+            ("abs" | "1+" | "1-", [one]) => self.kind(one),
+            ("*", all) => self.product(all, Dimension::times),
+            ("/", [first, rest @ ..]) if !rest.is_empty() => {
+                match (self.kind(first), self.product(rest, Dimension::times)) {
+                    (Kind::Number(above), Kind::Number(below)) => Kind::Number(above.over(below)),
+                    _ => Kind::Unknown,
+                }
+            }
+            ("floor" | "ceiling" | "round" | "truncate", [one]) => match self.kind(one) {
+                Kind::Number(Dimension::NONE) => Kind::Number(Dimension::NONE),
+                _ => Kind::Unknown,
+            },
+            ("length" | "in-unit" | "sin" | "cos" | "tan", _) => Kind::Number(Dimension::NONE),
+            ("asin" | "acos" | "atan", _) => Kind::Number(Dimension::ANGLE),
+            ("duration-of" | "elapsed", [_]) => Kind::Number(Dimension::TIME),
+            ("start-of" | "end-of" | "time-of", [_]) => Kind::Instant,
+            ("quantity", [_, unit]) => match &unit.kind {
+                ExprKind::Constant(value) => {
+                    let unit = value.as_symbol().and_then(|unit| unit_named(unit.printed()));
+                    unit.map_or(Kind::Unknown, |unit| Kind::Number(unit.dimension))
+                }
+                _ => Kind::Unknown,
+            },
+            ("list" | "cons" | "append" | "reverse" | "range" | "mapcar" | "sort", _) => Kind::Other("a list"),
+            ("format" | "concatenate" | "string-upcase" | "string-downcase" | "symbol-name", _) => {
+                Kind::Other("a text")
+            }
+            (query, [attribute, ..]) if QUERIES.contains(&query) && query != "samples-over" => self.queried(attribute),
+            _ => Kind::Unknown,
+        }
+    }
+
+    fn product(&mut self, parts: &'l [Expr], times: impl Fn(Dimension, Dimension) -> Dimension) -> Kind {
+        let mut product = Dimension::NONE;
+        for part in parts {
+            let Kind::Number(dimension) = self.kind(part) else { return Kind::Unknown };
+            product = times(product, dimension);
+        }
+        Kind::Number(product)
+    }
+
+    /// Values of a declared state variable.
+    fn queried(&self, attribute: &Expr) -> Kind {
+        let ExprKind::Constant(Value::Symbol(attribute)) = &attribute.kind else { return Kind::Unknown };
+        match self.library.state_variables.get(attribute) {
+            Some(declared) if declared.unit.is_some() => Kind::Number(declared.dimension),
+            _ => Kind::Unknown,
+        }
+    }
+}
+
+fn of_value(value: &Value) -> Kind {
+    match value {
+        Value::Time(_) => Kind::Instant,
+        Value::Text(_) => Kind::Other("a text"),
+        Value::Symbol(_) => Kind::Other("a name"),
+        Value::List(items) if !items.is_empty() => Kind::Other("a list"),
+        other => other.as_number().map_or(Kind::Unknown, |(_, dimension)| Kind::Number(dimension)),
+    }
+}
+
+/// The kind of a sum or difference whose parts agree.
+fn sum(is_difference: bool, kinds: &[Kind]) -> Kind {
+    let instants = kinds.iter().filter(|kind| **kind == Kind::Instant).count();
+    match (kinds, instants) {
+        ([Kind::Instant, Kind::Instant], _) if is_difference => Kind::Number(Dimension::TIME),
+        (_, 0) => kinds.iter().copied().reduce(Kind::join).unwrap_or(Kind::Unknown),
+        (_, 1) if kinds.iter().all(|kind| matches!(kind, Kind::Instant | Kind::Number(Dimension::TIME))) => {
+            Kind::Instant
+        }
+        _ => Kind::Unknown,
+    }
+}
+
+/// Literal numbers that may stand for zero of anything.
+pub(crate) fn is_zero(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Constant(value) => value.as_number().is_some_and(|(number, _)| number == 0.0),
+        _ => false,
+    }
+}
