@@ -45,26 +45,35 @@ pub(crate) fn run_hooks(
     clause: &'static str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
+    run_inner_hook(cycle, id, clause, &which);
+    run_step_hook(cycle, id, clause, which);
+}
+
+/// Runs a hook of the procedure or primitive that is at work for the task; none is while a handler is.
+pub(crate) fn run_inner_hook(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: &'static str,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
     let library = cycle.library;
-    match cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way) {
-        Some(Way::Procedure(ProcedureRef::Stored(index), _)) => {
-            if let Some(procedure) = library.procedures.get(*index as usize) {
-                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
-            }
-        }
-        Some(Way::Procedure(reference, _)) => {
-            if let Some(procedure) = cycle.agent.procedure(*reference).cloned() {
-                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
-            }
-        }
-        Some(Way::Primitive(index, _)) => {
-            if let Some(primitive) = library.primitives.get(*index as usize) {
+    let reference = match cycle.task(id).and_then(|task| task.controller.as_deref()) {
+        Some(Controller::Procedure(state)) => state.procedure,
+        Some(Controller::Primitive(state)) => {
+            if let Some(primitive) = library.primitives.get(state.primitive as usize) {
                 hooks::run_hook(cycle, id, Level::Procedure, clause, which(&primitive.hooks));
             }
+            return;
         }
-        Some(Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_)) | None => {}
+        _ => return,
+    };
+    if let ProcedureRef::Stored(index) = reference {
+        if let Some(procedure) = library.procedures.get(index as usize) {
+            hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
+        }
+    } else if let Some(procedure) = cycle.agent.procedure(reference).cloned() {
+        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
     }
-    run_step_hook(cycle, id, clause, which);
 }
 
 /// Runs a hook of the task's step.

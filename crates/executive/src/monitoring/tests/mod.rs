@@ -2,6 +2,7 @@
 
 mod against_definition;
 mod combinations;
+mod patterns;
 mod stories;
 mod thresholds;
 
