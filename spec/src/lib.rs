@@ -4,6 +4,7 @@
 //! few words a line ([`projection`]) and compared with what the page says ([`diff`]); a `why` block asks its record
 //! ([`question`]). See `README.md` for the blocks.
 
+pub mod coverage;
 pub mod diff;
 pub mod outside;
 pub mod page;

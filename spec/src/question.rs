@@ -13,7 +13,7 @@ pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String,
     let parts = question.rsplit_once('@');
     let (task, at) = parts.ok_or_else(|| format!("`{word} {question}`: expected a task and an instant, `TASK@2s`"))?;
     let at = scenario::read_time(at).map_err(|reason| format!("`{word} {question}`: {reason}"))?;
-    let program = scenario::program(&scenario.pdl)?;
+    let program = scenario::program_of(scenario)?;
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let path = folder.path().join(PROGRAM_NAME).with_extension("apex");
     let told = |error: apex_runtime::error::RecordError| error.to_string();

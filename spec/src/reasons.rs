@@ -111,3 +111,28 @@ impl Observer for Asker {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario;
+
+    #[test]
+    fn a_task_that_cannot_say_what_it_waits_for_is_found() {
+        let pdl = "(procedure (index (do-domain)) (step a (print \"x\") (waitfor (go))))";
+        let (library, declaration, host) = scenario::program(pdl).expect("the program is right");
+        let mut agent = apex_executive::load(library, &declaration, host).expect("it can be loaded");
+        apex_executive::step(&mut agent, &Batch { now: Time::ZERO, events: Vec::new() });
+        let mut asker = Asker::default();
+        asker.inspect(&agent, Time::ZERO).expect("inspection always goes on");
+        assert!(asker.missing().is_empty(), "{:?}", asker.missing());
+        let waiting = agent.tasks.iter().map(|(_, task)| task.id).last().expect("there is a task");
+        agent.task_mut(waiting).expect("it lives").monitors.clear();
+        asker.inspect(&agent, Time::ZERO).expect("inspection always goes on");
+        assert!(
+            asker.missing().iter().any(|line| line.contains("no reason of kind Condition")),
+            "{:?}",
+            asker.missing()
+        );
+    }
+}

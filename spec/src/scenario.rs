@@ -25,6 +25,8 @@ const UNTIL_DEFAULT: Time = Time(3600 * apex_model::time::NANOSECONDS_PER_SECOND
 pub struct Scenario {
     /// The program.
     pub pdl: String,
+    /// Files that it may require, by name.
+    pub files: Vec<(String, String)>,
     /// Inputs as JSON lines.
     pub inputs: String,
     /// `until 20s`, `show print ongoing`, `vehicle silent`, `planner fails after 3s no idea`.
@@ -39,7 +41,7 @@ pub struct Scenario {
 pub fn run(scenario: &Scenario) -> Result<Teller, String> {
     let mut teller = Teller::new(&read_options(&scenario.options)?.kinds)?;
     let mut asker = Asker::default();
-    let program = program(&scenario.pdl)?;
+    let program = program_of(scenario)?;
     if program.0.has_several_agents() {
         teller.name_agents(program.0.agents.iter().map(|agent| agent.name.printed().to_string()).collect());
     }
@@ -59,7 +61,15 @@ pub fn run(scenario: &Scenario) -> Result<Teller, String> {
 /// # Errors
 /// The checker's messages.
 pub fn program(pdl: &str) -> Result<Program, String> {
-    let checked = check(pdl);
+    program_of(&Scenario { pdl: pdl.to_string(), ..Scenario::default() })
+}
+
+/// The same, with the files that the program requires.
+///
+/// # Errors
+/// The checker's messages.
+pub fn program_of(scenario: &Scenario) -> Result<Program, String> {
+    let checked = check(scenario);
     if checked.has_errors() {
         return Err(format!("the program has errors:\n{}", messages(&checked)));
     }
@@ -89,8 +99,8 @@ pub fn run_observed(
     Ok(fly_all(&mut agents, &mut vehicle, &mut planner, observers, options))
 }
 
-/// Checks a page's program; shipped libraries are found.
-pub fn check(pdl: &str) -> Checked {
+/// Checks a page's program; shipped libraries and the page's files are found.
+pub fn check(scenario: &Scenario) -> Checked {
     let host: Vec<HostSignature> = apex_geo::functions::host_signatures()
         .into_iter()
         .map(|(name, parameters_min, parameters_max)| HostSignature {
@@ -100,7 +110,8 @@ pub fn check(pdl: &str) -> Checked {
             pure: true,
         })
         .collect();
-    let source = SourceText { name: PROGRAM_NAME.to_string(), text: pdl.to_string() };
+    let source = SourceText { name: PROGRAM_NAME.to_string(), text: scenario.pdl.clone() };
+    let mut resolve = |requirement| resolve(requirement, &scenario.files);
     apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &host, resolve: &mut resolve })
 }
 
@@ -110,14 +121,17 @@ pub fn messages(checked: &Checked) -> String {
     rendered.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-fn resolve(requirement: Requirement) -> Result<SourceText, String> {
+fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<SourceText, String> {
     match requirement {
         Requirement::Library(name) => {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../library").join(format!("{name}.pdl"));
             let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             Ok(SourceText { name: format!("library/{name}.pdl"), text })
         }
-        Requirement::File { name, .. } => Err(format!("a page has no file `{name}`")),
+        Requirement::File { name, .. } => match files.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => Ok(SourceText { name, text: text.clone() }),
+            None => Err(format!("this page has no file `{name}`")),
+        },
     }
 }
 

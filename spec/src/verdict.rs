@@ -65,7 +65,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
         let actual = match block.kind.as_str() {
             "trace" => scenario::run(&scenario).map(|told| told.text()),
             word @ ("why" | "why-not") => question::answer(&scenario, word, &block.argument),
-            "check" => Ok(scenario::messages(&scenario::check(&scenario.pdl))),
+            "check" => Ok(scenario::messages(&scenario::check(&scenario))),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };
         (block, actual)
@@ -74,13 +74,15 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
 }
 
 /// Each block that is no part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
-/// of their kind; a new program starts without inputs and options.
+/// of their kind; a new program starts without inputs and options, and with the files before it.
 pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
     let mut scenario = Scenario::default();
+    let mut files = Vec::new();
     let mut found = Vec::new();
     for block in page::blocks(text) {
         match block.kind.as_str() {
-            "pdl" => scenario = Scenario { pdl: block.body, ..Scenario::default() },
+            "pdl" => scenario = Scenario { pdl: block.body, files: files.clone(), ..Scenario::default() },
+            "file" => files.push((block.argument, block.body)),
             "inputs" => scenario.inputs = block.body,
             "options" => scenario.options = block.body,
             "" => {}

@@ -77,7 +77,7 @@ impl Checked {
 }
 
 /// Top-level forms.
-const FORMS: &[&str] = &[
+pub(crate) const FORMS: &[&str] = &[
     "agent",
     "declare-function",
     "defapplication",

@@ -18,6 +18,7 @@ mod read;
 mod render;
 mod suggest;
 mod syntax;
+mod vocabulary;
 
 pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
 pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check, check_forms};
@@ -27,3 +28,4 @@ pub use fix::{Applicability, Fix, TextEdit};
 pub use format::format;
 pub use print::{print_condition, print_expression, print_plan, print_primitive, print_procedure};
 pub use render::render;
+pub use vocabulary::{VOCABULARY, Words};

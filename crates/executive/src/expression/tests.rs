@@ -387,3 +387,18 @@ fn templates_fill_their_holes_or_show_them() {
     view.variables.set(Symbol::new("speed"), Value::Integer(9));
     assert_eq!(instantiate(&template, &view).unwrap().to_string(), "(fly-to 1 2 9)");
 }
+
+#[test]
+fn a_host_function_that_panics_has_failed() {
+    let mut view = View::default();
+    view.host.register("lookup", Arc::new(|arguments: &[Value]| Ok(arguments[7].clone())));
+    let error = evaluate(&call("lookup", vec![int(1)]), &view).unwrap_err();
+    assert!(error.message.contains("panicked: index out of bounds"), "{}", error.message);
+    view.host.register("refuse", Arc::new(|_: &[Value]| panic!("no such aircraft")));
+    let error = evaluate(&call("refuse", vec![]), &view).unwrap_err();
+    assert!(
+        error.message.contains("panicked: no such aircraft; this is a fault of that function"),
+        "{}",
+        error.message
+    );
+}

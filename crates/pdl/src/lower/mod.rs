@@ -36,7 +36,10 @@ pub(crate) use compose::ALLEN;
 pub(crate) use goals::{Goal, Served};
 pub(crate) use indexes::shape;
 pub(crate) use names::{Callable, Names};
+pub(crate) use primitive::CLAUSES as PRIMITIVE_CLAUSES;
+pub(crate) use procedure::CLAUSES as PROCEDURE_CLAUSES;
 pub(crate) use scope::Scope;
+pub(crate) use step::{REPEATING_OPTIONS, STEP_CLAUSES};
 
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::read::Datum;

@@ -9,7 +9,8 @@ use apex_model::expression::Expr;
 use apex_model::procedure::{Hooks, Primitive};
 use apex_model::symbol::Symbol;
 
-const CLAUSES: &[&str] = &[
+/// Clauses of a primitive.
+pub(crate) const CLAUSES: &[&str] = &[
     "index",
     "profile",
     "locals",

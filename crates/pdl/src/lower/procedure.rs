@@ -11,7 +11,8 @@ use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Tra
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
-const CLAUSES: &[&str] = &[
+/// Clauses of a procedure.
+pub(crate) const CLAUSES: &[&str] = &[
     "index",
     "step",
     "profile",

@@ -23,6 +23,9 @@ pub(crate) struct StepSource<'d> {
     pub(crate) span: Span,
 }
 
+/// Options of `repeating`; `responding` knows some of them.
+pub(crate) const REPEATING_OPTIONS: &[&str] =
+    &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"];
 /// Clauses of a step.
 pub(crate) const STEP_CLAUSES: &[&str] = &[
     "waitfor",
@@ -239,11 +242,7 @@ impl Lowering {
     fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
         let (stray, options) = groups(clause.tail());
         self.no_stray(stray)?;
-        let known: &[&str] = if repeating {
-            &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"]
-        } else {
-            &["while", "until", "for-new"]
-        };
+        let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
         self.check_groups(&options, known, &format!("`{}`", clause.head_name()))?;
         let test = |lowering: &mut Lowering, datum: &Datum| lowering.pure_expression(datum, "a repetition");
         let while_true = self.optional(&options, "while", test)?;
