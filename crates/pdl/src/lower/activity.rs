@@ -6,14 +6,9 @@ use super::{Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
-use crate::suggest::renames;
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::value::Value;
-
-/// Names of outcomes, the usual ones first.
-const OUTCOMES: &[&str] =
-    &["success", "failure", "cut", "succeed", "succeeded", "ok", "done", "fail", "failed", "abort", "aborted"];
 
 impl Lowering {
     /// Lowers an activity. `items` is the activity without a `=>` inside.
@@ -59,9 +54,6 @@ impl Lowering {
             [task, outcome] => (Some(task), Some(outcome)),
             _ => return self.malformed_terminate(datum),
         };
-        if let Some(outcome) = outcome {
-            self.check_outcome(outcome)?;
-        }
         self.pure("an activity", |lowering| {
             let task = task.map(|task| lowering.task_expression(task));
             let outcome = outcome.map(|outcome| lowering.expression(outcome));
@@ -69,23 +61,6 @@ impl Lowering {
             let boxed = |part: Option<Option<Expr>>| swap(part).map(|part| part.map(Box::new));
             Some(Activity::Terminate { task: boxed(task)?, outcome: boxed(outcome)?, value: boxed(value)? })
         })
-    }
-
-    /// Refuses the name of an outcome that does not exist.
-    fn check_outcome(&mut self, outcome: &Datum) -> Option<()> {
-        let name = match &outcome.kind {
-            DatumKind::Symbol(name) => name,
-            DatumKind::Quote(inner) => inner.as_symbol()?,
-            _ => return Some(()),
-        };
-        if self.scope.is_local(name) || OUTCOMES.iter().any(|known| name.is(known)) {
-            return Some(());
-        }
-        let diagnostic =
-            Diagnostic::error(codes::MALFORMED, outcome.span, format!("a task does not end with `{name}`"));
-        let fixes = renames(outcome.span, name.printed(), OUTCOMES.iter().copied());
-        let all = || "outcomes are `success`, `failure` and `cut`; a value stands after `>>`".to_string();
-        self.refuse(diagnostic.fixes_or_help(fixes, all))
     }
 
     fn malformed_terminate<T>(&mut self, datum: &Datum) -> Option<T> {
