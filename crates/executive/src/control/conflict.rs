@@ -164,8 +164,9 @@ impl Field<'_, '_> {
         }
         for index in (0..losses.len()).rev() {
             let spared = losses.remove(index);
-            if self.lacking(claimant, &losses).is_some() {
-                losses.insert(index, spared);
+            if let Some(need) = self.lacking(claimant, &losses) {
+                // What is missing without this loss is what it is about.
+                losses.insert(index, Loss { resource: need.resource, ..spared });
             }
         }
         for uses in self.uses.values_mut() {

@@ -1,0 +1,106 @@
+//! Computed crossings of priorities against a naive twin that looks at both priorities every ten milliseconds.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test stops where it is surprised, and runs on one platform"
+)]
+
+mod support;
+
+use apex_executive::step;
+use apex_model::event::Batch;
+use proptest::prelude::*;
+use support::{agent, seconds};
+
+/// A priority clause as text, and its value at `t` seconds by the formulas of `pdl.md` section 9.
+#[derive(Clone, Copy, Debug)]
+enum Clause {
+    Number(f64),
+    Urgency(f64, f64),
+    /// `a + b * met`
+    Line(f64, f64),
+    /// High for a while.
+    Window(f64, f64),
+    /// A parabola of the mission time with its top at `a` seconds.
+    Hill(f64),
+}
+
+impl Clause {
+    fn text(self) -> String {
+        match self {
+            Clause::Number(number) => format!("(priority {number})"),
+            Clause::Urgency(urgency, importance) => format!("(priority :urgency {urgency} :importance {importance})"),
+            Clause::Line(start, slope) => format!("(priority (+ {start} (* {slope} (/ +met+ 1s))))"),
+            Clause::Window(from, length) => {
+                format!("(priority (if (and (> +met+ {from}s) (<= +met+ {}s)) 9 0))", from + length)
+            }
+            Clause::Hill(top) => {
+                let away = format!("(/ (- +met+ {top}s) 1s)");
+                format!("(priority (- 6 (/ (* {away} {away}) 100)))")
+            }
+        }
+    }
+
+    fn value(self, t: f64) -> f64 {
+        match self {
+            Clause::Number(number) => number,
+            Clause::Urgency(urgency, importance) => {
+                let left = f64::exp2(9.0 - urgency) - t;
+                let urgency = if left <= 0.5 { 10.0 } else { (9.0 - left.log2()).clamp(0.0, 10.0) };
+                let parts = importance * 5.0 * (1.0 - 1.0 / (1.0 + urgency));
+                (parts + urgency * 5.0 * (1.0 - 1.0 / (1.0 + importance))) / 9.0
+            }
+            Clause::Line(start, slope) => start + slope * t,
+            Clause::Window(from, length) => f64::from(u8::from(t > from && t <= from + length)) * 9.0,
+            Clause::Hill(top) => 6.0 - (t - top) * (t - top) / 100.0,
+        }
+    }
+}
+
+fn clauses() -> impl Strategy<Value = Vec<Clause>> {
+    let clause = prop_oneof![
+        (0_i32..60).prop_map(|tenths| Clause::Number(f64::from(tenths) / 10.0)),
+        (0_i32..90, 0_i32..100).prop_map(|(u, i)| Clause::Urgency(f64::from(u) / 10.0, f64::from(i) / 10.0)),
+        (0_i32..50, -20_i32..30).prop_map(|(a, b)| Clause::Line(f64::from(a) / 10.0, f64::from(b) / 100.0)),
+        (1_i32..90, 1_i32..20).prop_map(|(a, b)| Clause::Window(f64::from(a), f64::from(b) / 10.0)),
+        (1_i32..90).prop_map(|top| Clause::Hill(f64::from(top))),
+    ];
+    prop::collection::vec(clause, 1..3)
+}
+
+fn greatest(clauses: &[Clause], t: f64) -> f64 {
+    clauses.iter().map(|clause| clause.value(t)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(300), failure_persistence: None, max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
+    #[test]
+    fn a_computed_crossing_is_the_first_one(holder in clauses(), waiting in clauses()) {
+        let words = |clauses: &[Clause]| clauses.iter().map(|clause| clause.text()).collect::<Vec<_>>().join(" ");
+        let pdl = format!(
+            "(procedure (index (do-domain))
+               (step holder (use) {}) (step waiting (use) (waitfor (go)) {}))
+             (primitive (index (use)) (profile tool) (on-start (command (use))))",
+            words(&holder), words(&waiting)
+        );
+        let ahead = |t: f64| greatest(&waiting, t) - (greatest(&holder, t) + 0.1);
+        // Both want it at once: the holder is the more important one then.
+        prop_assume!(greatest(&waiting, 0.0) + 1e-6 < greatest(&holder, 0.0));
+        let mut agent = agent(&pdl);
+        let go = support::message(0.0, "(go)");
+        step(&mut agent, &Batch { now: seconds(0.0), events: vec![go] });
+        let wake = agent.next_wake().filter(|(_, why)| why.contains("rising priority")).map(|(at, _)| at.seconds());
+        let first = (1..10_000).map(|tick| f64::from(tick) / 100.0).find(|t| ahead(*t) > 1e-9);
+        match (wake, first) {
+            // Between two looks of the twin there may be a short advantage; the computed one must be true.
+            (Some(at), Some(first)) => {
+                prop_assert!(at <= first + 1e-6, "computed {at}, but ahead at {first} already\n{pdl}");
+                prop_assert!(ahead(at) > -1e-6, "computed {at}, but behind by {} then\n{pdl}", -ahead(at));
+            }
+            (None, Some(first)) => prop_assert!(false, "nothing computed, but ahead at {first}\n{pdl}"),
+            (Some(at), None) => prop_assert!(at >= 99.9 || ahead(at) > -1e-6, "computed {at}, never ahead\n{pdl}"),
+            (None, None) => {}
+        }
+    }
+}
