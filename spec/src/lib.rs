@@ -11,5 +11,6 @@ pub mod page;
 pub mod projection;
 pub mod question;
 pub mod reasons;
+pub mod rederive;
 pub mod scenario;
 pub mod verdict;

@@ -1,0 +1,241 @@
+//! Why tasks end, and why there is trouble: each cause derived again.
+
+use super::Step;
+use super::causes::Scene;
+use super::evidence::require;
+use super::world::{Known, World};
+use apex_model::because::{Because, Cause};
+use apex_model::effect::{Effect, Method};
+use apex_model::event::{EventKind, SolverReport};
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::value::Value;
+
+type Checked = Result<(), String>;
+
+/// Limits with their values, as their own file states them.
+const LIMITS: &str = include_str!("../../../crates/model/src/limits.rs");
+
+/// A decision about the whole agent.
+pub(super) fn of_nobody(world: &World<'_>, step: &Step, because: &Because) -> Checked {
+    match &because.cause {
+        Cause::StrayAnswer { to } => {
+            let number = to.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or_default();
+            let asked = world.commands.contains_key(&number) && to.starts_with("command");
+            require(!asked && !step.batch.events.is_empty(), "it was asked, or nothing came in")
+        }
+        Cause::InputRefused { message } => {
+            let came = !step.batch.events.is_empty();
+            let said = world.library.sources.iter().any(|source| source.text.contains("(publish"));
+            require(!message.is_empty() && (came || said), "nothing came in")
+        }
+        Cause::NobodyHears { message } => require(!message.is_empty(), "it says nothing"),
+        cause => of_expression_or_limit(because, cause),
+    }
+}
+
+fn of_expression_or_limit(because: &Because, cause: &Cause) -> Checked {
+    match cause {
+        Cause::ExpressionFailed { message } => {
+            require(!message.is_empty() && because.place.is_some(), "it names no place or no reason")
+        }
+        Cause::LimitReached { limit, value } => {
+            let line = LIMITS.lines().find(|line| line.contains(&format!("pub const {limit}:")));
+            let stated = line.and_then(|line| line.split_once("= ")).map(|(_, number)| number.replace(['_', ';'], ""));
+            require(stated == Some(value.to_string()), "no such limit, or it has another value")
+        }
+        other => Err(format!("{} is no trouble", other.kind())),
+    }
+}
+
+/// Trouble of a task: it fails by it, or goes on in spite of it.
+pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
+    let because = scene.because;
+    match &because.cause {
+        Cause::ExpressionFailed { .. } | Cause::LimitReached { .. } => of_expression_or_limit(because, &because.cause),
+        Cause::NobodyHears { .. } | Cause::InputRefused { .. } => of_nobody(scene.world, scene.step, because),
+        // The failure that an on-failure handles.
+        _ => failed(scene, scene.own()?),
+    }
+}
+
+/// The transition to terminated.
+pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Option<&Outcome>) -> Checked {
+    let outcome = outcome.ok_or("it has no outcome")?;
+    let (world, now) = (scene.world, scene.world.now);
+    let works = || require(from == TaskState::Ongoing, "it did not work");
+    let primitive = |what: &str| {
+        works()?;
+        let template = world.primitive(own);
+        require(matches!(own.method, Some(Method::Primitive(_))), "it is no primitive")?;
+        require(
+            template.is_none_or(|template| format!("{template:?}").contains(what)),
+            "its primitive says nothing of it",
+        )
+    };
+    match &scene.because.cause {
+        Cause::StepsEnded { last } => steps_ended(world, scene.id, *last),
+        Cause::ItemsEnded { items, last } => {
+            let own_items = world.children(scene.id).filter(|(_, child)| Some(child.created) >= own.began);
+            let count = own_items.filter(|(_, child)| matches!(child.made, Cause::ItemOf { .. })).count() as u64;
+            require(count == *items, "it has another number of items")?;
+            steps_ended(world, scene.id, *last)
+        }
+        Cause::BuiltInDone { activity } => {
+            works()?;
+            let says = own.goal.as_ref().is_some_and(|goal| goal.to_string().starts_with(&format!("({activity}")));
+            require(says && own.since == now, "it does something else, or began before")
+        }
+        Cause::CompletedAtOnce => {
+            primitive("")?;
+            let timed = world.primitive(own).is_some_and(|each| each.duration.is_some() || each.update.is_some());
+            require(!timed && own.since == now, "its primitive takes time")
+        }
+        Cause::CompletedByForm => primitive("complete"),
+        Cause::DurationElapsed { duration } => {
+            primitive("")?;
+            require(own.worked + (now - own.since) == *duration, "it worked for another time")
+        }
+        Cause::CommandAcknowledged { command } => {
+            let answered =
+                |kind: &EventKind| matches!(kind, EventKind::CommandAcknowledged(id, Ok(_)) if id == command);
+            require(scene.step.batch.events.iter().any(|event| answered(&event.kind)), "no such answer came in")?;
+            sent_by(world, command.0, scene.id).map(|_| ())
+        }
+        Cause::PlanArrived { .. } => plan_arrived(scene.step, &scene.because.cause),
+        Cause::ConditionSatisfied { .. } => scene.clause_or_activity(own, &["end-when"], &[]),
+        Cause::Activity { .. } => scene.clause_or_activity(own, &[], &["terminate"]),
+        Cause::OperatorAnswered { question, answer } => {
+            let said = |kind: &EventKind| matches!(kind, EventKind::OperatorAnswered(id, value) if id == question && same_word(value, answer));
+            require(scene.step.batch.events.iter().any(|event| said(&event.kind)), "no such answer came in")
+        }
+        Cause::OperatorSilent { question, default } => {
+            let asked = world.questions.get(&question.0).ok_or("that was never asked")?;
+            require(
+                asked.0.is_some_and(|by| by <= now) && asked.1.as_ref() == Some(default),
+                "it is not time, or the default differs",
+            )
+        }
+        Cause::HandlerEnded { handler } => {
+            let known = world.task(*handler)?;
+            let made = known.made == Cause::HandlesFailure { of: scene.id };
+            require(made && known.state == TaskState::Terminated && known.since == now, "that task did not handle it")?;
+            require(known.outcome.as_ref() == Some(outcome), "that task ended in another way")
+        }
+        Cause::ApplicationEnded { by } => {
+            world.task(*by)?;
+            require(
+                scene.step.effects.iter().any(|effect| matches!(effect, Effect::EndApplication { .. })),
+                "it goes on",
+            )
+        }
+        Cause::Stopped { reason } => require(!reason.is_empty(), "it says nothing"),
+        Cause::ParentEnded { parent }
+        | Cause::ParentRestarted { parent }
+        | Cause::ParentFailed { parent }
+        | Cause::PlanBegunAgain { parent } => {
+            require(*outcome == Outcome::Cut, "it was not cut")?;
+            require(own.parent == Some(*parent), "that is not its parent")?;
+            let happens = match &scene.because.cause {
+                Cause::ParentEnded { .. } => scene.moves_now(*parent, TaskState::Terminated),
+                Cause::ParentRestarted { .. } => scene.moves_now(*parent, TaskState::Pending),
+                _ => true,
+            };
+            require(happens, "nothing of the kind happens to the parent now")
+        }
+        _ => {
+            require(*outcome == Outcome::Failure, "it did not fail")?;
+            failed(scene, own)
+        }
+    }
+}
+
+/// Causes of failure, also of one that is handled.
+fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
+    let (world, now) = (scene.world, scene.world.now);
+    let events = || scene.step.batch.events.iter().map(|event| &event.kind);
+    match &scene.because.cause {
+        Cause::ChildFailed { child } => {
+            let known = world.task(*child)?;
+            require(known.parent == Some(scene.id), "that is not its subtask")?;
+            require(known.outcome == Some(Outcome::Failure) && known.since == now, "that subtask did not fail now")
+        }
+        Cause::CommandFailed { command, reason } => {
+            let refused = events().any(
+                |kind| matches!(kind, EventKind::CommandAcknowledged(id, Err(said)) if id == command && said == reason),
+            );
+            require(refused, "no such answer came in")?;
+            sent_by(world, command.0, scene.id).map(|_| ())
+        }
+        Cause::CommandTimedOut { command, patience } => {
+            let sent = sent_by(world, command.0, scene.id)?;
+            require(sent + *patience == now, "its time is not over now")
+        }
+        Cause::SolverFailed { request, reason } => {
+            let failed = events().any(|kind| matches!(kind, EventKind::SolverReported(id, SolverReport::Failed(said)) if id == request && said == reason));
+            require(failed, "no such answer came in")
+        }
+        Cause::SolverTimedOut { request, patience } => {
+            let asked = world.requests.get(&request.0).ok_or("that was never asked")?;
+            require(*asked + *patience == now, "its time is not over now")
+        }
+        Cause::NoMethod { goal } => {
+            let served =
+                |index: &apex_model::pattern::Pattern| *index == apex_model::pattern::Pattern::Literal(goal.clone());
+            let known = world.library.procedures.iter().any(|each| served(&each.index));
+            let primitive = world.library.primitives.iter().any(|each| served(&each.index));
+            require(*goal != Value::nil() && !known && !primitive, "something serves exactly this goal")
+        }
+        Cause::ResourceExhausted { needed, left, .. } => {
+            let numbers = needed.as_number().zip(left.as_number());
+            require(numbers.is_some_and(|((needed, _), (left, _))| needed > left), "there is enough")
+        }
+        Cause::ResultDoesNotFit { .. } => {
+            let binds = world.template(own).is_none_or(|(_, _, step)| step.binds.is_some());
+            require(binds, "its step binds no result")
+        }
+        Cause::Activity { .. } => scene.clause_or_activity(own, &[], &["terminate"]),
+        Cause::OperatorMute { question } => {
+            let asked = world.questions.get(&question.0).ok_or("that was never asked")?;
+            require(asked.0.is_some_and(|by| by <= now), "it is not time")
+        }
+        Cause::NobodyHears { message } => require(!message.is_empty(), "it says nothing"),
+        cause => of_expression_or_limit(scene.because, cause),
+    }
+}
+
+/// An answer may be written as a text or as a word.
+fn same_word(a: &Value, b: &Value) -> bool {
+    let word = |value: &Value| value.to_string().trim_matches('"').to_lowercase();
+    word(a) == word(b)
+}
+
+fn sent_by(world: &World<'_>, command: u64, task: TaskId) -> Result<apex_model::time::Time, String> {
+    let (sender, at) = world.commands.get(&command).ok_or("that command was never sent")?;
+    require(*sender == task, "another task sent that command").map(|()| *at)
+}
+
+/// The last one ended now, and no other lives but those that nobody waits for.
+fn steps_ended(world: &World<'_>, id: TaskId, last: Option<TaskId>) -> Checked {
+    if let Some(last) = last {
+        let known = world.task(last)?;
+        require(known.parent == Some(id), "the last one is not its own")?;
+        require(known.state == TaskState::Terminated && known.since == world.now, "the last one did not end now")?;
+    }
+    let living = world.children(id).filter(|(_, child)| child.state != TaskState::Terminated);
+    let awaited = living.filter(|(_, child)| {
+        let again =
+            world.template(child).is_some_and(|(_, _, step)| step.repeating.is_some() || step.responding.is_some());
+        !again
+    });
+    let count = awaited.count();
+    require(count == 0, &format!("{count} of its subtasks live"))
+}
+
+/// The plan came in with this step.
+pub(super) fn plan_arrived(step: &Step, cause: &Cause) -> Checked {
+    let Cause::PlanArrived { request, solver } = cause else { return Err("it is no plan".into()) };
+    let came = step.batch.events.iter().any(|event| {
+        matches!(&event.kind, EventKind::SolverReported(id, SolverReport::Plan(plan)) if id == request && plan.solver == *solver)
+    });
+    require(came, "no such plan came in")
+}

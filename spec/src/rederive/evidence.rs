@@ -1,0 +1,224 @@
+//! Was it seen? Samples, messages, ends and states that a cause rests on are looked for in the record.
+
+use super::Step;
+use super::world::World;
+use apex_model::because::{Because, Evidence};
+use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition, Relation};
+use apex_model::effect::{DecisionKind, Effect};
+use apex_model::expression::ExprKind;
+use apex_model::pattern::Pattern;
+use apex_model::source::Place;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Looks for all evidence of `because`, which `task` may use.
+pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
+    let condition = because.place.and_then(|place| condition_at(world, place));
+    let mut leaves = Vec::new();
+    condition.into_iter().for_each(|condition| collect(condition, &mut leaves));
+    for evidence in because.evidence.iter() {
+        one(world, step, task, evidence, &leaves).map_err(|what| format!("{}: {what}", evidence.text()))?;
+    }
+    Ok(())
+}
+
+fn one(
+    world: &World<'_>,
+    step: &Step,
+    task: TaskId,
+    evidence: &Evidence,
+    leaves: &[&ConditionKind],
+) -> Result<(), String> {
+    match evidence {
+        Evidence::Sample { variable, value, at } => {
+            in_time(world, *at)?;
+            let variable = variable.to_string();
+            was_measured(world, &variable, value, *at)?;
+            meets_a_threshold(&variable, value, leaves)?;
+            in_window(world, task, *at, leaves)
+        }
+        Evidence::Event { form, at } => {
+            in_time(world, *at)?;
+            let said = world.messages.iter().any(|(when, known)| when == at && known == form);
+            require(said || !is_outside(world, "(cogevent"), "no such message then")?;
+            let fits = leaves
+                .iter()
+                .any(|leaf| matches!(leaf, ConditionKind::Event { pattern, .. } if may_fit(pattern, form)));
+            require(leaves.is_empty() || fits, "the condition waits for another message")?;
+            in_window(world, task, *at, leaves)
+        }
+        Evidence::TaskEnd { task, at } => {
+            let ended = |(when, _, to): &(Time, TaskState, TaskState)| when == at && *to == TaskState::Terminated;
+            let before = world.task(*task)?.moves.iter().any(ended);
+            require(before || *at == world.now && ends_in(step, *task), "it did not end then")
+        }
+        Evidence::TaskState { task, state, at } => {
+            in_time(world, *at)?;
+            let word = state.to_string();
+            let word = if word == "resumed" { "ongoing" } else { word.as_str() };
+            let known = world.task(*task)?;
+            let moved = known.moves.iter().any(|(when, _, to)| when == at && to.word() == word);
+            let was = known.moves.iter().rfind(|(when, ..)| when <= at).map_or(TaskState::Pending, |(_, _, to)| *to);
+            require(moved || was.word() == word, "it was in another state")
+        }
+        Evidence::Run { variable, start, end, samples } => {
+            in_time(world, *end)?;
+            require(start <= end, "it ends before it begins")?;
+            let Some(known) = world.samples.get(&variable.to_string()) else {
+                return require(!is_outside(world, "(publish"), "no such variable was measured");
+            };
+            let inside = known.iter().filter(|(at, _)| at >= start && at <= end).count() as u64;
+            require(known.iter().any(|(at, _)| at == start), "no sample at its start")?;
+            require(known.iter().any(|(at, _)| at == end), "no sample at its end")?;
+            require(*samples >= 1 && *samples <= inside, "it has fewer samples in the record")
+        }
+        Evidence::Instant { since, at } => {
+            in_time(world, *at)?;
+            require(since.is_none_or(|since| since <= *at), "it ends before it begins")
+        }
+        Evidence::Absence { what, at } => {
+            require(!what.is_empty(), "nothing is named")?;
+            require(*at == world.now, "it is told of another instant")
+        }
+    }
+}
+
+pub(super) fn require(holds: bool, otherwise: &str) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(otherwise.to_owned()) }
+}
+
+/// The program says so to itself in a way that leaves no trace in the record.
+fn is_outside(world: &World<'_>, word: &str) -> bool {
+    !world.library.sources.iter().any(|source| source.text.contains(word))
+}
+
+fn in_time(world: &World<'_>, at: Time) -> Result<(), String> {
+    require(at <= world.now, "it is told of the future")
+}
+
+/// Does the task end in this step, after the effect that is looked at?
+pub(super) fn ends_in(step: &Step, task: TaskId) -> bool {
+    step.effects.iter().any(|effect| moves(effect, task) == Some(TaskState::Terminated))
+}
+
+/// The state to which an effect moves the task.
+pub(super) fn moves(effect: &Effect, task: TaskId) -> Option<TaskState> {
+    match effect {
+        Effect::Decided(decision) if decision.task == Some(task) => match &decision.kind {
+            DecisionKind::Transition { to, .. } => Some(*to),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> Result<(), String> {
+    let Some(known) = world.samples.get(variable) else {
+        return require(!is_outside(world, "(publish"), "no such variable was measured");
+    };
+    let close = |other: &Value| match (value.as_number(), other.as_number()) {
+        // Bare numbers of a declared variable are in its unit; their size is another one.
+        (Some((_, a)), Some((_, b))) if a != b => true,
+        (Some((a, _)), Some((b, _))) => (a - b).abs() <= 1e-9 * a.abs().max(1.0),
+        _ => value == other,
+    };
+    require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
+}
+
+/// A condition that compares the variable with a number must hold of the sample.
+fn meets_a_threshold(variable: &str, value: &Value, leaves: &[&ConditionKind]) -> Result<(), String> {
+    let of_variable = |leaf: &&ConditionKind| match leaf {
+        ConditionKind::Measurement(measurement) => {
+            variable.trim_start_matches('(').starts_with(measurement.variable.attribute.printed())
+        }
+        _ => false,
+    };
+    let mut relevant = leaves.iter().copied().filter(|leaf| of_variable(leaf)).peekable();
+    if leaves.is_empty() || relevant.peek().is_none() {
+        return require(leaves.is_empty(), "the condition waits for another variable");
+    }
+    let holds = relevant.any(|leaf| match leaf {
+        ConditionKind::Measurement(measurement) => thresholds_hold(measurement, value),
+        _ => false,
+    });
+    require(holds, "it does not meet the condition's threshold")
+}
+
+fn thresholds_hold(measurement: &MeasurementCondition, value: &Value) -> bool {
+    measurement.value.iter().all(|constraint| {
+        let Constraint::Compare { relation, right, tolerance: None } = constraint else { return true };
+        let ExprKind::Constant(right) = &right.kind else { return true };
+        let (Some((own, a)), Some((wanted, b))) = (value.as_number(), right.as_number()) else { return true };
+        if a != b {
+            return true;
+        }
+        match relation {
+            Relation::Equal => own == wanted,
+            Relation::Different => own != wanted,
+            Relation::Less => own < wanted,
+            Relation::LessOrEqual => own <= wanted,
+            Relation::Greater => own > wanted,
+            Relation::GreaterOrEqual => own >= wanted,
+        }
+    })
+}
+
+/// Evidence counts from the creation of the task on, unless the condition says otherwise.
+fn in_window(world: &World<'_>, task: TaskId, at: Time, leaves: &[&ConditionKind]) -> Result<(), String> {
+    let says_otherwise = leaves.iter().any(|leaf| match leaf {
+        ConditionKind::Measurement(measurement) => {
+            !measurement.timestamp.is_empty() || measurement.estimation.is_some()
+        }
+        ConditionKind::Event { timing, .. } => *timing != Default::default(),
+        _ => true,
+    });
+    let created = world.task(task)?.created;
+    require(leaves.is_empty() || says_otherwise || at >= created, "it is older than the task")
+}
+
+/// Could the message fit the pattern? Only fixed words are compared.
+fn may_fit(pattern: &Pattern, value: &Value) -> bool {
+    match (pattern, value.as_list()) {
+        (Pattern::Literal(literal), _) => literal.matches(value),
+        (Pattern::List(parts), Some(items)) => {
+            let open = parts.iter().any(|part| matches!(part, Pattern::Segment { .. } | Pattern::Guard(_)));
+            open || parts.len() == items.len() && parts.iter().zip(items).all(|(part, item)| may_fit(part, item))
+        }
+        (Pattern::List(_), None) => false,
+        _ => true,
+    }
+}
+
+/// The parts of a condition that can be evidence.
+fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
+    match &condition.kind {
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
+            parts.iter().for_each(|part| collect(part, leaves));
+        }
+        leaf => leaves.push(leaf),
+    }
+}
+
+/// The condition that stands at `place`; none where several are joined.
+fn condition_at<'a>(world: &World<'a>, place: Place) -> Option<&'a Condition> {
+    let library = world.library;
+    let at = |condition: &&Condition| condition.place == place;
+    library.procedures.iter().find_map(|procedure| {
+        let steps = procedure.steps.iter();
+        let single = steps.clone().filter(|step| step.waitfor.len() == 1).flat_map(|step| &step.waitfor);
+        let own = [&procedure.transitions].into_iter().chain(steps.map(|step| &step.transitions)).flat_map(|clauses| {
+            [
+                &clauses.end_when,
+                &clauses.restart_when,
+                &clauses.resume_when,
+                &clauses.suspend_when,
+                &clauses.suspend_until,
+            ]
+            .into_iter()
+            .flat_map(|clause| clause.as_deref())
+        });
+        let found = single.chain(own).find(at);
+        found
+    })
+}

@@ -1,0 +1,84 @@
+//! Every cause on every page has a kind, and follows from the record alone; spoiled causes are noticed.
+
+use apex_spec::rederive::mutation::{Spoiling, spoiled};
+use apex_spec::rederive::{Collector, Step, because_of, complaints};
+use apex_spec::scenario::Scenario;
+use apex_spec::{page, scenario, verdict};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Spoiled causes of one kind that are tried in each way.
+const TRIES_MAX: usize = 3;
+/// Longer records are not spoiled: each spoiling derives all of it again.
+const EFFECTS_MAX: usize = 400;
+
+/// The records of all pages, with their libraries.
+fn records() -> Vec<(String, Arc<apex_model::library::Library>, Vec<Step>)> {
+    let mut all = Vec::new();
+    for path in page::files() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let runs = verdict::scenarios(&text).into_iter().filter(|(block, _)| block.kind == "trace");
+        for (block, scenario) in runs {
+            for (library, steps) in record(&scenario) {
+                all.push((format!("{name}:{}", block.line), library, steps));
+            }
+        }
+    }
+    all
+}
+
+fn record(scenario: &Scenario) -> Vec<(Arc<apex_model::library::Library>, Vec<Step>)> {
+    let Ok(program) = scenario::program(&scenario.pdl) else { return Vec::new() };
+    let mut collector = Collector::default();
+    scenario::run_observed(scenario, &program, &mut [&mut collector]).unwrap().ok();
+    collector.steps.into_values().map(|steps| (Arc::clone(&program.0), steps)).collect()
+}
+
+#[test]
+fn every_cause_on_the_pages_follows_from_the_record() {
+    let records = records();
+    let mut told = Vec::new();
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    for (name, library, steps) in &records {
+        for because in steps.iter().flat_map(|step| &step.effects).filter_map(because_of) {
+            *kinds.entry(because.cause.kind()).or_default() += 1;
+            assert!(!because.cause.text().is_empty(), "a cause without words: {:?}", because.cause);
+        }
+        for complaint in complaints(library, steps) {
+            let effect = &steps[complaint.step].effects[complaint.effect];
+            told.push(format!("{name}: {} ({}): {effect:?}", complaint.what, complaint.kind));
+        }
+    }
+    assert!(told.is_empty(), "{} causes do not follow:\n{}", told.len(), told[..told.len().min(25)].join("\n"));
+    assert!(kinds.len() > 40, "the pages show few kinds of causes: {kinds:?}");
+    assert!(!kinds.contains_key("executive-fault"));
+}
+
+#[test]
+fn a_spoiled_cause_is_noticed_whatever_its_kind() {
+    let mut tried: BTreeMap<(String, Spoiling), (usize, usize)> = BTreeMap::new();
+    for (_, library, steps) in records() {
+        if steps.iter().map(|step| step.effects.len()).sum::<usize>() > EFFECTS_MAX {
+            continue;
+        }
+        for (number, step) in steps.iter().enumerate() {
+            for (index, effect) in step.effects.iter().enumerate() {
+                let Some(because) = because_of(effect) else { continue };
+                for how in [Spoiling::Swap, Spoiling::Shift] {
+                    let count = tried.entry((because.cause.kind(), how)).or_default();
+                    if count.0 >= TRIES_MAX {
+                        continue;
+                    }
+                    let Some(wrong) = spoiled(&steps, (number, index), how) else { continue };
+                    count.0 += 1;
+                    count.1 += usize::from(!complaints(&library, &wrong).is_empty());
+                }
+            }
+        }
+    }
+    tried.retain(|_, (tries, _)| *tries > 0);
+    let blind: Vec<_> = tried.iter().filter(|(_, (tries, noticed))| noticed < tries).collect();
+    let kinds = tried.len();
+    assert!(blind.is_empty(), "{} of {kinds} ways of spoiling are not always noticed: {blind:?}", blind.len());
+}
