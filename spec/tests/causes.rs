@@ -1,5 +1,11 @@
 //! Every cause on every page has a kind, and follows from the record alone; spoiled causes are noticed.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a page or flight that cannot be read is a failed test"
+)]
+
 use apex_spec::rederive::mutation::{Spoiling, spoiled};
 use apex_spec::rederive::{Collector, Step, because_of, complaints};
 use apex_spec::scenario::Scenario;

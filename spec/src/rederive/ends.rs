@@ -101,6 +101,14 @@ pub(super) fn ended(scene: &Scene<'_>, own: &Known, from: TaskState, outcome: Op
             require(scene.step.batch.events.iter().any(|event| answered(&event.kind)), "no such answer came in")?;
             sent_by(world, command.0, scene.id).map(|_| ())
         }
+        _ => ended_from_outside(scene, own, outcome),
+    }
+}
+
+/// Ends that come from clauses, activities, people, parents.
+fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Checked {
+    let (world, now) = (scene.world, scene.world.now);
+    match &scene.because.cause {
         Cause::PlanArrived { .. } => plan_arrived(scene.step, &scene.because.cause),
         Cause::ConditionSatisfied { .. } => scene.clause_or_activity(own, &["end-when"], &[]),
         Cause::Activity { .. } => scene.clause_or_activity(own, &[], &["terminate"]),

@@ -218,7 +218,6 @@ fn condition_at<'a>(world: &World<'a>, place: Place) -> Option<&'a Condition> {
             .into_iter()
             .flat_map(|clause| clause.as_deref())
         });
-        let found = single.chain(own).find(at);
-        found
+        single.chain(own).find(at)
     })
 }
