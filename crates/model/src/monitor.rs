@@ -227,9 +227,16 @@ pub struct MeasurementPart {
     pub persistence: Option<Duration>,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
+    /// What it was told of; nothing for most of those that wait, because they are not told of samples in vain.
+    pub seen: Option<Box<SeenSamples>>,
+}
+
+/// Samples that a measurement condition was told of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeenSamples {
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
-    /// The newest sample of each object that it was told of.
+    /// The newest sample of each object.
     pub newest: Newest,
 }
 
@@ -311,7 +318,7 @@ pub struct NewestSample {
     /// The sample's instant.
     pub at: Time,
     /// Its result, if it satisfies the condition.
-    pub result: Option<Box<Satisfaction>>,
+    pub result: Option<Satisfaction>,
 }
 
 /// State of an episode condition.

@@ -243,10 +243,13 @@ pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
     watches.any(|watch| watch.clause == Clause::RestartWhen)
 }
 
-/// The clauses of the step that the task was made from; items and handlers have none of their own.
+/// The clauses of the step that the task was made from, if it has any; items and handlers have none of their own.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
     let is_step = matches!(cycle.task(id)?.origin, Origin::Step(_));
-    cycle.step_of(id).filter(|_| is_step)?.get().map(|step| step.transitions.clone())
+    let handle = cycle.step_of(id).filter(|_| is_step)?;
+    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = &handle.get()?.transitions;
+    let some = [end_when, restart_when, resume_when, suspend_when, suspend_until].into_iter().any(Option::is_some);
+    some.then(|| handle.get().map(|step| step.transitions.clone()))?
 }
 
 fn watch(

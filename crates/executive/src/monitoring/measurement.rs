@@ -18,7 +18,7 @@ use apex_model::condition::{Estimation, MeasurementCondition};
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_OBJECTS_MAX;
-use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, Test, Window};
+use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window};
 use apex_model::thresholds::Threshold;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -47,8 +47,7 @@ pub(super) fn create(
         condition: Arc::clone(condition),
         persistence,
         blind: false,
-        settled: Vec::new(),
-        newest: Newest::None,
+        seen: None,
     })
 }
 
@@ -59,8 +58,7 @@ pub(super) fn look_back(
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
-    part.settled.clear();
-    part.newest = Newest::None;
+    part.seen = None;
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
     carry_into_window(part, site, surroundings, troubles);
@@ -84,9 +82,9 @@ fn carry_into_window(part: &mut MeasurementPart, site: Site, surroundings: &dyn 
         let seen = Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence };
         if let Some(mut result) = judge(part, site, seen, surroundings, troubles) {
             result.recognised_at = start;
-            let rank = part.newest.len() as u64;
-            part.newest
-                .insert(variable.object.clone(), NewestSample { rank, at: start, result: Some(Box::new(result)) });
+            let seen = part.seen.get_or_insert_default();
+            let newest = NewestSample { rank: seen.newest.len() as u64, at: start, result: Some(result) };
+            seen.newest.insert(variable.object.clone(), newest);
         }
     }
 }
@@ -135,31 +133,33 @@ fn feed(
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
-    if site.keep == Keep::First && !part.settled.is_empty() {
+    if site.keep == Keep::First && part.seen.as_ref().is_some_and(|seen| !seen.settled.is_empty()) {
         return;
     }
-    if let Some(newest) = part.newest.get_mut(&sample.variable.object)
+    if let Some(seen) = &mut part.seen
+        && let Some(newest) = seen.newest.get_mut(&sample.variable.object)
         && sample.at > newest.at
         && let Some(result) = newest.result.take()
     {
-        remember(&mut part.settled, *result);
+        remember(&mut seen.settled, result);
         if site.keep == Keep::First {
             return;
         }
     }
     let result = judge(part, site, sample, surroundings, troubles);
-    let objects = part.newest.len();
-    match part.newest.get_mut(&sample.variable.object) {
+    let seen = part.seen.get_or_insert_default();
+    let objects = seen.newest.len();
+    match seen.newest.get_mut(&sample.variable.object) {
         Some(newest) => {
             newest.at = sample.at;
-            newest.result = result.map(Box::new);
+            newest.result = result;
         }
         None if objects >= MONITOR_OBJECTS_MAX => {
             troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place)
         }
         None => {
-            let newest = NewestSample { rank: objects as u64, at: sample.at, result: result.map(Box::new) };
-            part.newest.insert(sample.variable.object.clone(), newest);
+            let newest = NewestSample { rank: objects as u64, at: sample.at, result };
+            seen.newest.insert(sample.variable.object.clone(), newest);
         }
     }
 }
@@ -217,25 +217,29 @@ fn holds(
 
 /// All results up to now, earliest first.
 pub(super) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
-    let mut pending: Vec<&NewestSample> = part.newest.samples().filter(|newest| newest.result.is_some()).collect();
+    let Some(seen) = &part.seen else { return Vec::new() };
+    let mut pending: Vec<&NewestSample> = seen.newest.samples().filter(|newest| newest.result.is_some()).collect();
     pending.sort_by_key(|newest| newest.rank);
-    let pending = pending.into_iter().filter_map(|newest| newest.result.as_deref());
-    let mut all: Vec<Satisfaction> = part.settled.iter().chain(pending).cloned().collect();
+    let pending = pending.into_iter().filter_map(|newest| newest.result.as_ref());
+    let mut all: Vec<Satisfaction> = seen.settled.iter().chain(pending).cloned().collect();
     all.sort_by_key(|result| result.recognised_at);
     all
 }
 
 /// The first of [`results`].
 pub(super) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
-    match (&part.newest, part.settled.is_empty()) {
-        (Newest::One(_, newest), true) => newest.result.as_deref().cloned(),
+    let seen = part.seen.as_ref()?;
+    match (&seen.newest, seen.settled.is_empty()) {
+        (Newest::One(_, newest), true) => newest.result.clone(),
         _ => results(part).into_iter().next(),
     }
 }
 
 /// Is there any result?
 pub(super) fn any(part: &MeasurementPart) -> bool {
-    !part.settled.is_empty() || part.newest.samples().any(|newest| newest.result.is_some())
+    let found =
+        |seen: &SeenSamples| !seen.settled.is_empty() || seen.newest.samples().any(|newest| newest.result.is_some());
+    part.seen.as_deref().is_some_and(found)
 }
 
 /// The newest sample of `variable` that counts for the part, told of or not.
@@ -246,7 +250,7 @@ fn newest_seen(
     surroundings: &dyn Surroundings,
 ) -> Option<Time> {
     if part.variable.is_none() || part.persistence.is_some() {
-        return part.newest.get(&variable.object).map(|newest| newest.at);
+        return part.seen.as_ref()?.newest.get(&variable.object).map(|newest| newest.at);
     }
     let mut samples = surroundings.histories().get(variable)?.samples().rev();
     samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
@@ -256,6 +260,6 @@ fn newest_seen(
 pub(super) fn has_seen_any(part: &MeasurementPart, window: Window, surroundings: &dyn Surroundings) -> bool {
     match &part.variable {
         Some(variable) => newest_seen(part, window, variable, surroundings).is_some(),
-        None => !part.newest.is_empty(),
+        None => part.seen.as_ref().is_some_and(|seen| !seen.newest.is_empty()),
     }
 }
