@@ -46,6 +46,7 @@ spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (r
 
 bench: .venv/.peers ## Measure latency, throughput and load time; peers beside it in the same run, against the bars.
 	cargo bench --locked --package apex-benches
+	cargo run --locked --quiet --release --package apex-benches --bin memory
 	.venv/bin/python benches/peers/py_trees_peer.py > $(TARGET)/py_trees.json
 	cargo run --locked --quiet --release --package apex-benches --bin report -- $(TARGET)/criterion $(TARGET)/py_trees.json
 
