@@ -84,13 +84,13 @@ fn node(index: usize, ranked_share: f64) -> impl Strategy<Value = Node> {
 pub fn worlds(ranked_share: f64) -> impl Strategy<Value = World> {
     (2..10_usize).prop_flat_map(move |count| {
         let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share)).collect();
-        let some = move || prop::collection::vec(0..count, 0..4);
+        let some = move || prop::collection::vec(0..count, 0..5);
         let moment = prop_oneof![
             6 => (some(), prop::collection::vec(0..count, 0..2)).prop_map(|(go, stop)| Moment::Changes(go, stop)),
-            1 => (0..count).prop_map(Moment::Hold),
+            2 => (0..count).prop_map(Moment::Hold),
             2 => (0..count).prop_map(Moment::Free),
         ];
-        (nodes, prop::collection::vec(moment, 1..14)).prop_map(|(mut nodes, moments)| {
+        (nodes, prop::collection::vec(moment, 4..24)).prop_map(|(mut nodes, moments)| {
             // A leaf has nobody below it; an empty group would end at once.
             for index in 0..nodes.len() {
                 let above = nodes[index].parent.filter(|parent| nodes[*parent].is_group);
