@@ -124,9 +124,13 @@ pub fn messages(checked: &Checked) -> String {
 fn resolve(requirement: Requirement, files: &[(String, String)]) -> Result<SourceText, String> {
     match requirement {
         Requirement::Library(name) => {
+            let file = format!("library/{name}.pdl");
+            if let Some((_, text)) = files.iter().find(|(known, _)| *known == file) {
+                return Ok(SourceText { name: file, text: text.clone() });
+            }
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../library").join(format!("{name}.pdl"));
-            let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-            Ok(SourceText { name: format!("library/{name}.pdl"), text })
+            let text = std::fs::read_to_string(&path).map_err(|_| format!("no library `{name}`"))?;
+            Ok(SourceText { name: file, text })
         }
         Requirement::File { name, .. } => match files.iter().find(|(known, _)| *known == name) {
             Some((_, text)) => Ok(SourceText { name, text: text.clone() }),

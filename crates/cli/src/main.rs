@@ -3,9 +3,11 @@
 #![expect(unreachable_pub, reason = "a binary has no public face; `pub` says that another module uses it")]
 
 mod commands;
+mod console;
 mod mission;
 mod options;
 mod output;
+mod outside;
 mod recording;
 mod sources;
 mod telling;

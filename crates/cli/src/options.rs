@@ -84,6 +84,18 @@ pub struct RunOptions {
     /// Inputs as JSON lines; `-` is standard input.
     #[arg(long, value_name = "FILE")]
     pub inputs: Option<PathBuf>,
+    /// What the operator answers to `(ask operator ..)`, as JSON lines.
+    #[arg(long, value_name = "FILE")]
+    pub answers: Option<PathBuf>,
+    /// Run by the clock on the wall, ask questions on the terminal and take answers and events from it.
+    #[arg(long)]
+    pub interactive: bool,
+    /// Simulated seconds per second of wall time; a real-time program has 1.
+    #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
+    pub pace: Option<f64>,
+    /// Take inputs, or an outside simulator, from this port of 127.0.0.1 instead of standard input; 0 takes any free one.
+    #[arg(long, value_name = "NUMBER")]
+    pub listen: Option<u16>,
     /// Stop at this mission time: seconds, or a duration such as `20s`, `P1M30S`.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub until: Option<String>,

@@ -30,6 +30,8 @@ pub(crate) struct Flight<'a, 'o> {
     scheduled: Vec<Input>,
     answers: Vec<ScriptedAnswer>,
     controls: Option<Receiver<Control>>,
+    /// Somebody outside may still say something besides `stop`.
+    expecting: bool,
     until: Time,
     poll: Option<Duration>,
     pool: SolverPool,
@@ -75,6 +77,7 @@ impl<'a, 'o> Flight<'a, 'o> {
             scheduled,
             answers: options.answers,
             controls: options.controls,
+            expecting: true,
             until: options.until,
             poll: options.poll,
             pool: SolverPool::new(),
@@ -179,7 +182,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         let poll = self.poll.filter(|_| report.is_none()).map(|poll| self.now + poll.max(Duration(1)));
         let wake = self.crew.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
-        let people = self.controls.is_some() && self.pacer.is_paced();
+        let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
         let listening = people.then_some(Time::END);
         let all = [report, poll, wake, self.pool.next_due(), scheduled, listening];
         all.into_iter().flatten().min().map(|at| at.max(self.now))
@@ -202,6 +205,10 @@ impl<'a, 'o> Flight<'a, 'o> {
                 Some(Control::Stop) => {
                     let reached = if self.pacer.is_paced() { self.pacer.now(self.now, instant) } else { self.now };
                     return Ok(Waited::Stop(reached));
+                }
+                Some(Control::Quiet) => {
+                    self.expecting = false;
+                    return Ok(Waited::Deserted);
                 }
                 Some(Control::Pace(pace)) => {
                     let now = self.pacer.now(self.now, instant);

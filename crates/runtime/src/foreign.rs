@@ -44,6 +44,17 @@ pub struct SimulatorLink<'a> {
     pub read_value: ReadValue<'a>,
     /// What the application says at certain moments.
     pub cues: Cues,
+    /// A `reset` is possible: nothing is lost by beginning again.
+    pub may_reset: bool,
+}
+
+/// How a run at an outside clock ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ForeignEnd {
+    /// As any run.
+    pub end: RunEnd,
+    /// The simulator wants to begin again.
+    pub reset: bool,
 }
 
 /// Runs `agents` at the clock of an outside simulator until it says `stop`, its lines end, or the application ends.
@@ -56,7 +67,7 @@ pub fn run(
     deliberator: &mut (dyn Deliberator + Send),
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
-) -> Result<RunEnd, RunError> {
+) -> Result<ForeignEnd, RunError> {
     let said: Said = Rc::default();
     let mut vehicle = Remote(Rc::clone(&said));
     let names = if agents.len() > 1 { agents.iter().map(|agent| agent.name.to_string()).collect() } else { Vec::new() };
@@ -68,7 +79,7 @@ pub fn run(
     let greeting =
         json!({"apex": env!("CARGO_PKG_VERSION"), "agents": flight.names(), "wake": 0, "say": texts(&link.cues.init)});
     write_line(link, &greeting, Time::ZERO)?;
-    let (mut now, mut first) = (Time::ZERO, true);
+    let (mut now, mut first, mut reset) = (Time::ZERO, true, false);
     let reason = loop {
         let Some(line) = read_request(link, now)? else { break EndReason::Stopped };
         let request = match understand(&line, now, link.read_value) {
@@ -78,8 +89,15 @@ pub fn run(
                 continue;
             }
         };
+        let request_is_reset = matches!(request, Request::Reset);
         let (to, inputs) = match request {
-            Request::Stop => {
+            Request::Reset if !link.may_reset => {
+                let fault = "this run cannot be reset, because it is recorded; stop it and start another one";
+                write_line(link, &json!({"error": fault}), now)?;
+                continue;
+            }
+            Request::Stop | Request::Reset => {
+                reset = request_is_reset;
                 flight.stop()?;
                 answer(link, &said, now, None, Some(&EndReason::Stopped), false)?;
                 break EndReason::Stopped;
@@ -101,7 +119,7 @@ pub fn run(
             break reason;
         }
     };
-    flight.close(reason)
+    Ok(ForeignEnd { end: flight.close(reason)?, reset })
 }
 
 /// What the agents said since the last answer, ready to be sent.
@@ -110,6 +128,7 @@ type Said = Rc<RefCell<Vec<Json>>>;
 enum Request {
     Advance(Time, Vec<Input>),
     Stop,
+    Reset,
 }
 
 /// The next line; none at the end of the simulator's words. Empty lines are skipped.
@@ -136,11 +155,16 @@ fn understand(line: &str, now: Time, read_value: ReadValue<'_>) -> Result<Reques
     }
     let request: Json = serde_json::from_str(line).map_err(|error| format!("this is no JSON: {error}"))?;
     let Json::Object(fields) = request else { return Err("a request is an object".into()) };
-    if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop"].contains(&key.as_str())) {
-        return Err(format!("\"{stranger}\" is not known; requests have \"advance\" with \"inputs\", or \"stop\""));
+    if let Some(stranger) = fields.keys().find(|key| !["advance", "inputs", "stop", "reset"].contains(&key.as_str())) {
+        return Err(format!(
+            "\"{stranger}\" is not known; requests have \"advance\" with \"inputs\", \"stop\" or \"reset\""
+        ));
     }
     if fields.get("stop") == Some(&Json::Bool(true)) {
         return Ok(Request::Stop);
+    }
+    if fields.get("reset") == Some(&Json::Bool(true)) {
+        return Ok(Request::Reset);
     }
     let Some(time) = fields.get("advance") else {
         return Err("\"advance\" is missing: seconds of mission time".into());

@@ -190,7 +190,7 @@ fn variable(form: &Value) -> Result<StateVariable, String> {
     Ok(StateVariable::new(attribute.clone(), object))
 }
 
-fn value_of(json: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
+pub(crate) fn value_of(json: &Json, read_value: ReadValue<'_>) -> Result<Value, String> {
     match json {
         Json::Bool(truth) => Ok(Value::truth(*truth)),
         Json::String(text) => Ok(Value::text(text)),

@@ -3,6 +3,7 @@
 //! Everything impure of Apex that is not an adapter, the web server or the command line lives here. The executive is
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
+pub mod answer_lines;
 pub mod crew;
 pub mod error;
 pub mod explain;
@@ -22,7 +23,7 @@ pub mod record;
 pub mod replay;
 #[cfg(test)]
 mod samples;
-mod terms;
+pub mod terms;
 pub mod trace;
 
 pub use error::{RecordError, RunError};

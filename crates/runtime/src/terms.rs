@@ -52,6 +52,8 @@ pub enum Control {
     InputFor(Symbol, EventKind),
     /// Another pace; see [`FlyOptions::pace`].
     Pace(Option<f64>),
+    /// Nothing more will be said but [`Control::Stop`]: the run need not wait for inputs.
+    Quiet,
     /// End the run in good order.
     Stop,
 }

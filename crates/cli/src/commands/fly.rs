@@ -38,6 +38,7 @@ pub fn run(options: &FlyOptions) -> Outcome {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(Mission::load(&options.mission)?);
+    let pace = pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
     let limit = Time::ZERO + mission.settings.duration;
@@ -99,8 +100,25 @@ fn print_flight(flight: &Flight, seconds: f64, path: &Path, json: bool) -> Outco
     }
 }
 
+/// A real-time mission is flown by the clock on the wall; one for an outside simulator cannot be flown by ours.
+fn pace_of(mission: &Mission, pace: Option<f64>) -> Outcome<Option<f64>> {
+    let kind = mission.library.application.as_ref().map(|application| application.kind.folded().to_string());
+    match kind.as_deref() {
+        Some("foreign-sim") => {
+            Err(Trouble::user(format!("{}: an outside simulator owns the clock", mission.settings.place))
+                .because("the application is of type foreign-sim, and `apex fly` flies the built-in simulator")
+                .help("connect the simulator to `apex run`, or write `:type native-sim`"))
+        }
+        Some("realtime") => Ok(pace.or(Some(1.0))),
+        _ => Ok(pace),
+    }
+}
+
 /// The pace, if it makes time go on.
-fn checked_pace(pace: f64) -> Outcome<f64> {
+///
+/// # Errors
+/// It does not.
+pub fn checked_pace(pace: f64) -> Outcome<f64> {
     if pace > 0.0 && pace <= PACE_MAX {
         return Ok(pace);
     }

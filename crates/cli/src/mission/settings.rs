@@ -63,6 +63,11 @@ const KNOWN: &[&str] = &[
     "libraries",
     "files",
     "agents",
+    "routers",
+    "init",
+    "stop",
+    "step",
+    "reset",
     "type",
 ];
 

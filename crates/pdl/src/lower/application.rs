@@ -1,7 +1,7 @@
 //! Applications (`pdl.md` section 8).
 
 use super::Lowering;
-use super::clauses::groups;
+use super::clauses::{Group, groups};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
@@ -10,6 +10,8 @@ use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
+/// Options that say something to an outside simulator.
+const CUES: &[&str] = &["init", "start", "step", "stop", "reset"];
 const KINDS: &[&str] = &["native-sim", "realtime", "foreign-sim"];
 
 impl Lowering {
@@ -55,8 +57,25 @@ impl Lowering {
             }
         }
         complete.then_some(())?;
+        self.check_cues(&options, &kind)?;
         library.application = Some(Application { name, kind, options: kept, place: form.span.place() });
         Some(())
+    }
+
+    /// What is said to an outside simulator has no meaning without one. A text as `:start` is a mission's civil time.
+    fn check_cues(&mut self, options: &[Group<'_>], kind: &Symbol) -> Option<()> {
+        if kind.is("foreign-sim") {
+            return Some(());
+        }
+        let is_text = |group: &Group<'_>| matches!(group.values, [Datum { kind: DatumKind::Text(_), .. }]);
+        let stray =
+            options.iter().find(|group| CUES.contains(&group.name) && !(group.name == "start" && is_text(group)));
+        let Some(group) = stray else { return Some(()) };
+        let message = format!("`:{}` is said to an outside simulator, and this application has none", group.name);
+        let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message)
+            .reason(format!("its type is {kind}"))
+            .help("write `:type foreign-sim`, or let a step of the initial task do it");
+        self.refuse(diagnostic)
     }
 
     fn application_kind(&mut self, values: &[Datum], form: &Datum) -> Option<Symbol> {
