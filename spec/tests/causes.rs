@@ -88,3 +88,28 @@ fn a_spoiled_cause_is_noticed_whatever_its_kind() {
     let kinds = tried.len();
     assert!(blind.is_empty(), "{} of {kinds} ways of spoiling are not always noticed: {blind:?}", blind.len());
 }
+
+#[test]
+fn the_reference_lists_every_kind_of_cause_and_no_other() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let source = std::fs::read_to_string(format!("{root}/crates/model/src/cause.rs")).unwrap();
+    let reference = std::fs::read_to_string(format!("{root}/docs/reference/trace.md")).unwrap();
+    let variant = |line: &str| {
+        let name =
+            line.strip_prefix("    ").filter(|name| name.starts_with(|first: char| first.is_ascii_uppercase()))?;
+        let name = name.trim_end_matches([',', ' ', '{']);
+        let mut kind = String::new();
+        for character in name.chars() {
+            if character.is_ascii_uppercase() && !kind.is_empty() {
+                kind.push('-');
+            }
+            kind.push(character.to_ascii_lowercase());
+        }
+        Some(kind)
+    };
+    let known: Vec<String> = source.lines().filter_map(variant).collect();
+    let section = reference.split("## Causes").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap_or_default();
+    let listed: Vec<&str> = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+    assert!(known.len() > 50, "{known:?}");
+    assert_eq!(known, listed);
+}
