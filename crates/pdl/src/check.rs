@@ -247,7 +247,7 @@ impl Loader {
         }
         let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
         if foresee && !self.incomplete && no_errors(&self.diagnostics) && no_errors(&lowering.diagnostics) {
-            let found = analyse(&self.library, &lowering.names, &self.foreign);
+            let found = analyse(&self.library, &lowering.names, fragment, &self.foreign);
             self.diagnostics.extend(found);
         }
         let flawed = &self.flawed;

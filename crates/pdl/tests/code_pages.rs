@@ -85,3 +85,29 @@ fn codes_are_found_as_people_type_them() {
     assert_eq!(error_code(""), None);
     assert_eq!(error_code("0203"), None);
 }
+
+#[test]
+fn the_first_fix_of_an_example_makes_its_message_go_away() {
+    let mut tried = 0;
+    let mut wrongs = Vec::new();
+    for code in error_codes().iter().filter(|code| code.code != "E0007") {
+        let (kind, wrong) = example(code, code.page, "wrong");
+        let before = if kind == "pdl" { checked(wrong) } else { continue };
+        let about = before.diagnostics.iter().find(|diagnostic| diagnostic.code == code.code);
+        let Some(fix) = about.and_then(|diagnostic| diagnostic.fixes.first()) else { continue };
+        let mut edits = fix.edits.clone();
+        edits.sort();
+        let mut mended = wrong.to_string();
+        for edit in edits.iter().rev() {
+            mended.replace_range(edit.start as usize..edit.end as usize, &edit.replacement);
+        }
+        tried += 1;
+        let after = checked(&mended);
+        if after.diagnostics.iter().any(|diagnostic| diagnostic.code == code.code) || after.has_errors() {
+            let told: Vec<&str> = after.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+            wrongs.push(format!("{}: after \"{}\": {told:?}\n{mended}", code.code, fix.title));
+        }
+    }
+    assert!(wrongs.is_empty(), "{}", wrongs.join("\n"));
+    assert!(tried >= 15, "only {tried} examples have a fix");
+}

@@ -254,7 +254,8 @@ impl<'l> Known<'l> {
             )
             .reason("a step waits by itself only for results in its waitfor, activity, select and forall")
             .help(format!("add `(waitfor (end ?{}))`", producer.tag));
-        report.add(diagnostic);
+        let fix = report.locator.add_wait(step.place, &producer.tag);
+        report.add(diagnostic.fixes(fix));
     }
 }
 

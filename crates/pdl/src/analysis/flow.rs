@@ -6,6 +6,7 @@ use super::starts::{Blocked, Premise, Waits, tags};
 use super::{Program, Report};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Fix;
 use crate::print::{pattern_text, template_text};
 use apex_model::procedure::{Activity, Procedure, Step};
 use std::collections::BTreeSet;
@@ -107,7 +108,9 @@ fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mu
     let who = if circle.len() == 1 { "it can never begin" } else { "none of them can ever begin" };
     diagnostic = diagnostic.reason(format!("{}: {who}", words.join("; ")));
     let help = if circle.len() == 1 { "remove this wait, or name another step" } else { "remove one of these waits" };
-    report.add(diagnostic.help(help));
+    let written = procedure.steps.get(*step).and_then(|step| report.locator.wait(step.place, span));
+    let fix = written.map(|wait| Fix::look("remove this wait").replace(wait, ""));
+    report.add(diagnostic.help(help).fixes(fix));
 }
 
 /// `a, b and c`.
@@ -143,7 +146,9 @@ fn report_endless(
             Diagnostic::new(Severity::Warning, codes::UNREACHABLE, span, format!("{own} is never reached"))
                 .label(report.locator.span(blocker.place), "this ends the procedure")
                 .help(format!("move {own} before it, or remove it"));
-        return report.add(diagnostic);
+        let unreached = procedure.steps.get(step).map(|step| report.locator.span(step.place));
+        let fix = unreached.map(|step| Fix::look(format!("remove {own}")).replace(step, ""));
+        return report.add(diagnostic.fixes(fix));
     }
     let message = format!("{own} can never begin");
     let mut diagnostic = Diagnostic::error(codes::NEVER_STARTS, span, message);

@@ -1,6 +1,7 @@
 //! Places back to stretches of text. The library keeps where things begin; only a message needs to know where they end.
 
 use crate::diagnostic::Span;
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind, read_file};
 use apex_model::source::{Place, SourceFile};
 use apex_model::symbol::Symbol;
@@ -48,6 +49,38 @@ impl<'l> Locator<'l> {
         let datum = self.datum(place);
         let clause = datum.as_ref().and_then(|form| form.tail().iter().find(|part| part.head_name() == name));
         clause.map_or_else(|| self.span(place), |clause| clause.span)
+    }
+
+    /// What to remove so that the step at `place` does not wait for the condition at `condition`: the condition, or the
+    /// whole clause if it has no other. None for a part of another condition.
+    pub(crate) fn wait(&mut self, place: Place, condition: Span) -> Option<Span> {
+        let datum = self.datum(place)?;
+        let clause = datum.tail().iter().find(|part| part.head_name() == "waitfor")?;
+        clause.tail().iter().any(|part| part.span == condition).then_some(())?;
+        Some(if clause.tail().len() == 1 { clause.span } else { condition })
+    }
+
+    /// A wait for the end of `tag`, added to the step at `place`.
+    pub(crate) fn add_wait(&mut self, place: Place, tag: &Symbol) -> Option<Fix> {
+        let datum = self.datum(place)?;
+        let clause = datum.tail().iter().find(|part| part.head_name() == "waitfor");
+        let (form, text) = match clause {
+            Some(clause) => (clause.span, format!(" (end ?{tag})")),
+            None => (datum.span, format!(" (waitfor (end ?{tag}))")),
+        };
+        Some(Fix::look(format!("let the step wait for `{tag}`")).insert_before(closing(form), text))
+    }
+
+    /// The `=> ?name` of the step at `place`, if the result is this variable alone.
+    pub(crate) fn result(&mut self, place: Place, name: &Symbol) -> Option<Span> {
+        let datum = self.datum(place)?;
+        let activity = datum.tail().iter().find(|part| part.as_list().is_some())?;
+        [&datum, activity].into_iter().find_map(|form| {
+            let items = form.as_list()?;
+            let mark = items.iter().position(|item| item.is("=>"))?;
+            let variable = items.get(mark + 1).filter(|item| item.as_variable() == Some(name))?;
+            Some(items.get(mark)?.span.to(variable.span))
+        })
     }
 
     /// The tag of the step at `place`, else its activity.
@@ -131,6 +164,11 @@ impl<'l> Locator<'l> {
         let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_symbol() == Some(name)));
         found.unwrap_or_else(|| self.span(place))
     }
+}
+
+/// The closing parenthesis of the form.
+pub(crate) fn closing(form: Span) -> Span {
+    Span { start: form.end.saturating_sub(1), ..form }
 }
 
 /// Every part of `datum` in order of writing.

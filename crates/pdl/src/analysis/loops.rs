@@ -3,10 +3,12 @@
 
 use super::endings::{ends_procedure, is_end_of, is_endless, is_plain, is_plain_step, known_truth};
 use super::horn::{Horn, Node};
+use super::locate::closing;
 use super::methods::Method;
 use super::{Program, Report};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::fix::Fix;
 use crate::matching::{View, must_match};
 use crate::print::{pattern_text, template_text};
 use apex_model::condition::{ConditionKind, Timing};
@@ -49,7 +51,8 @@ fn repetitions(program: &Program<'_>, number: usize, procedure: &Procedure, repo
             Diagnostic::new(severity, codes::ENDLESS_REPETITION, span, "this step repeats without end at one instant")
                 .label(report.locator.activity(step.place), "nothing in what serves this takes any time")
                 .help("add `:with-min-interval D`, `:until T`, or a waitfor");
-        report.add(diagnostic);
+        let fix = Fix::look("let time pass between repetitions").insert_before(closing(span), " :with-min-interval 1s");
+        report.add(diagnostic.fix(fix));
     }
 }
 

@@ -18,6 +18,7 @@ mod memory;
 mod methods;
 mod profiles;
 mod resemblance;
+mod served;
 mod shadows;
 mod starts;
 mod unused;
@@ -38,6 +39,8 @@ const MESSAGES_MAX: usize = 200;
 pub(crate) struct Program<'l> {
     library: &'l Library,
     names: &'l Names,
+    /// It is a piece of something larger, which may serve and define more.
+    fragment: bool,
     /// Files that came as libraries: what they define need not be used.
     foreign: &'l BTreeSet<u32>,
     methods: Methods<'l>,
@@ -59,15 +62,16 @@ impl Report<'_> {
 }
 
 /// Everything there is to say about `library`.
-pub(crate) fn analyse(library: &Library, names: &Names, foreign: &BTreeSet<u32>) -> Vec<Diagnostic> {
+pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign: &BTreeSet<u32>) -> Vec<Diagnostic> {
     let methods = Methods::new(library);
     let endings = Endings::new(library, names, &methods);
-    let program = Program { library, names, foreign, methods, endings };
+    let program = Program { library, names, fragment, foreign, methods, endings };
     let mut report = Report { locator: Locator::new(&library.sources), diagnostics: Vec::new() };
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
     limits::check(&program, &mut report);
     profiles::check(&program, &mut report);
+    served::check(&program, &mut report);
     shadows::check(&program, &mut report);
     bindings::check(&program, &mut report);
     dimensions::check(&program, &mut report);

@@ -5,6 +5,7 @@ use super::methods::Method;
 use super::{Program, Report};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::fix::Fix;
 use apex_model::expression::{ExprKind, Template};
 use apex_model::library::ResourceKind;
 use apex_model::procedure::{Activity, BuiltInActivity, Procedure, ProcedureKind, ResourceNeed, Step};
@@ -118,6 +119,10 @@ fn shortage(
         if !others.is_empty() {
             diagnostic = diagnostic.reason("entries for one task are added up, the step's and those of what serves it");
         }
+        if !others.is_empty() {
+            let fix = Fix::look(format!("ask for `{resource}` once"));
+            diagnostic = diagnostic.fix(fix.replace(report.locator.span(last.place), ""));
+        }
         diagnostic =
             diagnostic.help(if others.is_empty() { "ask for less, or declare more" } else { "keep one of them" });
         report.add(diagnostic);
@@ -148,7 +153,8 @@ fn useless_release(step: &Step, holds: bool, report: &mut Report<'_>) {
         let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, "there is nothing to release")
             .reason("`release-resource` gives back what a `hold-resource` of the same procedure was granted")
             .help("what a profile was granted is given back when its task ends");
-        report.add(diagnostic);
+        let fix = Fix::look("remove this step").replace(report.locator.span(step.place), "");
+        report.add(diagnostic.fix(fix));
     }
 }
 

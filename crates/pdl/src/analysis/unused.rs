@@ -5,6 +5,7 @@ use super::methods::Method;
 use super::{Program, Report, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::fix::Fix;
 use crate::print::pattern_text;
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::expression::{Expr, ExprKind, Template};
@@ -47,7 +48,10 @@ fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
                 let message = format!("`?{name}` is never used");
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
                     .help("use it in the step, or remove the `select`");
-                report.add(diagnostic);
+                let clause = report.locator.clause(step.place, "select");
+                let only = step.select.len() == 1;
+                let fix = only.then(|| Fix::look("remove the `select`").replace(clause, ""));
+                report.add(diagnostic.fixes(fix));
             }
             let results = step.binds.as_deref().map(by_pattern).unwrap_or_default();
             for name in results.surely.into_iter().filter(|name| !used.contains(name)) {
@@ -56,7 +60,8 @@ fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
                     .reason("no clause of this procedure needs the result of the step")
                     .help("remove the `=>`, or write `?` for a part that is not needed");
-                report.add(diagnostic);
+                let result = report.locator.result(step.place, name);
+                report.add(diagnostic.fixes(result.map(|result| Fix::look("remove the `=>`").replace(result, ""))));
             }
         }
     }
