@@ -14,3 +14,8 @@ pub mod reasons;
 pub mod rederive;
 pub mod scenario;
 pub mod verdict;
+
+/// The guide on functions of the host program: its example runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guides/host-functions.md")]
+pub struct HostFunctionsGuide;
