@@ -1,5 +1,7 @@
 //! Guides show what really happens: every `console` block is run and compared. `UPDATE=1` rewrites them.
 
+#![allow(clippy::unwrap_used, reason = "a guide that cannot be played is a failed test")]
+
 mod common;
 
 use common::missions;
