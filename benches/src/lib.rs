@@ -4,12 +4,13 @@
 pub mod programs;
 
 use apex_executive::{Agent, load, step};
-use apex_model::effect::{CommandId, Effect};
+use apex_model::effect::{CommandId, DecisionKind, Effect};
 use apex_model::event::{Batch, Event, EventKind, StateVariable};
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
+use apex_model::task::TaskState;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, SourceText};
@@ -108,6 +109,16 @@ impl Driven {
     pub fn step(&mut self, batch: &Batch) -> Vec<Effect> {
         step(&mut self.agent, batch)
     }
+}
+
+/// Has a task moved from the one state to the other?
+pub fn moved(effects: &[Effect], from: TaskState, to: TaskState) -> bool {
+    effects.iter().any(|effect| match effect {
+        Effect::Decided(decision) => {
+            matches!(&decision.kind, DecisionKind::Transition { from: a, to: b, .. } if (*a, *b) == (from, to))
+        }
+        _ => false,
+    })
 }
 
 /// A sample of `(level number)`.

@@ -1,0 +1,79 @@
+//! One resource and many who want it: handing it on, by end and by interruption.
+#![allow(missing_docs, reason = "criterion's macros make public items")]
+#![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
+
+use apex_benches::{Driven, command_in, library, moved};
+use apex_model::event::EventKind;
+use apex_model::task::TaskState;
+use apex_model::value::Value;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Competitors of rising priority, all of which wait while one works; an alarm outranks them all.
+const COMPETITORS: &str = "
+(procedure (index (do-domain))
+  (step all (work ?n) (forall ?n in (range COUNT)) (priority ?n))
+  (step alarm (look) (waitfor (alarm)) (responding) (priority 1000000)))
+(primitive (index (work ?n)) (profile camera) (on-start (command (work ?n))))
+(primitive (index (look)) (profile camera) (on-start (command (look))))
+";
+
+const COUNTS: [usize; 4] = [100, 1_000, 10_000, 100_000];
+
+fn acknowledged(command: apex_model::effect::CommandId) -> EventKind {
+    EventKind::CommandAcknowledged(command, Ok(Value::nil()))
+}
+
+/// An alarm interrupts the holder; the alarm's task is done and the holder goes on: both steps together.
+fn interrupt_and_resume(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("hand-off");
+    group.sample_size(20);
+    for count in COUNTS {
+        let mut driven = Driven::new(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
+        group.bench_function(BenchmarkId::new("interruption and resumption", count), |bencher| {
+            bencher.iter_custom(|iterations| {
+                let mut total = Duration::ZERO;
+                for _ in 0..iterations {
+                    let alarm = driven.batch(EventKind::Occurrence(Value::list([Value::symbol("alarm")])));
+                    let start = Instant::now();
+                    let effects = driven.step(black_box(&alarm));
+                    total += start.elapsed();
+                    let command = command_in(&effects).expect("the alarm's task works");
+                    assert!(moved(&effects, TaskState::Ongoing, TaskState::Interrupted), "nobody was interrupted");
+                    let done = driven.batch(acknowledged(command));
+                    let start = Instant::now();
+                    let effects = driven.step(black_box(&done));
+                    total += start.elapsed();
+                    assert!(moved(&effects, TaskState::Interrupted, TaskState::Ongoing), "nobody went on");
+                }
+                total
+            });
+        });
+        // A hand-off uses up one competitor: as many as half of them are measured before all are made anew.
+        let text = COMPETITORS.replace("COUNT", &count.to_string());
+        let library = library(&text);
+        group.bench_function(BenchmarkId::new("holder ends, next begins", count), |bencher| {
+            bencher.iter_custom(|iterations| {
+                let (mut total, mut done) = (Duration::ZERO, 0);
+                while done < iterations {
+                    let (mut driven, effects) = Driven::begun(&library);
+                    let mut command = command_in(&effects).expect("one works");
+                    for _ in 0..(iterations - done).min(count as u64 / 2) {
+                        let batch = driven.batch(acknowledged(command));
+                        let start = Instant::now();
+                        let effects = driven.step(black_box(&batch));
+                        total += start.elapsed();
+                        command = command_in(&effects).expect("the next one works");
+                        done += 1;
+                    }
+                }
+                total
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, interrupt_and_resume);
+criterion_main!(benches);
