@@ -71,6 +71,8 @@ pub(crate) struct Work {
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is looked at.
     pub(crate) priorities_changed: bool,
+    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn anew.
+    pub(crate) inheritance_changed: bool,
     /// Contend: how often tasks lost resources at this instant.
     pub(crate) losses: BTreeMap<TaskId, u32>,
     /// Act: tasks that became ongoing.
@@ -152,6 +154,7 @@ impl Work {
             && self.claims.is_empty()
             && self.dirty.is_empty()
             && !self.priorities_changed
+            && !self.inheritance_changed
             && self.starting.is_empty()
             && self.resuming.is_empty()
             && self.ended.is_empty()

@@ -172,6 +172,17 @@ pub struct HandlingController {
 }
 
 impl Controller {
+    /// Is there a child?
+    pub fn has_children(&self) -> bool {
+        match self {
+            Controller::Procedure(controller) => controller.children.iter().next().is_some(),
+            Controller::Items(controller) => controller.children.iter().next().is_some(),
+            Controller::Planning(controller) => controller.meanwhile.is_some(),
+            Controller::Handling(_) => true,
+            Controller::Primitive(_) | Controller::Question(_) | Controller::BuiltIn => false,
+        }
+    }
+
     /// The children that still exist, in order of creation.
     pub fn children(&self) -> Vec<TaskId> {
         match self {

@@ -46,5 +46,6 @@ pub mod time;
 pub mod value;
 pub mod variable_map;
 pub mod variables;
+pub mod waiting;
 pub mod wake;
 pub mod walk;

@@ -4,8 +4,9 @@ use crate::library::ResourceKind;
 use crate::quantity::Dimension;
 use crate::task::TaskId;
 use crate::value::Value;
+use crate::waiting::Waiting;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Numbers a resource within one agent, in order of first use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -43,7 +44,7 @@ pub struct Resource {
     /// Who holds it, in order of taking. Several holders of one unit are ancestors and descendants.
     pub holders: Vec<Holding>,
     /// Enabled and interrupted tasks that claim it.
-    pub waiting: BTreeSet<TaskId>,
+    pub waiting: Waiting,
 }
 
 /// All resources that tasks have named so far.
@@ -73,7 +74,7 @@ impl ResourceTable {
             }
         };
         let id = ResourceId(u32::try_from(self.resources.len()).unwrap_or(u32::MAX));
-        let (holders, waiting) = (Vec::new(), BTreeSet::new());
+        let (holders, waiting) = (Vec::new(), Waiting::default());
         self.resources.push(Resource { name: name.clone(), total, depletable, dimension, holders, waiting });
         self.names.insert(name.clone(), id);
         id

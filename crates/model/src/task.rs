@@ -188,8 +188,10 @@ pub struct Extras {
     pub repeats_no_more: bool,
     /// The least interval's wake.
     pub wake: Option<WakeKey>,
-    /// The resource it was last refused, and to whom it went: said once, not at every look.
+    /// The resource that it was refused at the last look at all claimants, and to whom it went.
     pub refused: Option<(ResourceId, TaskId)>,
+    /// That it waits has been told: once for each claim, not at every look.
+    pub refusal_told: bool,
     /// The wake at which its rising priority may win.
     pub crossing: Option<WakeKey>,
 }
@@ -206,6 +208,11 @@ impl Task {
             Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => Some(step),
             Origin::Initial | Origin::Meanwhile(_) => None,
         }
+    }
+
+    /// Are there tasks below it?
+    pub fn has_children(&self) -> bool {
+        self.controller.as_ref().is_some_and(|controller| controller.has_children())
     }
 
     /// True when it has ended.

@@ -87,9 +87,9 @@ pub(crate) fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<
     let mut list = Vec::new();
     while let Some(id) = resources.pop() {
         let Some(resource) = cycle.agent.resources.get(id) else { continue };
-        for task in &resource.waiting {
-            if tasks.insert(*task) && is_eligible(cycle.agent, *task) {
-                let claimant = as_claimant(cycle, *task);
+        for task in resource.waiting.tasks() {
+            if tasks.insert(task) && is_eligible(cycle.agent, task) {
+                let claimant = as_claimant(cycle, task);
                 resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
                 list.push(claimant);
             }

@@ -9,8 +9,9 @@ use crate::control::competition::{
     Claimant, as_claimant, claimants, first_unbeaten, has_begun, insert_in_order, order_of, rank_all, rank_order,
     rank_path, related,
 };
+use crate::control::line;
 use crate::control::priority;
-use crate::control::sharing::{Use, UseKind, has_room, matters};
+use crate::control::sharing::{Use, UseKind, any_related, has_room, matters};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
 use apex_model::agent::Agent;
@@ -35,6 +36,17 @@ pub(crate) struct Arbitration {
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
     /// Claimants beat one another in a ring: what was decided may decide differently now.
     pub(crate) unsettled: bool,
+}
+
+impl Arbitration {
+    fn absorb(&mut self, part: Arbitration) {
+        let Arbitration { granted, displaced, refused, impossible, unsettled } = part;
+        self.granted.extend(granted);
+        self.displaced.extend(displaced);
+        self.refused.extend(refused);
+        self.impossible.extend(impossible);
+        self.unsettled |= unsettled;
+    }
 }
 
 /// A conflict lost.
@@ -66,25 +78,49 @@ pub(crate) struct Refusal {
 }
 
 /// A task that lost so often at one instant takes nothing from anybody before the next: rings of ranks and priorities end.
-const LOSSES_MAX: u32 = 2;
+pub(crate) const LOSSES_MAX: u32 = 2;
+
+/// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
+/// all, nobody else is looked at.
+pub(crate) fn arbitrate(
+    cycle: &Cycle<'_>,
+    dirty: &BTreeSet<ResourceId>,
+    fresh: &BTreeMap<ResourceId, Vec<TaskId>>,
+) -> Arbitration {
+    let mut result = Arbitration::default();
+    let mut rest = BTreeSet::new();
+    for id in dirty {
+        match line::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
+            Some(part) => result.absorb(part),
+            None => {
+                rest.insert(*id);
+            }
+        }
+    }
+    if !rest.is_empty() {
+        result.absorb(arbitrate_all(cycle, &rest));
+    }
+    if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
+}
+
+/// Who would begin although the task that it is a step of stops working.
+fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
+    let stops =
+        |task: TaskId| result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task);
+    let parent = |id: TaskId| cycle.task(id).and_then(|task| task.parent);
+    let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
+    granted.filter(move |id| !has_begun(cycle.agent, *id) && parent(*id).is_some_and(stops))
+}
 
 /// Arbitrates all resources in `dirty`, with everything their claimants need besides. No step of a task that stops working
 /// begins, so such steps do not compete.
-pub(crate) fn arbitrate(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
-    let mut orphans = BTreeSet::new();
+fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
+    let mut orphaned = BTreeSet::new();
     loop {
-        let result = arbitrate_without(cycle, dirty, &orphans);
-        let before = orphans.len();
-        if !result.displaced.is_empty() {
-            let stops = |task: TaskId| {
-                result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task)
-            };
-            let parent = |id: &TaskId| cycle.task(*id).and_then(|task| task.parent);
-            let begins = |id: &&TaskId| !has_begun(cycle.agent, **id);
-            let lost = result.granted.iter().filter(begins).filter(|id| parent(id).is_some_and(stops));
-            orphans.extend(lost.copied());
-        }
-        if orphans.len() == before {
+        let result = arbitrate_without(cycle, dirty, &orphaned);
+        let before = orphaned.len();
+        orphaned.extend(orphans(cycle, &result));
+        if orphaned.len() == before {
             return result;
         }
     }
@@ -94,7 +130,7 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
     let mut remaining = claimants(cycle, dirty);
     remaining.retain(|claimant| !orphans.contains(&claimant.id));
     let ranked = remaining.len() > 1 && rank_all(cycle, &mut remaining);
-    let mut field = Field { cycle, uses: BTreeMap::new() };
+    let mut field = Field::empty(cycle);
     let mut result = Arbitration::default();
     while !remaining.is_empty() {
         let unbeaten = if ranked { first_unbeaten(&remaining) } else { Some(0) };
@@ -129,12 +165,17 @@ enum Placement {
 }
 
 /// Uses of resources while an arbitration goes on.
-struct Field<'a, 'c> {
+pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
 }
 
-impl Field<'_, '_> {
+impl<'a, 'c> Field<'a, 'c> {
+    /// Nothing has been looked at.
+    pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
+        Field { cycle, uses: BTreeMap::new() }
+    }
+
     fn load(&mut self, id: ResourceId) {
         let Some(resource) = self.cycle.agent.resources.get(id) else { return };
         self.uses.entry(id).or_insert_with(|| {
@@ -252,7 +293,8 @@ impl Field<'_, '_> {
         let agent = &*self.cycle.agent;
         let present = self.present(claimant, need.resource, losses);
         let strangers = || present.iter().filter(|each| !related(agent, each.task, claimant.id));
-        let mut rivals: Vec<&&Use> = strangers().filter(|each| matters(agent, &present, each)).collect();
+        let families = any_related(agent, &present);
+        let mut rivals: Vec<&&Use> = strangers().filter(|each| !families || matters(agent, &present, each)).collect();
         if rivals.is_empty() {
             rivals = strangers().collect();
         }
@@ -305,7 +347,7 @@ impl Field<'_, '_> {
     }
 
     /// The outcome between the claimant and one use: the user's loss, or the claimant's.
-    fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
+    pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
         let (agent, now) = (&*self.cycle.agent, self.cycle.now);
         let holds = rival.kind == UseKind::Held;
         let loss = |rule, winner_strength, loser_strength| Loss {

@@ -5,7 +5,7 @@
 
 use crate::control::conflict::{self, Arbitration, Loss, Refusal};
 use crate::control::transition::{Trigger, transition};
-use crate::control::{competition, crossing, resources};
+use crate::control::{competition, crossing, line, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use apex_model::because::{Because, Cause, Share};
@@ -16,10 +16,12 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
+use std::collections::BTreeMap;
 
 /// The contend phase: what is to be committed.
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let mut free = Vec::new();
+    let mut fresh: BTreeMap<ResourceId, Vec<TaskId>> = BTreeMap::new();
     for id in in_order(&mut cycle.work.claims) {
         if !competition::is_eligible(cycle.agent, id) {
             continue;
@@ -28,20 +30,18 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         if needs.is_empty() {
             free.push(id);
         }
+        let claim = line::claim_of(cycle, id, &needs);
         for need in needs {
             if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
-                resource.waiting.insert(id);
+                resource.waiting.insert(id, claim);
                 cycle.work.dirty.insert(need.resource);
+                fresh.entry(need.resource).or_default().push(id);
             }
         }
     }
-    if std::mem::take(&mut cycle.work.priorities_changed) {
-        let contested = cycle.agent.resources.iter().filter(|(_, resource)| !resource.waiting.is_empty());
-        let contested: Vec<ResourceId> = contested.map(|(id, _)| id).collect();
-        cycle.work.dirty.extend(contested);
-    }
+    look_again(cycle);
     let dirty = std::mem::take(&mut cycle.work.dirty);
-    let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty) };
+    let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty, &fresh) };
     result.granted.extend(free);
     // Ancestors stop before their descendants, as in a suspension.
     result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
@@ -57,6 +57,34 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     result
 }
 
+/// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed anew.
+fn look_again(cycle: &mut Cycle<'_>) {
+    let values = std::mem::take(&mut cycle.work.priorities_changed);
+    let inherited = std::mem::take(&mut cycle.work.inheritance_changed);
+    if !values && !inherited {
+        return;
+    }
+    let contested = cycle.agent.resources.iter().filter(|(_, resource)| !resource.waiting.is_empty());
+    let concerned = contested.filter(|(_, resource)| {
+        let mut holders = resource.holders.iter();
+        inherited
+            || resource.waiting.is_sensitive()
+            || holders.any(|holding| !line::is_steady(cycle.agent, holding.task))
+    });
+    let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
+    for id in &concerned {
+        let Some(resource) = cycle.agent.resources.get(*id) else { continue };
+        let waiting: Vec<TaskId> = resource.waiting.tasks().collect();
+        for task in waiting {
+            let claim = line::claim_of(cycle, task, &resources::needs_of(cycle, task));
+            if let Some(resource) = cycle.agent.resources.get_mut(*id) {
+                resource.waiting.insert(task, claim);
+            }
+        }
+    }
+    cycle.work.dirty.extend(concerned);
+}
+
 /// The commit phase: states change as arbitrated.
 pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     if arbitration.unsettled {
@@ -70,7 +98,8 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         interruption::outrank(cycle, loss.loser, because);
         // Being refused now is the loss itself, not another one to tell.
         if let Some(task) = cycle.agent.task_mut(loss.loser) {
-            task.extras_mut().refused = Some((loss.resource, loss.winner));
+            let extras = task.extras_mut();
+            (extras.refused, extras.refusal_told) = (Some((loss.resource, loss.winner)), true);
         }
     }
     for (id, resource, needed, left) in arbitration.impossible {
@@ -133,7 +162,7 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
     resources::take(cycle, id, &needs);
     cycle.agent.unsteady.remove(&id);
     if let Some(extras) = cycle.agent.task_mut(id).and_then(|task| task.extras.as_mut()) {
-        extras.refused = None;
+        (extras.refused, extras.refusal_told) = (None, false);
         if let Some(wake) = extras.crossing.take() {
             cycle.agent.wakes.cancel(wake);
         }
@@ -146,17 +175,17 @@ fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// Says once that the task stays as it is.
+/// Says once for each claim that the task stays as it is, and to whom it lost first: who has the resource later is seen
+/// from the resource, and a hundred thousand who wait must not each say so again whenever it changes hands.
 fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
-    let told = Some((loss.resource, loss.winner));
-    if cycle.task(loss.loser).and_then(|task| task.extras.as_ref()?.refused) != told {
-        let kind = DecisionKind::Refused { resource: resource_name(cycle, loss.resource), winner: loss.winner };
-        let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
-        cycle.decide(Some(loss.loser), kind, because);
+    let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
+    extras.refused = Some((loss.resource, loss.winner));
+    if std::mem::replace(&mut extras.refusal_told, true) {
+        return;
     }
-    if let Some(task) = cycle.agent.task_mut(loss.loser) {
-        task.extras_mut().refused = told;
-    }
+    let kind = DecisionKind::Refused { resource: resource_name(cycle, loss.resource), winner: loss.winner };
+    let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
+    cycle.decide(Some(loss.loser), kind, because);
 }
 
 /// Asks to be woken when the priorities of the task and of those in its way may cross.

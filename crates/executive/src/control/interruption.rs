@@ -34,8 +34,12 @@ fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
     question::pause(cycle, id);
     transition(cycle, id, trigger, None, because);
     run_hooks(cycle, id, "on-suspend", |hooks| &hooks.on_suspend);
-    // What the task shared with others may decide differently now that it does not count among the ancestors.
-    cycle.work.priorities_changed = true;
+    inheritance_changed(cycle, id);
+}
+
+/// The task stopped or goes on: what it brings to its descendants' priorities counts no longer, or again.
+pub(crate) fn inheritance_changed(cycle: &mut Cycle<'_>, id: TaskId) {
+    cycle.work.inheritance_changed |= cycle.task(id).is_some_and(Task::has_children);
 }
 
 /// Runs a hook of the task's procedure or primitive, then of its step.
@@ -137,7 +141,7 @@ pub(crate) fn suspend(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
 fn withdraw_claims(cycle: &mut Cycle<'_>, id: TaskId) {
     for need in resources::needs_of(cycle, id) {
         if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
-            && resource.waiting.remove(&id)
+            && resource.waiting.remove(id)
         {
             cycle.work.dirty.insert(need.resource);
         }

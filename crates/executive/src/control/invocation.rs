@@ -92,5 +92,5 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
         }
     }
     interruption::offer_children(cycle, id);
-    cycle.work.priorities_changed = true;
+    interruption::inheritance_changed(cycle, id);
 }

@@ -14,6 +14,7 @@ pub(crate) mod instantiation;
 pub(crate) mod interruption;
 pub(crate) mod invariants;
 pub(crate) mod invocation;
+pub(crate) mod line;
 pub(crate) mod monitoring_clauses;
 pub(crate) mod moving;
 pub(crate) mod primitive;

@@ -91,7 +91,7 @@ pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
                 resource.name
             );
             resource.holders.push(Holding { task: id, amount: need.amount });
-            resource.waiting.remove(&id);
+            resource.waiting.remove(id);
         }
     }
 }
@@ -116,7 +116,7 @@ pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
         release_one(cycle, id, need.resource, how);
         // Its claim kept others from the resource, whether it held it or not.
         if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
-            && resource.waiting.remove(&id)
+            && resource.waiting.remove(id)
             && !resource.waiting.is_empty()
         {
             cycle.work.dirty.insert(need.resource);

@@ -7,7 +7,7 @@
 use apex_model::agent::Agent;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Amounts are equal when they differ by less than this: sums of fractions are not exact.
 const TOLERANCE: f64 = 1e-9;
@@ -44,6 +44,13 @@ pub(crate) fn has_room(agent: &Agent, total: f64, present: &[&Use], task: TaskId
     uses.push((task, amount));
     let after = used(agent, &uses);
     after <= total + TOLERANCE || after <= before + TOLERANCE
+}
+
+/// Is one of the users an ancestor of another? Where none is, everybody's use counts by itself.
+pub(crate) fn any_related(agent: &Agent, present: &[&Use]) -> bool {
+    let users: BTreeSet<TaskId> = present.iter().map(|each| each.task).collect();
+    let parent = |id: TaskId| agent.task(id).and_then(|task| task.parent);
+    users.iter().any(|user| std::iter::successors(parent(*user), |id| parent(*id)).any(|above| users.contains(&above)))
 }
 
 /// Would less be used without `each`?
