@@ -13,8 +13,10 @@ use std::time::{Duration, Instant};
 /// Competitors of rising priority, all of which wait while one works; an alarm outranks them all.
 const COMPETITORS: &str = "
 (procedure (index (do-domain))
-  (step all (work ?n) (forall ?n in (range COUNT)) (priority ?n))
+  (step all (compete ?n) (forall ?n in (range COUNT)))
   (step alarm (look) (waitfor (alarm)) (responding) (priority 1000000)))
+(procedure (index (compete ?n))
+  (step work (work ?n) (priority ?n)))
 (primitive (index (work ?n)) (profile camera) (on-start (command (work ?n))))
 (primitive (index (look)) (profile camera) (on-start (command (look))))
 ";

@@ -38,12 +38,12 @@ pub(super) fn of_resource(
         holders.push(holder(scene, agent, holding.task, Some(whole(holding.amount)), link));
     }
     let mut waiting = Vec::new();
-    for task in &found.waiting {
-        let conflict = log.before(*task, "refused", i64::MAX)?;
-        let lost = log.transition_before(*task, "interrupted", i64::MAX)?;
+    for task in found.waiting.tasks() {
+        let conflict = log.before(task, "refused", i64::MAX)?;
+        let lost = log.transition_before(task, "interrupted", i64::MAX)?;
         let last = [conflict, lost].into_iter().flatten().max_by_key(|row| row.id);
         let link = link(scene, &log, last)?;
-        waiting.push(holder(scene, agent, *task, None, link));
+        waiting.push(holder(scene, agent, task, None, link));
     }
     let about = scene.about(question, "resource", name);
     Ok(Some(ResourceAnswer { about, resource: found.name.to_string(), total: whole(found.total), holders, waiting }))
