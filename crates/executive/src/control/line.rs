@@ -72,10 +72,12 @@ fn steadiness(agent: &Agent, task: &Task) -> Option<bool> {
     Some(varies)
 }
 
-/// Can a change of an input make `id`, which has the resource, yield?
+/// Can no change of a variable, and nothing that is measured, change what `id` defends the resource with?
 pub(crate) fn is_steady(agent: &Agent, id: TaskId) -> bool {
     let mut family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
-    !priority::reads_histories(agent, id) && family.all(|task| steadiness(agent, task) == Some(false))
+    let cost = priority::cost_clause(agent, id);
+    cost.is_none_or(|(expr, _)| matches!(expr.kind, ExprKind::Constant(_)))
+        && family.all(|task| steadiness(agent, task) == Some(false))
 }
 
 /// Arbitrates the resource, if its first claimant decides for all. `fresh` claim it since this round.

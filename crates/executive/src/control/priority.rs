@@ -221,7 +221,7 @@ fn clause_bounds(agent: &Agent, task: &Task, clause: &PriorityClause, from: Time
 }
 
 /// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
-fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
+pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
     if let (apex_model::task::Origin::Step(step), true) = (task.origin, task.selection.is_some())
         && let Some(expr) = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.interrupt_cost.as_deref()
