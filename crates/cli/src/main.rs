@@ -9,6 +9,7 @@ mod options;
 mod output;
 mod outside;
 mod recording;
+mod replacing;
 mod sources;
 mod telling;
 mod trouble;

@@ -47,9 +47,15 @@ pub enum Command {
 /// `apex check`
 #[derive(Args)]
 pub struct CheckOptions {
-    /// PDL files, or mission folders.
+    /// PDL files, or mission folders; with `--fix`, `-` fixes standard input to standard output.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
+    /// Make the fixes that are safe, in the files and in what they require beside them, and check what is left.
+    #[arg(long)]
+    pub fix: bool,
+    /// Change no file: print what `--fix` would change, as a unified difference.
+    #[arg(long, requires = "fix")]
+    pub dry_run: bool,
     /// The files are pieces of a larger application: undefined names are notes.
     #[arg(long)]
     pub fragment: bool,

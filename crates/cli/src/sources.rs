@@ -48,11 +48,32 @@ pub fn program_path(path: &Path) -> PathBuf {
 /// # Errors
 /// The program cannot be read. Mistakes inside are diagnostics of the result.
 pub fn check_program(path: &Path, fragment: bool) -> Outcome<Checked> {
+    check_program_with(path, fragment, &mut read_text)
+}
+
+/// As [`check_program`], reading files through `read`. A source that was read so is named by its path.
+///
+/// # Errors
+/// As [`check_program`].
+pub fn check_program_with(
+    path: &Path,
+    fragment: bool,
+    read: &mut dyn FnMut(&Path) -> Outcome<String>,
+) -> Outcome<Checked> {
     let path = program_path(path);
-    let text = read_text(&path)?;
+    let text = read(&path)?;
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let source = SourceText { name: path.display().to_string(), text };
-    Ok(check_sources(vec![source], fragment, &mut |requirement| resolve(&folder, requirement)))
+    Ok(check_text_with(SourceText { name: path.display().to_string(), text }, &folder, fragment, read))
+}
+
+/// Checks a text that requires files of `folder`, reading them through `read`. What cannot be read is a diagnostic of the result.
+pub fn check_text_with(
+    source: SourceText,
+    folder: &Path,
+    fragment: bool,
+    read: &mut dyn FnMut(&Path) -> Outcome<String>,
+) -> Checked {
+    check_sources(vec![source], fragment, &mut |requirement| resolve(folder, requirement, read))
 }
 
 /// Checks texts, asking `resolve` for everything they require.
@@ -125,17 +146,21 @@ pub fn agent_of(library: &Library) -> AgentDeclaration {
     library.agents.first().cloned().unwrap_or_else(AgentDeclaration::of_program)
 }
 
-fn resolve(folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
+fn resolve(
+    folder: &Path,
+    requirement: Requirement,
+    read: &mut dyn FnMut(&Path) -> Outcome<String>,
+) -> Result<SourceText, String> {
     match requirement {
         Requirement::File { name, .. } => {
             let path = folder.join(&name);
-            read_required(&path)
+            read_required(&path, read)
         }
         Requirement::Library(name) => {
             let file = format!("{name}.pdl");
             let local = folder.join("library").join(&file);
             if local.is_file() {
-                return read_required(&local);
+                return read_required(&local, read);
             }
             match Shipped::get(&file) {
                 Some(shipped) => Ok(SourceText {
@@ -148,8 +173,8 @@ fn resolve(folder: &Path, requirement: Requirement) -> Result<SourceText, String
     }
 }
 
-fn read_required(path: &Path) -> Result<SourceText, String> {
-    let text = read_text(path).map_err(|trouble| match trouble.reason {
+fn read_required(path: &Path, read: &mut dyn FnMut(&Path) -> Outcome<String>) -> Result<SourceText, String> {
+    let text = read(path).map_err(|trouble| match trouble.reason {
         Some(reason) => format!("{}: {reason}", trouble.message),
         None => trouble.message,
     })?;

@@ -140,8 +140,13 @@ fn scripted_events_are_checked_before_the_flight() {
 fn options_of_the_application_are_told_with_their_place() {
     let place = "m/mission.pdl:3:1: ";
     let change = |from: &str, to: &str, phrases: &[&str]| picture("mission.pdl", from, to, phrases);
-    change(":duration", ":duratoin", &[place, "unknown option :duratoin", "known are :vehicle"]);
-    change("15min", "15m", &[place, "`:duration 15m` cannot be read", "positive duration"]);
+    change(
+        ":duration",
+        ":duratoin",
+        &["m/mission.pdl:7:3", "no option `:duratoin`", "replace `:duratoin` by `:duration`"],
+    );
+    change(":duration", ":how-long", &[place, "unknown option :how-long", "known are :vehicle"]);
+    change("15min", "15m", &["m/mission.pdl:7:13", "a duration is needed here, but this is length"]);
     change("15min", "-15min", &[place, "`:duration", "cannot be read"]);
     change(":duration 15min", ":seed pi", &[place, "`:seed pi` cannot be read", "whole number"]);
     change(":duration 15min", ":start \"noon\"", &[place, "`:start \"noon\"` cannot be read", "2007-09-08"]);
@@ -161,5 +166,5 @@ fn what_is_no_mission_is_told_apart() {
         desk.apex(&[command, "nowhere"]).complained(2, &["cannot read nowhere", "why: "]);
     }
     assert_eq!(desk.names(), ["go.jsonl", "greetings.pdl"]);
-    picture("mission.pdl", "(step up", "(step up (", &["error[", "m/mission.pdl:", "help: "]);
+    picture("mission.pdl", "(step up", "(step up (", &["error[", "m/mission.pdl:", "fix: "]);
 }

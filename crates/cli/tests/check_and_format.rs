@@ -67,7 +67,7 @@ fn all_files_are_checked_even_after_a_bad_one() {
 fn unbalanced_parentheses_are_found_where_they_are() {
     let desk = Desk::with_greetings();
     desk.change("greetings.pdl", "(step a (greet world))", "(step a (greet world)");
-    desk.apex(&["check", "greetings.pdl"]).complained(2, &[]).told(&["error[", "greetings.pdl:", "help:"]);
+    desk.apex(&["check", "greetings.pdl"]).complained(2, &[]).told(&["error[", "greetings.pdl:", "fix:"]);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn formatting_is_idempotent_and_check_agrees() {
 fn a_file_that_cannot_be_read_as_pdl_is_left_alone() {
     let desk = Desk::new();
     desk.write("a.pdl", "(procedure (index (a))");
-    desk.apex(&["fmt", "a.pdl"]).complained(2, &["error[", "a.pdl:1:1"]);
+    desk.apex(&["fmt", "a.pdl"]).complained(2, &["error[", "a.pdl:1:22"]);
     assert_eq!(desk.read("a.pdl"), "(procedure (index (a))");
     desk.apex_hearing(&["fmt", "-"], "(a").complained(2, &["<standard input>:1:1"]);
 }

@@ -3,10 +3,11 @@
 use crate::analysis::analyse;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Fix;
 use crate::loose;
 use crate::lower::{Callable, Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
-use crate::suggest::renames;
+use crate::suggest::{renames, renames_marked};
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -181,6 +182,8 @@ impl Loader {
                 self.foreign.insert(number);
             }
             let read = read_file(number, &source.text);
+            // Behind a string without end nothing is what it seems.
+            let garbled = read.diagnostics.iter().any(|each| each.code == codes::UNCLOSED_STRING);
             for mut diagnostic in read.diagnostics {
                 if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
                     diagnostic.severity = Severity::Warning;
@@ -191,7 +194,8 @@ impl Loader {
                 }
                 self.diagnostics.push(diagnostic);
             }
-            let requirements = requirements(&read.data, &source.name);
+            self.incomplete |= lacks_libraries(&read.data);
+            let requirements = if garbled { Vec::new() } else { requirements(&read.data, &source.name) };
             self.library.sources.push(SourceFile { name: Arc::from(&*source.name), text: Arc::from(source.text) });
             self.files.push(read.data);
             for (requirement, span) in requirements.into_iter().rev() {
@@ -215,7 +219,22 @@ impl Loader {
         };
         self.incomplete = true;
         let severity = if fragment { Severity::Note } else { Severity::Error };
-        self.diagnostics.push(Diagnostic::new(severity, codes::REQUIREMENT_MISSING, span, what).reason(reason));
+        let diagnostic = Diagnostic::new(severity, codes::REQUIREMENT_MISSING, span, what);
+        self.diagnostics.push(diagnostic.fixes(self.names_in_reason(requirement, span, reason)).reason(reason));
+    }
+
+    /// Fixes for a misspelt name, where the reason lists the names that there are.
+    fn names_in_reason(&self, requirement: &Requirement, span: Span, reason: &str) -> Vec<Fix> {
+        let (Requirement::Library(name) | Requirement::File { name, .. }) = requirement;
+        let ends = |letter: char| letter.is_whitespace() || matches!(letter, ',' | ';' | ':' | '`' | '"');
+        let words = reason.split(ends).map(|word| word.trim_end_matches('.')).filter(|word| word.len() >= 3);
+        let source = usize::try_from(span.file).ok().and_then(|file| self.library.sources.get(file));
+        let start = usize::try_from(span.start).ok();
+        let quoted = source
+            .zip(start)
+            .and_then(|(source, start)| source.text.get(start..))
+            .is_some_and(|text| text.starts_with('"'));
+        renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
     }
 
     fn finish(mut self, names: Names, fragment: bool, foresee: bool) -> Checked {
@@ -238,12 +257,14 @@ impl Loader {
             lowering.report_unknown_names();
         }
         if !self.incomplete && !lowering.refused_form {
-            let library = &self.library;
-            lowering.report_unserved_goals(&|span| library.describe_place(span.place()));
+            lowering.report_unserved_goals(&self.library);
         }
         if !self.incomplete {
             lowering.report_same_indexes();
             lowering.report_unknown_company(&self.library);
+        }
+        if !self.incomplete && !lowering.refused_form {
+            lowering.report_words_like_variables();
         }
         let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
         if foresee && !self.incomplete && no_errors(&self.diagnostics) && no_errors(&lowering.diagnostics) {
@@ -326,6 +347,17 @@ fn lower_functions(
     callers
 }
 
+/// Has an application an option for libraries or files without any? What they would define must not be missed.
+fn lacks_libraries(forms: &[Datum]) -> bool {
+    let lacks = |items: &[Datum]| {
+        items.iter().enumerate().any(|(at, item)| {
+            matches!(item.keyword(), Some("libraries" | "files"))
+                && items.get(at + 1).is_none_or(|next| next.keyword().is_some())
+        })
+    };
+    forms.iter().any(|form| form.head_name() == "defapplication" && lacks(form.tail()))
+}
+
 /// What a file requires, in order.
 fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
     let library = |name: String| Requirement::Library(name);
@@ -337,8 +369,14 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
             "require-apex-file" => found.extend(names_of(form.tail()).map(|(name, span)| (file(name), span))),
             "defapplication" => {
                 let items = form.tail();
+                // A misspelt option is told later; what it names is loaded all the same, so that nothing else is missed.
                 let option = |name: &str| {
-                    let at = items.iter().position(|item| item.keyword() == Some(name));
+                    let is_meant = |word: &str| {
+                        word == name
+                            || crate::suggest::is_certain(word, &crate::suggest::near(word, ["libraries", "files"]))
+                                && crate::suggest::nearest(word, ["libraries", "files"]) == Some(name)
+                    };
+                    let at = items.iter().position(|item| item.keyword().is_some_and(is_meant));
                     at.and_then(|at| items.get(at + 1)).map(std::slice::from_ref).unwrap_or_default()
                 };
                 found.extend(names_of(option("libraries")).map(|(name, span)| (library(name), span)));

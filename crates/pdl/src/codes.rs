@@ -86,6 +86,7 @@ codes! {
     UNUSED_DEFINITION "W0512" "A definition is never used.";
     RESEMBLES "W0513" "A name looks like a misspelling of another one.";
     UNBOUNDED_MEMORY "W0514" "What a clause keeps has no bound.";
+    WORD_LIKE_VARIABLE "W0515" "A word has the name of a variable, and lacks its question mark.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

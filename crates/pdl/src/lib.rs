@@ -5,6 +5,7 @@
 
 mod analysis;
 mod api;
+mod apply;
 mod check;
 mod codes;
 mod diagnostic;
@@ -21,6 +22,7 @@ mod syntax;
 mod vocabulary;
 
 pub use api::{ParsedCondition, error_code, error_codes, parse_condition, read_value};
+pub use apply::{Applied, apply};
 pub use check::{CheckOptions, Checked, HostSignature, Requirement, SourceText, check, check_forms};
 pub use codes::ErrorCode;
 pub use diagnostic::{Diagnostic, Label, Severity, Span};

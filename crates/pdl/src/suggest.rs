@@ -92,14 +92,23 @@ pub(crate) fn renames_marked<'a>(
 }
 
 /// Fixes for a misspelt unit. Spellings of one unit do not compete with each other.
-pub(crate) fn unit_renames(span: Span, name: &str) -> Vec<Fix> {
+pub(crate) fn unit_renames(span: Span, name: &str, mark: impl Fn(&str) -> String) -> Vec<Fix> {
+    renames_marked(span, name, near_units(name), mark)
+}
+
+/// The best spelling of each unit that is near, nearest first.
+pub(crate) fn near_units(name: &str) -> Vec<&'static str> {
     let spelling = |unit: &'static Unit| {
         let spellings = std::iter::once(unit.name).chain(unit.aliases.iter().copied());
         near(name, spellings).first().copied()
     };
     let mut best: Vec<Near<'_>> = UNITS.iter().filter_map(spelling).collect();
     best.sort_by_key(|near| near.cost);
-    renames(span, name, best.iter().map(|near| near.name))
+    // A single letter is near every other one: only the key beside it is meant.
+    let alone = name.chars().count() == 1;
+    let likely =
+        best.iter().filter(|near| if alone { near.cost < EDIT } else { near.name.len() >= 2 || near.cost < EDIT });
+    likely.map(|near| near.name).collect()
 }
 
 /// Names of several words that differ in the order of the words, in the marks between them, or in both.
@@ -110,7 +119,7 @@ fn distance_by_words(a: &[char], b: &[char]) -> Option<u32> {
         words.sort();
         words
     };
-    let bare = |name: &[char]| -> String { name.iter().filter(|c| !is_mark(c)).collect() };
+    let bare = |name: &[char]| -> String { name.iter().filter(|c| !matches!(c, '-' | '_' | ' ')).collect() };
     if bare(a) == bare(b) {
         return Some(EDIT / 2);
     }

@@ -1,5 +1,6 @@
 //! `apex check`: every mistake of an author before anything flies.
 
+use super::fix;
 use crate::options::CheckOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
@@ -8,15 +9,15 @@ use std::io::IsTerminal;
 
 /// Checks each file by itself with what it requires.
 pub fn run(options: &CheckOptions) -> Outcome {
+    if options.fix {
+        return fix::run(options);
+    }
     let mut wrong = false;
     for file in &options.files {
         let checked = sources::check_program(file, options.fragment)?;
         wrong |= checked.has_errors();
-        if options.json {
-            print_json(&checked)?;
-        } else {
-            let color = std::io::stdout().is_terminal();
-            output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))?;
+        print(&checked, options.json)?;
+        if !options.json {
             output::print_line(format_args!("{}: {}", sources::program_path(file).display(), summary(&checked)))?;
             if let Some(serious) = checked.diagnostics.iter().find(|each| each.severity != Severity::Note) {
                 output::print_line(format_args!("`apex explain {}` tells more about that message", serious.code))?;
@@ -26,7 +27,17 @@ pub fn run(options: &CheckOptions) -> Outcome {
     if wrong { Err(Trouble::told()) } else { Ok(()) }
 }
 
-fn summary(checked: &Checked) -> String {
+/// Prints diagnostics, as text or as JSON lines.
+pub fn print(checked: &Checked, json: bool) -> Outcome {
+    if json {
+        return print_json(checked);
+    }
+    let color = std::io::stdout().is_terminal();
+    output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
+}
+
+/// What was found, counted: `3 procedures, 1 primitive, 0 errors, 0 warnings, 0 notes`.
+pub fn summary(checked: &Checked) -> String {
     let count = |severity: Severity| checked.diagnostics.iter().filter(|each| each.severity == severity).count();
     let library = &checked.library;
     let found = [

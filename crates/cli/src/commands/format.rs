@@ -1,11 +1,10 @@
 //! `apex fmt`: one layout for all PDL.
 
 use crate::options::FormatOptions;
-use crate::output;
 use crate::trouble::{Outcome, Trouble, read_text};
+use crate::{output, replacing};
 use apex_model::source::SourceFile;
-use std::io::{Read, Write};
-use std::path::Path;
+use std::io::Read;
 
 /// Formats files in place; a file with a syntax error is reported and left alone.
 pub fn run(options: &FormatOptions) -> Outcome {
@@ -27,7 +26,7 @@ pub fn run(options: &FormatOptions) -> Outcome {
         if options.check {
             unformatted.push(file.display().to_string());
         } else {
-            replace(file, &formatted)?;
+            replacing::replace(file, &text, &formatted)?;
             output::print_line(format_args!("formatted {}", file.display()))?;
         }
     }
@@ -61,19 +60,4 @@ fn format_text(text: &str, name: &str) -> Option<String> {
             None
         }
     }
-}
-
-/// Writes beside the file and renames: a full disk cannot leave half a file.
-fn replace(file: &Path, text: &str) -> Outcome {
-    let mut temporary = file.as_os_str().to_owned();
-    temporary.push(".formatting");
-    let temporary = Path::new(&temporary);
-    let written = std::fs::File::create(temporary)
-        .and_then(|mut handle| handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()))
-        .and_then(|()| std::fs::rename(temporary, file));
-    written.map_err(|error| {
-        // The half-written copy must not stay behind; if it cannot be removed there is nothing more to do.
-        std::fs::remove_file(temporary).ok();
-        Trouble::failure(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
-    })
 }

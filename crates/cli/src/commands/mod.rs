@@ -1,6 +1,7 @@
 //! One file per command.
 pub mod check;
 pub mod explain;
+mod fix;
 pub mod fly;
 pub mod format;
 pub mod plan;

@@ -9,6 +9,7 @@ use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::print::{pattern_text, template_text};
 use apex_model::procedure::{Activity, Procedure, Step};
+use apex_model::source::Place;
 use std::collections::BTreeSet;
 
 /// `caught`: procedures of which another message says that they pursue themselves without end.
@@ -107,10 +108,22 @@ fn report_circle(procedure: &Procedure, circle: &[(usize, Premise)], report: &mu
     let words: Vec<String> = turned.iter().map(|(step, premise)| wait_in_words(procedure, *step, premise)).collect();
     let who = if circle.len() == 1 { "it can never begin" } else { "none of them can ever begin" };
     diagnostic = diagnostic.reason(format!("{}: {who}", words.join("; ")));
+    if let (1, Premise::End { place, .. }) = (circle.len(), premise) {
+        diagnostic = diagnostic.fixes(step_before(procedure, *step, *place, report));
+    }
     let help = if circle.len() == 1 { "remove this wait, or name another step" } else { "remove one of these waits" };
     let written = procedure.steps.get(*step).and_then(|step| report.locator.wait(step.place, span));
     let fix = written.map(|wait| Fix::look("remove this wait").replace(wait, ""));
     report.add(diagnostic.help(help).fixes(fix));
+}
+
+/// A step that waits for itself more likely waits for the one before it.
+fn step_before(procedure: &Procedure, step: usize, place: Place, report: &mut Report<'_>) -> Option<Fix> {
+    let before = &procedure.steps.get(step.checked_sub(1)?)?.tag;
+    let condition = report.locator.datum(place)?;
+    let task = condition.tail().first().unwrap_or(&condition);
+    task.as_variable()?;
+    Some(Fix::look(format!("wait for `?{before}`, the step before it")).replace(task.span, format!("?{before}")))
 }
 
 /// `a, b and c`.

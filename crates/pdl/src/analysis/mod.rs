@@ -12,7 +12,7 @@ mod horn;
 mod impossible;
 mod kinds;
 mod limits;
-mod locate;
+pub(crate) mod locate;
 mod loops;
 mod memory;
 mod methods;

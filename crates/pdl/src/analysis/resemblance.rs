@@ -53,6 +53,7 @@ fn messages(program: &Program<'_>, report: &mut Report<'_>) {
     }
     let said = said_in(program);
     let unheard = || said.keys().filter(|name| !waited.contains_key(*name)).map(|name| name.printed());
+    misspelt_said(&said, &waited, report);
     for (name, places) in waited.iter().filter(|(name, _)| !said.contains_key(*name)).take(SUSPECTS_MAX) {
         let (Some(known), Some(place)) = (meant(name, unheard()), places.first()) else { continue };
         let span = report.locator.word(*place, name);
@@ -63,6 +64,23 @@ fn messages(program: &Program<'_>, report: &mut Report<'_>) {
         if let Some(place) = said.get(&Symbol::new(known)).and_then(|places| places.first()) {
             diagnostic = diagnostic.label(report.locator.span(*place), "said here, and nobody waits for it");
         }
+        report.add(diagnostic);
+    }
+}
+
+/// Messages said once, for which nobody waits, beside others that are said elsewhere, too, and for which somebody waits.
+fn misspelt_said(said: &Uses<'_>, waited: &Uses<'_>, report: &mut Report<'_>) {
+    let heard = || said.keys().filter(|name| waited.contains_key(*name)).map(|name| name.printed());
+    let suspects = said.iter().filter(|(name, places)| places.len() == 1 && !waited.contains_key(*name));
+    for (name, places) in suspects.take(SUSPECTS_MAX) {
+        let (Some(known), Some(place)) = (meant(name, heard()), places.first()) else { continue };
+        let span = report.locator.word(*place, name);
+        let message = format!("nobody waits for `({name} ..)`, but somebody waits for `({known} ..)`");
+        let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message).fixes(renames(
+            span,
+            name.printed(),
+            [known],
+        ));
         report.add(diagnostic);
     }
 }
@@ -132,6 +150,19 @@ fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
     for (name, places) in used.iter().filter(|(name, _)| !declared.contains_key(**name)).take(SUSPECTS_MAX) {
         let known = meant(name, declared.keys().map(Symbol::printed));
         let (Some(known), Some(place)) = (known, places.first()) else { continue };
+        let known_symbol = Symbol::new(known);
+        if let Some(declaration) =
+            declared.get(&known_symbol).filter(|_| places.len() > 1 && !used.contains_key(&known_symbol))
+        {
+            // Several uses agree against one declaration that nothing uses.
+            let span = report.locator.word(declaration.place, &known_symbol);
+            let message = format!("state variable `{known}` is declared and never used, but `{name}` is used");
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message)
+                .label(report.locator.word(*place, name), "used here")
+                .fixes(renames(span, known, [name.printed()]));
+            report.add(diagnostic);
+            continue;
+        }
         let span = report.locator.word(*place, name);
         let message = format!("no state variable `{name}` is declared, but `{known}` is");
         let mut diagnostic = Diagnostic::new(Severity::Warning, codes::RESEMBLES, span, message).fixes(renames(

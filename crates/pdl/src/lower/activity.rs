@@ -85,6 +85,7 @@ impl Lowering {
         };
         let kind = if which == BuiltInActivity::Inform { NameKind::Router } else { NameKind::Agent };
         rest.iter().for_each(|name| self.use_name(kind, name));
+        self.note_words(form);
         self.pure("an activity", |lowering| {
             let form = lowering.form(form);
             let rest = lowering.body(rest);

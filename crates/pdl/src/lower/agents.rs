@@ -47,6 +47,9 @@ impl Lowering {
 
     /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9])`
     pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
+        if self.report_missing_colon(form.tail(), &["initial-task", "use-bundles", "routers"], "an agent") {
+            return None;
+        }
         let (before, options) = groups(form.tail());
         let [named @ Datum { kind: DatumKind::Symbol(name), span }] = before else {
             return self.missing_part(form.span, "this agent has no name", AGENT_SHAPE);
@@ -62,7 +65,7 @@ impl Lowering {
             Some(source) => (source.to_value(), source),
             None => (Value::list([Value::symbol("do-domain")]), named.clone()),
         };
-        self.goals.push(Goal { template: Template::Constant(initial_task.clone()), source });
+        self.goals.push(Goal { template: Template::Constant(initial_task.clone()), span: source.span });
         let mut bundles = self.bundles(values_of(&options, "use-bundles"));
         if bundles.iter().any(|bundle| bundle.is("all")) {
             bundles.clear();

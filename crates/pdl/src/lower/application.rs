@@ -5,7 +5,7 @@ use super::clauses::{Group, groups};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
-use crate::suggest::renames;
+use crate::suggest::{is_certain, near, renames, renames_marked};
 use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
@@ -14,10 +14,39 @@ use apex_model::value::Value;
 const CUES: &[&str] = &["init", "start", "step", "stop", "reset"];
 const KINDS: &[&str] = &["native-sim", "realtime", "foreign-sim"];
 
+/// Options that mean something to the front end or to the command that flies missions.
+const OPTIONS: &[&str] = &[
+    "agents",
+    "airfields",
+    "airspace",
+    "duration",
+    "files",
+    "forecast",
+    "init",
+    "landing-distance",
+    "libraries",
+    "modems",
+    "people",
+    "reset",
+    "routers",
+    "scenario",
+    "seed",
+    "start",
+    "step",
+    "stop",
+    "targets",
+    "type",
+    "vehicle",
+    "weather",
+];
+
 impl Lowering {
     /// Lowers `(defapplication "NAME" :type T :agents (..) ..)`.
     pub(crate) fn application(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         const SHAPE: &str = "(defapplication \"NAME\" [:type T] [:libraries (..)] [:agents (..)] ..)";
+        if self.report_missing_colon(form.tail(), OPTIONS, "an application") {
+            return None;
+        }
         let (before, options) = groups(form.tail());
         let name = match before {
             [Datum { kind: DatumKind::Text(name), .. }] => name.clone(),
@@ -40,6 +69,7 @@ impl Lowering {
                 continue;
             }
             match group.name {
+                _ if !self.is_application_option(group) => complete = false,
                 "type" => match self.application_kind(group.values, form) {
                     Some(found) => kind = found,
                     None => complete = false,
@@ -76,6 +106,31 @@ impl Lowering {
             .reason(format!("its type is {kind}"))
             .help("write `:type foreign-sim`, or let a step of the initial task do it");
         self.refuse(diagnostic)
+    }
+
+    /// Is the option none that is misspelt or lacks its value? Options that nobody here knows are for the host program.
+    fn is_application_option(&mut self, group: &super::clauses::Group<'_>) -> bool {
+        let mark = |name: &str| format!(":{name}");
+        let known = OPTIONS.contains(&group.name);
+        let found = near(group.name, OPTIONS.iter().copied());
+        if !known && is_certain(group.name, &found) {
+            let message = format!("an application has no option `:{}`", group.name);
+            let fixes = renames_marked(group.span, group.name, OPTIONS.iter().copied(), mark);
+            self.report(Diagnostic::error(codes::UNKNOWN_OPTION, group.span, message).fixes(fixes));
+            return false;
+        }
+        if known && group.values.is_empty() {
+            let message = format!("option `:{}` has no value", group.name);
+            self.report(
+                Diagnostic::error(codes::MALFORMED, group.span, message).help("write its value after it, or remove it"),
+            );
+            return false;
+        }
+        group.values.iter().for_each(|value| self.check_quantity_names(value));
+        match group.values {
+            [only] if group.name == "duration" => self.literal_duration(only).is_some(),
+            _ => true,
+        }
     }
 
     fn application_kind(&mut self, values: &[Datum], form: &Datum) -> Option<Symbol> {

@@ -1,6 +1,6 @@
 //! Calls of functions: resolution, arity, purity, function-valued arguments, literal dimensions.
 
-use super::expected::{dimension_of, zero_of};
+use super::expected::{Expected, ExpectedKind, zero_of};
 use super::{Callable, Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
@@ -44,6 +44,13 @@ impl Lowering {
         self.check_keywords(&canonical, arguments)?;
         if ONE_DIMENSION.contains(&canonical.folded()) {
             self.one_dimension(&canonical, arguments, &mut lowered)?;
+        }
+        if canonical.is("command")
+            && let Some(at) = arguments.iter().position(|argument| argument.is(":timeout"))
+            && let (Some(limit), Some(datum)) = (lowered.get_mut(at + 1), arguments.get(at + 1))
+        {
+            let expected = Expected::plain("this timeout", ExpectedKind::Duration);
+            *limit = self.conform(limit.clone(), datum.span, &expected)?;
         }
         let kind = ExprKind::Call { function: canonical, arguments: lowered };
         Some(Expr { kind, place: datum.span.place() })
@@ -165,7 +172,7 @@ impl Lowering {
 
     /// Literal dimensions of the arguments must agree; a literal 0 is zero of any dimension.
     fn one_dimension(&mut self, function: &Symbol, data: &[Datum], arguments: &mut [Expr]) -> Option<()> {
-        let known: Vec<Option<Dimension>> = arguments.iter().map(dimension_of).collect();
+        let known: Vec<Option<Dimension>> = arguments.iter().map(|argument| self.dimension(argument)).collect();
         let Some(wanted) = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE) else {
             return Some(());
         };

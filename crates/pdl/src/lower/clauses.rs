@@ -3,6 +3,7 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use crate::read::Datum;
 use crate::suggest::renames_marked;
 
@@ -52,6 +53,11 @@ impl Lowering {
                 let mark = |name: &str| format!(":{name}");
                 let fixes = renames_marked(group.span, group.name, known.iter().copied(), mark);
                 self.report(diagnostic.fixes_or_help(fixes, || format!("it knows {list}")));
+            } else if group.values.is_empty() && group.name != "enabled" {
+                fine = false;
+                let message = format!("option `:{}` has no value", group.name);
+                let diagnostic = Diagnostic::error(codes::MALFORMED, group.span, message);
+                self.report(diagnostic.help("write its value after it, or remove it"));
             } else if let Some(earlier) = earlier {
                 fine = false;
                 self.report_twice(&format!("option `:{}`", group.name), earlier.span, group.span);
@@ -65,6 +71,26 @@ impl Lowering {
         let diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second, format!("{what} is given twice"))
             .label(first, "first given here")
             .help("keep one of them");
+        self.report(diagnostic);
+    }
+
+    /// Reports a clause that is given again. One that says the same may go; of two that differ one has to be chosen.
+    pub(crate) fn report_clause_twice(&mut self, first: &Datum, second: &Datum) {
+        let name = first.head_name();
+        let same = first.to_value() == second.to_value();
+        let fix =
+            if same { Fix::safe("remove the second, which says the same") } else { Fix::look("remove the second") };
+        let message = format!("clause `{name}` is given twice");
+        let beside = second.span.start == first.span.end.saturating_add(1);
+        let with_blank_before = Span { start: if beside { first.span.end } else { second.span.start }, ..second.span };
+        let mut diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second.span, message)
+            .label(first.span, "first given here")
+            .fix(fix.replace(with_blank_before, ""));
+        if name == "waitfor" {
+            diagnostic = diagnostic
+                .help("put all conditions into one `waitfor`: all of them must hold")
+                .help("where one of several is enough, write `(waitfor (:or ..))`");
+        }
         self.report(diagnostic);
     }
 

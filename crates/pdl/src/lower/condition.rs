@@ -4,6 +4,7 @@ use super::Lowering;
 use super::constraint::relation_named;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{renames, renames_marked};
 use apex_model::condition::{Condition, ConditionKind, Timing};
@@ -86,17 +87,10 @@ impl Lowering {
         if let Some(keyword) = items.first().and_then(Datum::keyword) {
             return self.keyword_condition(datum, keyword, quality);
         }
+        if self.report_slipped_condition(datum) {
+            return None;
+        }
         match (datum.head_name(), items) {
-            ("and" | "or" | "not", _) => {
-                let name = datum.head_name();
-                let diagnostic = Diagnostic::error(
-                    codes::UNKNOWN_CONDITION,
-                    datum.span,
-                    format!("`{name}` does not combine conditions"),
-                )
-                .help(format!("did you mean `:{name}`?"));
-                self.refuse(diagnostic)
-            }
             ("end" | "end-of" | "end_of" | "terminated", [_, task]) if task.as_variable().is_some() => {
                 let name = task.as_variable()?;
                 self.task_ended(name, task.span).and_then(plain)
@@ -117,7 +111,9 @@ impl Lowering {
     fn no_condition<T>(&mut self, datum: &Datum) -> Option<T> {
         let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no condition");
         diagnostic = match datum.as_symbol() {
-            Some(name) if self.scope.tags.contains_key(name) => diagnostic.help(format!("did you mean `?{name}`?")),
+            Some(name) if self.scope.tags.contains_key(name) => {
+                diagnostic.fix(Fix::safe(format!("write `?{name}`")).insert_before(datum.span, "?"))
+            }
             Some(name) => diagnostic.help(format!("an event is a list: `({name})`; the end of a step is `?tag`")),
             None => {
                 diagnostic.help("a condition is a list such as `(ready camera-1)` or the variable of a step, `?s1`")
@@ -190,8 +186,13 @@ impl Lowering {
         let is_known = self.scope.tags.contains_key(name) || self.scope.is_bound_everywhere(name);
         if !is_known {
             let message = format!("no step of this procedure is tagged `{name}`");
-            let tags = self.scope.tags.keys().map(Symbol::printed);
-            let fixes = renames_marked(span, name.printed(), tags, |tag| format!("?{tag}"));
+            if !self.scope.unknown_tags.insert(name.clone()) {
+                return None;
+            }
+            if self.report_odd_tag(name, span) {
+                return None;
+            }
+            let fixes = self.tags_for(name, span);
             let mut diagnostic = Diagnostic::error(codes::UNKNOWN_TAG, span, message).fixes(fixes);
             if diagnostic.fixes.is_empty() {
                 let tags: Vec<String> = self.scope.tags.keys().take(12).map(|tag| format!("`?{tag}`")).collect();

@@ -67,6 +67,7 @@ impl Lowering {
     }
 
     fn bound(&mut self, datum: &Datum, expected: &Expected) -> Option<Expr> {
+        self.note_words(datum);
         let expr = self.pure("a condition", |lowering| lowering.right_side(datum, expected))?;
         self.conform(expr, datum.span, expected)
     }

@@ -8,7 +8,7 @@ use super::{Callable, Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::unit_renames;
+use crate::suggest::{renames, unit_renames};
 use apex_model::expression::Expr;
 use apex_model::library::{
     Function, HostDeclaration, Library, ResourceDeclaration, ResourceKind, SolverDeclaration, StateVariableDeclaration,
@@ -36,6 +36,10 @@ impl Lowering {
                 };
                 let first = self.names.indexicals.get(&name).copied();
                 self.define(&format!("+{name}+"), first, form.span)?;
+                let written = form.tail().get(1).and_then(|value| value.to_value().as_number());
+                if let Some((_, dimension)) = written.filter(|(_, dimension)| *dimension != Dimension::NONE) {
+                    self.names.indexical_dimensions.insert(name.clone(), dimension);
+                }
                 self.names.indexicals.insert(name, form.span);
                 Some(())
             }
@@ -129,6 +133,9 @@ impl Lowering {
 
     fn declare_state_variable(&mut self, form: &Datum, library: &mut Library) -> Option<()> {
         const SHAPE: &str = "(state-variable (ATTRIBUTE ?object) [:unit U] [:type T] [:lateness D] [:rate R])";
+        if self.report_missing_colon(form.tail(), &["unit", "type", "lateness", "rate"], "a state variable") {
+            return None;
+        }
         let (before, options) = groups(form.tail());
         let [variable] = before else {
             return self.missing_part(form.span, "this `state-variable` has the wrong parts", SHAPE);
@@ -170,7 +177,7 @@ impl Lowering {
             return Some(Some(Symbol::new(unit.name)));
         }
         let diagnostic = Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, format!("`{name}` is not a known unit"))
-            .fixes(unit_renames(datum.span, name));
+            .fixes(unit_renames(datum.span, name, str::to_string));
         self.refuse(diagnostic)
     }
 
@@ -178,9 +185,10 @@ impl Lowering {
         match datum.as_symbol().or_else(|| super::pattern::function_name(datum)) {
             Some(name) if VALUE_TYPES.contains(&name.folded()) => Some(name.clone()),
             _ => {
-                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "this is no type of values")
-                    .help(format!("types are {}", VALUE_TYPES.join(" ")));
-                self.refuse(diagnostic)
+                let diagnostic = Diagnostic::error(codes::MALFORMED, datum.span, "this is no type of values");
+                let name = datum.as_symbol().map_or("", Symbol::printed);
+                let fixes = renames(datum.span, name, VALUE_TYPES.iter().copied());
+                self.refuse(diagnostic.fixes_or_help(fixes, || format!("types are {}", VALUE_TYPES.join(" "))))
             }
         }
     }

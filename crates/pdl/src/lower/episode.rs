@@ -5,6 +5,7 @@ use super::clauses::{Group, groups, values_of};
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
 use apex_model::condition::{Condition, ConditionKind, Constraint, EpisodeCondition, Quality, Relation};
@@ -44,6 +45,9 @@ impl Lowering {
             );
             return self.refuse(diagnostic);
         };
+        if self.report_missing_colon(items, OPTIONS, "an episode") {
+            return None;
+        }
         let (stray, options) = groups(options);
         self.no_stray(stray)?;
         self.check_groups(&options, OPTIONS, "`:episode`")?;
@@ -87,8 +91,8 @@ impl Lowering {
             (None, None) => {
                 let diagnostic =
                     Diagnostic::error(codes::MISSING_QUALITY, datum.span, "this episode does not state its `:quality`")
+                        .fixes(quality_added(datum))
                         .reason("samples may be sparse: between two samples far apart the value can have been anything")
-                        .help("to accept whatever samples arrive: `:quality :no-constraints`")
                         .help("to require a sample at least every second: `:quality (:max-gap 1s)`");
                 self.refuse(diagnostic)
             }
@@ -111,9 +115,11 @@ impl Lowering {
             }
             _ => {
                 let diagnostic =
-                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no sampling quality")
-                        .help("write `:no-constraints` or `(:max-gap DURATION)`");
-                self.refuse(diagnostic)
+                    Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no sampling quality");
+                let fixes = quality_renamed(datum);
+                self.refuse(
+                    diagnostic.fixes_or_help(fixes, || "write `:no-constraints` or `(:max-gap DURATION)`".to_string()),
+                )
             }
         }
     }
@@ -269,4 +275,22 @@ impl Lowering {
     pub(crate) fn is_nested(datum: &Datum) -> bool {
         matches!(&datum.kind, DatumKind::List(items) if items.first().is_some_and(|first| first.as_list().is_some()))
     }
+}
+
+/// The quality that asks for nothing, after the last part of an episode.
+fn quality_added(episode: &Datum) -> Option<Fix> {
+    let last = episode.as_list().and_then(<[Datum]>::last)?;
+    let fix = Fix::look("add `:quality (:no-constraints)`, which accepts whatever samples arrive");
+    Some(fix.insert_after(last.span, " :quality (:no-constraints)"))
+}
+
+/// A misspelt quality, or one without its colon.
+fn quality_renamed(quality: &Datum) -> Vec<Fix> {
+    let words = || std::iter::once("no-constraints").chain(GAP_WORDS.iter().copied());
+    let word = quality.as_list().and_then(<[Datum]>::first).unwrap_or(quality);
+    let Some(name) = word.as_symbol().map(Symbol::folded) else { return Vec::new() };
+    if words().any(|known| known == name) {
+        return vec![super::slips::colon(name, word.span)];
+    }
+    renames_marked(word.span, name.trim_start_matches(':'), words(), |name| format!(":{name}"))
 }

@@ -67,17 +67,32 @@ impl Lowering {
             self.constants_used.insert(name.clone());
             return ExprKind::Named(name.clone());
         }
-        if is_number_like_symbol(name)
-            && let Some((number, unit)) = parse_unit_misspelt(name)
-        {
-            let message = format!("`{name}` is a name, not a quantity");
-            let severity = crate::diagnostic::Severity::Warning;
-            let diagnostic = Diagnostic::new(severity, codes::SYMBOL_LIKE_QUANTITY, span, message)
-                .reason("what follows the number is no known unit")
-                .help(format!("did you mean `{number}{unit}`?"));
-            self.report(diagnostic);
-        }
+        self.check_quantity_name(name, span);
         ExprKind::Constant(Value::Symbol(name.clone()))
+    }
+
+    /// As [`Lowering::check_quantity_name`], for every name in data that are not looked at otherwise.
+    pub(crate) fn check_quantity_names(&mut self, datum: &Datum) {
+        match &datum.kind {
+            DatumKind::Symbol(name) => self.check_quantity_name(name, datum.span),
+            DatumKind::List(items) => items.iter().for_each(|item| self.check_quantity_names(item)),
+            _ => {}
+        }
+    }
+
+    /// Warns of a name that begins with a number and was probably meant as a quantity.
+    pub(crate) fn check_quantity_name(&mut self, name: &Symbol, span: Span) {
+        if !is_number_like_symbol(name) {
+            return;
+        }
+        let Some((number, suffix)) = parse_unit_misspelt(name) else { return };
+        let message = format!("`{name}` is a name, not a quantity");
+        let severity = crate::diagnostic::Severity::Warning;
+        let mark = |unit: &str| format!("{number}{unit}");
+        let diagnostic = Diagnostic::new(severity, codes::SYMBOL_LIKE_QUANTITY, span, message)
+            .reason("what follows the number is no known unit")
+            .fixes(crate::suggest::unit_renames(span, &suffix, mark));
+        self.report(diagnostic);
     }
 
     /// `?x` or `<?x>`: a parameter written so, or a variable of the task.
@@ -134,7 +149,7 @@ impl Lowering {
                 let unit_span = arguments.first().map_or(datum.span, |unit| unit.span);
                 let diagnostic =
                     Diagnostic::error(codes::UNKNOWN_UNIT, datum.span, format!("`{word}` is not a known unit"))
-                        .fixes(crate::suggest::unit_renames(unit_span, word))
+                        .fixes(crate::suggest::unit_renames(unit_span, word, str::to_string))
                         .help("to mean the list itself, quote it: '(..)");
                 self.refuse(diagnostic)
             }

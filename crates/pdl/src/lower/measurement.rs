@@ -77,6 +77,9 @@ impl Lowering {
                     );
             return self.refuse(diagnostic);
         };
+        if self.report_missing_colon(options, &["value", "object", "timestamp", "estimation"], "a measurement") {
+            return None;
+        }
         let (stray, options) = groups(options);
         self.no_stray(stray)?;
         self.check_groups(&options, &["value", "object", "timestamp", "estimation", "probing"], "`:measurement`")?;

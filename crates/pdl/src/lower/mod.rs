@@ -19,17 +19,22 @@ mod goals;
 mod indexes;
 mod measurement;
 mod names;
+mod nearly;
 mod parameters;
 mod pattern;
+mod placement;
 mod primitive;
 mod procedure;
 mod scope;
 mod shared;
+mod slips;
 mod special;
 mod step;
 mod support;
+mod tags;
 mod template;
 mod timing;
+mod unserved;
 
 pub(crate) use agents::{NameKind, NameUse};
 pub(crate) use compose::ALLEN;
@@ -83,6 +88,8 @@ pub(crate) struct Lowering {
     pub(crate) named: Vec<NameUse>,
     /// Bundles that `in-apex-bundle` has opened.
     pub(crate) bundle_names: BTreeSet<Symbol>,
+    /// Words with the name of a variable that they stand beside.
+    pub(crate) suspects: Vec<(Symbol, Span)>,
     /// A form was refused that may serve goals or define names: what it defines must not be missed.
     pub(crate) refused_form: bool,
 }
@@ -106,6 +113,7 @@ impl Lowering {
             is_solver: false,
             named: Vec::new(),
             bundle_names: BTreeSet::new(),
+            suspects: Vec::new(),
             refused_form: false,
         }
     }

@@ -3,9 +3,9 @@
 use super::step::StepSource;
 use super::{Lowering, Scope, Served};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::nearest;
+use crate::suggest::{nearest, renames, renames_marked};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::symbol::Symbol;
@@ -34,17 +34,31 @@ pub(crate) const CLAUSES: &[&str] = &[
     "select",
 ];
 
+const KINDS: &[&str] = &["concurrent", "conc", "sequential", "seq", "ranked", "soft-seq"];
+
 impl Lowering {
     /// Lowers `(procedure [KIND] (index PATTERN) CLAUSE.. STEP..)`.
     pub(crate) fn procedure(&mut self, datum: &Datum) -> Option<Procedure> {
         let (kind, items) = self.procedure_kind(datum)?;
         let (index, clauses) = self.split_index(datum, items, CLAUSES, "procedure")?;
         self.scope = Scope::of_tasks();
+        if self.report_misplaced(datum) {
+            self.index_pattern(index)?;
+            return None;
+        }
         let (steps, clauses, mut complete) = self.sort_clauses(&clauses);
         self.scope.tags = steps.iter().map(|step| (step.tag.clone(), step.tag_span)).collect();
         for step in &steps {
             self.scope.bind_everywhere(&step.tag, step.tag_span);
         }
+        self.scope.tag_order = steps.iter().map(|step| step.tag.clone()).collect();
+        let mut named = Vec::new();
+        variables_in(datum, &mut named);
+        for name in named {
+            *self.scope.times_named.entry(name).or_default() += 1;
+        }
+        self.scope.named_tags =
+            self.scope.tags.keys().filter(|tag| self.scope.times_named.contains_key(*tag)).cloned().collect();
         self.collect_results(&steps);
         let index = self.index_pattern(index)?;
         complete &= self.check_clauses(&clauses, CLAUSES, "a procedure");
@@ -83,6 +97,11 @@ impl Lowering {
             let shape = "(procedure [:sequential] (index PATTERN) CLAUSE.. (step ..)..)";
             return self.missing_part(datum.span, "this procedure is empty", shape);
         };
+        if let Some(name) = word.as_symbol().map(Symbol::folded).filter(|name| KINDS.contains(name)) {
+            let message = format!("the kind `{name}` lacks its colon");
+            let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, word.span, message);
+            return self.refuse(diagnostic.fix(super::slips::colon(name, word.span)));
+        }
         let kind = match word.keyword() {
             None => return Some((ProcedureKind::Concurrent, items)),
             Some("concurrent" | "conc") => ProcedureKind::Concurrent,
@@ -90,13 +109,12 @@ impl Lowering {
             Some("ranked") => ProcedureKind::Ranked,
             Some("soft-seq" | "soft-sequential") => ProcedureKind::SoftSequential,
             Some(other) => {
-                const KINDS: &[&str] = &["concurrent", "conc", "sequential", "seq", "ranked", "soft-seq"];
                 let message = format!("procedures are not of kind `:{other}`");
                 let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, word.span, message);
-                return self.refuse(match nearest(other, KINDS.iter().copied()) {
-                    Some(found) => diagnostic.help(format!("did you mean `:{found}`?")),
-                    None => diagnostic.help("kinds are :concurrent :sequential :ranked :soft-seq"),
-                });
+                let mark = |name: &str| format!(":{name}");
+                let fixes = renames_marked(word.span, other, KINDS.iter().copied(), mark);
+                let help = || "kinds are :concurrent :sequential :ranked :soft-seq".to_string();
+                return self.refuse(diagnostic.fixes_or_help(fixes, help));
             }
         };
         Some((kind, rest))
@@ -114,7 +132,7 @@ impl Lowering {
             let pattern = self.only("index", clause.tail(), clause.span)?;
             let again = items.iter().find(|item| item.head_name() == "index" && item.span != clause.span);
             if let Some(again) = again {
-                self.report_twice("clause `index`", clause.span, again.span);
+                self.report_clause_twice(clause, again);
                 return None;
             }
             return Some((pattern, items.iter().filter(|item| item.span != clause.span).collect()));
@@ -124,12 +142,12 @@ impl Lowering {
             Some(pattern) if !is_misspelt_index(pattern) => Some((pattern, items.iter().skip(1).collect())),
             _ => {
                 let message = format!("this {what} does not say which goals it serves");
-                let mut diagnostic =
-                    Diagnostic::error(codes::MISSING_INDEX, datum.span, message).help("add `(index (verb object ..))`");
-                if let Some(pattern) = bare {
-                    diagnostic = diagnostic.label(pattern.span, "did you mean `index`?");
-                }
-                self.refuse(diagnostic)
+                let misspelt = items.iter().find(|item| is_misspelt_index(item));
+                let span = misspelt.map_or(datum.head_span(), Datum::head_span);
+                let name = misspelt.map_or("", |item| item.head_name());
+                let diagnostic = Diagnostic::error(codes::MISSING_INDEX, span, message);
+                let fixes = renames(span, name, ["index"]);
+                self.refuse(diagnostic.fixes_or_help(fixes, || "add `(index (verb object ..))`".to_string()))
             }
         }
     }
@@ -146,6 +164,11 @@ impl Lowering {
                 .reason("`<?x>` must have a value already; an index gives variables their first values")
                 .help("write `?x`");
             return self.refuse(diagnostic);
+        }
+        for item in datum.tail() {
+            if let Some(name) = item.as_symbol() {
+                self.scope.index_words.insert(name.clone(), item.span);
+            }
         }
         let pattern = self.pattern(datum)?;
         self.served.push(Served {
@@ -186,19 +209,9 @@ impl Lowering {
 
     /// Gives untagged steps the first symbol of their activity, numbered where it repeats.
     fn number_tags(&mut self, steps: &mut [StepSource<'_>]) -> bool {
-        let mut taken: BTreeMap<Symbol, Span> = BTreeMap::new();
-        let mut unique = true;
-        for step in steps.iter().filter(|step| !step.tag.is("")) {
-            if let Some(first) = taken.insert(step.tag.clone(), step.tag_span) {
-                unique = false;
-                let message = format!("two steps are tagged `{}`", step.tag);
-                let diagnostic = Diagnostic::error(codes::DUPLICATE_TAG, step.tag_span, message)
-                    .label(first, "first used here")
-                    .help("give each step its own tag");
-                self.report(diagnostic);
-            }
-        }
-        let mut used: BTreeSet<Symbol> = taken.into_keys().collect();
+        let unique = self.report_same_tags(steps);
+        let mut used: BTreeSet<Symbol> =
+            steps.iter().filter(|step| !step.tag.is("")).map(|step| step.tag.clone()).collect();
         let mut counts: BTreeMap<Symbol, u32> = BTreeMap::new();
         for step in steps.iter_mut().filter(|step| step.tag.is("")) {
             let base = step.activity.head().cloned().unwrap_or_else(|| Symbol::new("step"));

@@ -3,10 +3,11 @@
 //! A procedure's index, `=>` results and step tags are seen by all of its clauses; what a step's waitfor, select or
 //! forall binds is seen by that step only.
 
-use super::Lowering;
+use super::{Lowering, slips};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Span};
-use crate::suggest::renames_marked;
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Fix;
+use crate::suggest::{is_certain, near, renames_marked};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,6 +16,15 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct Scope {
     /// Step tags of the procedure.
     pub(crate) tags: BTreeMap<Symbol, Span>,
+    /// Tags that no step has, but that some condition names; each is told once.
+    pub(crate) unknown_tags: BTreeSet<Symbol>,
+    /// The steps' tags in written order, and those that some clause names.
+    pub(crate) tag_order: Vec<Symbol>,
+    pub(crate) named_tags: BTreeSet<Symbol>,
+    /// How often each variable stands in the procedure.
+    pub(crate) times_named: BTreeMap<Symbol, usize>,
+    /// Words of the index.
+    pub(crate) index_words: BTreeMap<Symbol, Span>,
     /// Variables that `=>` binds, with the last step that does.
     pub(crate) results: BTreeMap<Symbol, usize>,
     /// The step being lowered; none at procedure level.
@@ -25,6 +35,10 @@ pub(crate) struct Scope {
     pub(crate) has_variables: bool,
     /// A condition is being lowered.
     pub(crate) in_condition: bool,
+    /// Words of goals, which may be variables without their question mark.
+    pub(crate) words: Vec<(Symbol, Option<usize>, Span)>,
+    /// How often each variable is written, and where first.
+    written: BTreeMap<Symbol, (usize, Span)>,
     binders: BTreeMap<Symbol, BTreeMap<Option<usize>, Span>>,
     uses: Vec<(Symbol, Option<usize>, Span)>,
 }
@@ -52,6 +66,7 @@ impl Scope {
     }
 
     fn bind_in(&mut self, name: &Symbol, step: Option<usize>, span: Span) {
+        self.write(name, span);
         self.binders.entry(name.clone()).or_default().entry(step).or_insert(span);
     }
 
@@ -66,7 +81,35 @@ impl Scope {
 
     /// Notes that `name` is used here; checked when the whole procedure is known.
     pub(crate) fn use_variable(&mut self, name: &Symbol, span: Span) {
+        self.write(name, span);
         self.uses.push((name.clone(), self.step, span));
+    }
+
+    fn write(&mut self, name: &Symbol, span: Span) {
+        self.written.entry(name.clone()).or_insert((0, span)).0 += 1;
+    }
+
+    /// Variables that are written once, with the place and the one that is certainly meant: it is written elsewhere.
+    fn odd_variables(&self) -> BTreeMap<Symbol, (Span, Symbol)> {
+        let mut odd = BTreeMap::new();
+        if self.written.len() > COMPARED_MAX {
+            return odd;
+        }
+        let is_free = |name: &Symbol| !self.tags.contains_key(name);
+        for (name, (count, span)) in &self.written {
+            if *count > 1 || !is_free(name) {
+                continue;
+            }
+            let others =
+                self.written.iter().filter(|(other, (count, _))| *count > 1 && is_free(other) && *other != name);
+            let found = near(name.printed(), others.map(|(other, _)| other.printed()));
+            if let Some(first) = found.first().filter(|_| is_certain(name.printed(), &found))
+                && !is_inflected(name.folded(), &first.name.to_lowercase())
+            {
+                odd.insert(name.clone(), (*span, Symbol::new(first.name)));
+            }
+        }
+        odd
     }
 
     /// The step other than the one at hand whose result binds `name`.
@@ -83,9 +126,34 @@ impl Lowering {
         if !complete {
             return;
         }
+        for (name, step, span) in &scope.words {
+            if !scope.tags.contains_key(name) && scope.is_visible(name, *step) {
+                self.suspects.push((name.clone(), *span));
+            }
+        }
+        let odd = scope.odd_variables();
         let mut reported: BTreeSet<&Symbol> = BTreeSet::new();
+        for (name, (span, meant)) in &odd {
+            reported.insert(name);
+            reported.extend(scope.written.get_key_value(meant).map(|(key, _)| key));
+            let message = format!("`?{name}` stands only here, and looks like `?{meant}`");
+            let fix = Fix::safe(format!("replace `?{name}` by `?{meant}`")).replace(*span, format!("?{meant}"));
+            let unbound = !scope.is_visible(meant, None)
+                && scope.uses.iter().any(|(used, step, _)| used == meant && !scope.is_visible(used, *step))
+                || !scope.binders.contains_key(name);
+            let (severity, code) = if unbound {
+                (Severity::Error, codes::UNBOUND_VARIABLE)
+            } else {
+                (Severity::Warning, codes::RESEMBLES)
+            };
+            self.report(Diagnostic::new(severity, code, *span, message).fix(fix));
+        }
         for (name, step, span) in &scope.uses {
             if scope.is_visible(name, *step) || !reported.insert(name) {
+                continue;
+            }
+            if let Some(word) = scope.index_words.get(name) {
+                self.report(slips::variable_without_mark(name, *word, *span));
                 continue;
             }
             let message = format!("nothing binds `?{name}`");
@@ -104,4 +172,13 @@ impl Lowering {
             self.report(diagnostic);
         }
     }
+}
+
+/// Variables of one procedure that are compared with each other.
+const COMPARED_MAX: usize = 200;
+
+/// `?line` and `?lines` are two things.
+fn is_inflected(one: &str, other: &str) -> bool {
+    let (short, long) = if one.len() < other.len() { (one, other) } else { (other, one) };
+    long.strip_prefix(short).is_some_and(|rest| matches!(rest, "s" | "d" | "es" | "ed"))
 }

@@ -163,16 +163,7 @@ impl Lowering {
             let earlier = clauses.iter().take(index).find(|earlier| earlier.head_name() == name);
             if let Some(earlier) = earlier.filter(|_| !REPEATABLE.contains(&name)) {
                 fine = false;
-                let (first, second) = (earlier.span, clause.span);
-                if name == "waitfor" {
-                    let diagnostic = Diagnostic::error(codes::CLAUSE_TWICE, second, "clause `waitfor` is given twice")
-                        .label(first, "first given here")
-                        .help("put all conditions into one `waitfor`: all of them must hold")
-                        .help("where one of several is enough, write `(waitfor (:or ..))`");
-                    self.report(diagnostic);
-                } else {
-                    self.report_twice(&format!("clause `{name}`"), first, second);
-                }
+                self.report_clause_twice(earlier, clause);
             }
         }
         fine
@@ -240,9 +231,14 @@ impl Lowering {
     }
 
     fn repetition(&mut self, clause: &Datum, repeating: bool) -> Option<Repetition> {
+        let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
+        // The clause's own name stands for the value of a keyword, so that the first word may be an option, too.
+        let of = format!("`{}`", clause.head_name());
+        if self.report_missing_colon(clause.as_list().unwrap_or_default(), known, &of) {
+            return None;
+        }
         let (stray, options) = groups(clause.tail());
         self.no_stray(stray)?;
-        let known: &[&str] = if repeating { REPEATING_OPTIONS } else { &["while", "until", "for-new"] };
         self.check_groups(&options, known, &format!("`{}`", clause.head_name()))?;
         let test = |lowering: &mut Lowering, datum: &Datum| lowering.pure_expression(datum, "a repetition");
         let while_true = self.optional(&options, "while", test)?;

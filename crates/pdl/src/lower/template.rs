@@ -22,6 +22,10 @@ impl Lowering {
             DatumKind::Splice(inner) => self.expression(inner).map(Template::Splice),
             DatumKind::Quasi(inner) => self.template(inner),
             DatumKind::Quote(inner) => Some(Template::Constant(inner.to_value())),
+            DatumKind::Symbol(name) => {
+                self.check_quantity_name(name, span);
+                Some(Template::Constant(datum.to_value()))
+            }
             DatumKind::List(items) => {
                 let parts = self.all(items, Lowering::template)?;
                 Some(list_of(parts))

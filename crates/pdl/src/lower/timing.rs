@@ -44,6 +44,11 @@ impl Lowering {
     fn timing_group(&mut self, item: &Datum, is_event: bool, timing: &mut Timing) -> Option<()> {
         let instant = Expected::plain("this time", ExpectedKind::Instant);
         let word = item.as_list().and_then(<[Datum]>::first).and_then(Datum::keyword);
+        if let Some(name) = WORDS.iter().find(|name| item.head().is_some_and(|head| head.is(name))) {
+            let diagnostic =
+                Diagnostic::error(codes::MALFORMED_CONDITION, item.head_span(), format!("`{name}` lacks its colon"));
+            return self.refuse(diagnostic.fix(super::slips::colon(name, item.head_span())));
+        }
         match word {
             Some("start") => timing.start.extend(self.constraints(item.tail(), &instant)?),
             Some("end") => timing.end.extend(self.constraints(item.tail(), &instant)?),

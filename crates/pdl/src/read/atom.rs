@@ -1,6 +1,6 @@
 //! One atom's text to what it is: number, quantity, duration, variable, indexical or name.
 
-use apex_model::quantity::{Dimension, Quantity, UNITS, Unit, unit_named};
+use apex_model::quantity::{Dimension, Quantity, Unit, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 
@@ -177,15 +177,18 @@ pub(crate) fn is_number_like_symbol(symbol: &Symbol) -> bool {
     symbol.folded().starts_with(|first: char| first.is_ascii_digit()) && number_length(symbol.folded()).is_some()
 }
 
-/// The unit that `symbol` probably misspells: `35knt` -> `kt`. Nothing when the rest is far from every unit.
-pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, &'static str)> {
+/// The number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
+/// rest is far from every unit.
+pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, String)> {
     let text = symbol.printed();
     let (number, suffix) = text.split_at_checked(number_length(text)?)?;
-    let is_word = suffix.chars().count() >= 2 && suffix.chars().all(|c| c.is_alphabetic() || c == '/');
-    let known = UNITS.iter().flat_map(|unit| std::iter::once(unit.name).chain(unit.aliases.iter().copied()));
-    let unit = crate::suggest::nearest(suffix, known.filter(|name| name.len() >= 2)).filter(|_| is_word)?;
-    Some((number.to_string(), unit))
+    let is_word = !suffix.is_empty() && suffix.chars().count() <= UNIT_CHARACTERS_MAX;
+    let is_word = is_word && suffix.chars().all(|c| c.is_alphabetic() || c == '/');
+    (is_word && !crate::suggest::near_units(suffix).is_empty()).then(|| (number.to_string(), suffix.to_string()))
 }
+
+/// Characters beyond which nothing is a misspelt unit.
+const UNIT_CHARACTERS_MAX: usize = 12;
 
 #[cfg(test)]
 mod tests {

@@ -2,6 +2,8 @@
 
 mod atom;
 mod datum;
+mod flaws;
+mod quotes;
 mod reader;
 
 pub(crate) use atom::{Atom, classify, is_number_like_symbol, parse_unit_misspelt};

@@ -1,10 +1,10 @@
 //! Builds data from the structure of a text.
 
-use super::{Atom, Datum, DatumKind, classify};
+use super::{Atom, Datum, DatumKind, classify, flaws};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{Flaw, FlawKind, Position, Sink, SyntaxKind, parse_into};
-use apex_model::limits::{READ_DEPTH_MAX, SOURCE_BYTES_MAX};
+use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
+use apex_model::limits::SOURCE_BYTES_MAX;
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
@@ -28,7 +28,7 @@ pub(crate) fn read_file(file: u32, text: &str) -> ReadFile {
         return ReadFile { data: Vec::new(), diagnostics: vec![diagnostic] };
     }
     let (reader, flaws) = parse_into(text, || Reader::new(file));
-    let mut diagnostics: Vec<Diagnostic> = flaws.iter().map(|flaw| describe(file, text, flaw)).collect();
+    let mut diagnostics = flaws::describe(file, text, &flaws);
     diagnostics.extend(reader.diagnostics);
     ReadFile { data: reader.data, diagnostics }
 }
@@ -198,49 +198,4 @@ fn unescape(token: &str) -> Arc<str> {
         }
     }
     Arc::from(text)
-}
-
-/// The place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
-fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
-    let before = text.get(..start).unwrap_or(text);
-    let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();
-    let column = 1 + before.rsplit('\n').next().map_or(0, |last| last.chars().count());
-    Span { file, start: size(start), end: size(end), line: size(line), column: size(column) }
-}
-
-fn describe(file: u32, text: &str, flaw: &Flaw) -> Diagnostic {
-    let span = locate(file, text, flaw.start, flaw.end);
-    match flaw.kind {
-        FlawKind::UnmatchedClose => Diagnostic::error(codes::UNMATCHED_CLOSE, span, "unmatched )")
-            .reason("every list before it is closed already")
-            .help("remove it, or add the `(` that it should close"),
-        FlawKind::UnclosedList { suspect, next } => {
-            let mut diagnostic = Diagnostic::error(codes::UNCLOSED_LIST, span, "this ( is never closed");
-            if let Some(suspect) = suspect {
-                let place = locate(file, text, suspect, suspect + 1);
-                diagnostic = diagnostic.label(place, "by the indentation, this list lacks its `)`");
-            }
-            match next {
-                Some(next) => {
-                    let place = locate(file, text, next, next + 1);
-                    diagnostic.label(place, "a new form begins here").help("add `)` before the new form")
-                }
-                None => diagnostic.reason("the text ends inside this list").help("add the missing `)`"),
-            }
-        }
-        FlawKind::UnclosedText => Diagnostic::error(codes::UNCLOSED_STRING, span, "this string is never closed")
-            .help("add the closing `\"`; a `\"` inside a string is written `\\\"`"),
-        FlawKind::UnclosedComment => {
-            Diagnostic::error(codes::UNCLOSED_COMMENT, span, "this comment is never closed").help("add `|#`")
-        }
-        FlawKind::DanglingPrefix => {
-            let mark = text.get(flaw.start..flaw.end).unwrap_or("'");
-            Diagnostic::error(codes::DANGLING_PREFIX, span, format!("nothing follows this {mark}"))
-                .help("remove it, or write what it applies to")
-        }
-        FlawKind::TooDeep => {
-            Diagnostic::error(codes::TOO_DEEP, span, format!("lists are nested deeper than {READ_DEPTH_MAX}"))
-                .help("split the form into several procedures or functions")
-        }
-    }
 }

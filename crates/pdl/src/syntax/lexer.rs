@@ -37,6 +37,8 @@ fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
         ';' => (SyntaxKind::LineComment, rest.find('\n').unwrap_or(rest.len()), false),
         '#' if rest.starts_with("#|") => block_comment(rest),
         '#' if rest.starts_with("#'") => (SyntaxKind::HashQuote, 2, false),
+        // A byte order mark.
+        '\u{feff}' => (SyntaxKind::WhiteSpace, first.len_utf8(), false),
         blank if blank.is_whitespace() => {
             (SyntaxKind::WhiteSpace, rest.find(|c: char| !c.is_whitespace()).unwrap_or(rest.len()), false)
         }

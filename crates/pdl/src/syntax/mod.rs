@@ -3,10 +3,13 @@
 //! One walk over the text tells a [`Sink`] of its structure: the formatter keeps all of it as a lossless tree, the
 //! checker only its data, which is quicker.
 
+mod balance;
 mod lexer;
+mod shape;
 mod structure;
 mod tree;
 
+pub(crate) use balance::{Repair, Repaired, repairs};
 pub(crate) use structure::parse_into;
 pub(crate) use tree::parse;
 

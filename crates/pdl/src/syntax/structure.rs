@@ -200,7 +200,8 @@ impl<'t, S: Sink<'t>> Structure<S> {
                 self.first_on_line = token.kind == SyntaxKind::WhiteSpace;
             }
             None => {
-                self.at.column += text.chars().count();
+                // A byte order mark has no width.
+                self.at.column += if text == "\u{feff}" { 0 } else { text.chars().count() };
                 self.first_on_line &= token.kind == SyntaxKind::WhiteSpace;
             }
         }

@@ -1,0 +1,82 @@
+//! Clauses that left their step and steps that got into another one: the parentheses balance, but one stands in the
+//! wrong place.
+
+use super::Lowering;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
+use crate::read::Datum;
+
+/// Clauses that a procedure does not have.
+const OF_STEPS_ONLY: &[&str] = &["waitfor", "forall", "priority", "rank", "repeating", "responding", "on-failure"];
+
+impl Lowering {
+    /// Reports misplaced clauses and steps of a procedure; true if there are any.
+    pub(crate) fn report_misplaced(&mut self, procedure: &Datum) -> bool {
+        let mut found = false;
+        let mut items = procedure.tail();
+        while let Some((item, rest)) = items.split_first() {
+            items = rest;
+            if item.head_name() != "step" {
+                continue;
+            }
+            found |= self.report_nested_step(item);
+            let count = left_the_step(item, rest);
+            let (outside, after) = rest.split_at_checked(count).unwrap_or((&[], rest));
+            if let (Some(first), Some(last)) = (outside.first(), outside.last()) {
+                found = true;
+                items = after;
+                let message = format!("`{}` stands outside of its step", first.head_name());
+                let fix = Fix::safe("close the step after it").replace(closer(item), "").insert_after(last.span, ")");
+                let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, first.span, message)
+                    .label(item.head_span(), "this step ends before it")
+                    .reason("a procedure has no such clause")
+                    .fix(fix);
+                self.report(diagnostic);
+            }
+        }
+        found
+    }
+
+    /// A step with a step inside was closed too late.
+    fn report_nested_step(&mut self, step: &Datum) -> bool {
+        let items = step.as_list().unwrap_or_default();
+        let Some(at) = items.iter().position(|item| item.head_name() == "step") else { return false };
+        let (Some(nested), Some(before)) = (items.get(at), at.checked_sub(1).and_then(|at| items.get(at))) else {
+            return false;
+        };
+        if at < 2 {
+            return false;
+        }
+        let diagnostic =
+            Diagnostic::error(codes::UNKNOWN_CLAUSE, nested.span, "this step stands inside of another one")
+                .label(step.head_span(), "this one, which ends only after it")
+                .reason("the steps of a procedure stand beside each other")
+                .fix(
+                    Fix::safe("close the other step before it")
+                        .insert_after(before.span, ")")
+                        .replace(closer(step), ""),
+                );
+        self.report(diagnostic);
+        true
+    }
+}
+
+/// How many of the items after a step belong to it: those that only steps have, and after them what is indented as they
+/// are.
+fn left_the_step(step: &Datum, rest: &[Datum]) -> usize {
+    let certain = rest.iter().take_while(|next| OF_STEPS_ONLY.contains(&next.head_name())).count();
+    let column = rest.first().map_or(0, |first| first.span.column);
+    let indented = |next: &&Datum| {
+        next.span.column == column
+            && column > step.span.column
+            && next.as_list().is_some()
+            && next.head_name() != "step"
+    };
+    if certain == 0 { 0 } else { certain + rest.iter().skip(certain).take_while(indented).count() }
+}
+
+/// The `)` of a list.
+fn closer(list: &Datum) -> Span {
+    Span { start: list.span.end.saturating_sub(1).max(list.span.start), ..list.span }
+}

@@ -1,0 +1,148 @@
+//! Marks that were forgotten: the colon of a keyword, the question mark of a variable or a step.
+
+use super::Lowering;
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::fix::Fix;
+use crate::read::{Datum, DatumKind};
+use crate::suggest::near;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::collections::BTreeSet;
+
+/// Names of conditions that are no likely names of events.
+const CONDITIONS: &[&str] =
+    &["episode", "atomic-episode", "measurement", "in-order", "any-order", "cyclic", "timestamp", "and", "or", "not"];
+/// What is said of a task in a condition.
+const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
+
+impl Lowering {
+    /// Reports the first of `items` that is the name of an option of `of`, but lacks its colon. What stands directly
+    /// after a keyword is its value, whatever it is.
+    pub(crate) fn report_missing_colon(&mut self, items: &[Datum], known: &[&str], of: &str) -> bool {
+        let mut after_keyword = true;
+        for item in items {
+            let name = item.as_symbol().map(|name| name.folded()).filter(|name| known.contains(name));
+            if let Some(name) = name.filter(|_| !after_keyword) {
+                let message = format!("option `{name}` of {of} lacks its colon");
+                let diagnostic = Diagnostic::error(codes::UNKNOWN_OPTION, item.span, message);
+                self.report(diagnostic.fix(colon(name, item.span)));
+                return true;
+            }
+            after_keyword = item.keyword().is_some();
+        }
+        false
+    }
+
+    /// Reports a condition whose name lacks its colon or whose task lacks its question mark; true if it did.
+    pub(crate) fn report_slipped_condition(&mut self, datum: &Datum) -> bool {
+        let (name, items) = (datum.head_name(), datum.tail());
+        if CONDITIONS.contains(&name) && items.iter().any(|item| item.as_list().is_some()) {
+            let message = format!("condition `{name}` lacks its colon");
+            let diagnostic = Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message);
+            self.report(diagnostic.fix(colon(name, datum.head_span())));
+            return true;
+        }
+        let is_task = |item: &Datum| {
+            let tag = item.as_variable().is_some_and(|tag| self.scope.tags.contains_key(tag));
+            tag || matches!(&item.kind, DatumKind::Indexical(name) if name.is("this-task"))
+        };
+        if let [task, relation, _] = items
+            && relation.is("=")
+            && is_task(task)
+            && !matches!(name, "state" | "task-state")
+            && let Some(first) = near(name, ["task-state"]).first()
+        {
+            let fix = Fix::safe(format!("replace `{name}` by `{}`", first.name)).replace(datum.head_span(), first.name);
+            let message = format!("a task has no `{name}`");
+            self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
+            return true;
+        }
+        let [task] = items else { return false };
+        if let Some(tag) = task.as_symbol()
+            && OF_TASKS.contains(&name)
+            && self.scope.tags.contains_key(tag)
+        {
+            let message = format!("`{tag}` is a word here, not the step");
+            let fix = Fix::safe(format!("write `?{tag}`")).insert_before(task.span, "?");
+            let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, task.span, message)
+                .reason("the task of a step is a variable")
+                .fix(fix);
+            self.report(diagnostic);
+            return true;
+        }
+        let is_tag = task.as_variable().is_some_and(|tag| self.scope.tags.contains_key(tag));
+        let head = datum.head().filter(|head| is_tag && !OF_TASKS.contains(&head.folded()));
+        let Some((head, first)) = head.and_then(|head| {
+            let found = near(head.printed(), OF_TASKS.iter().copied());
+            found.first().copied().map(|first| (head, first))
+        }) else {
+            return false;
+        };
+        let message = format!("nothing is called `{head}` of a step");
+        let fix = Fix::safe(format!("replace `{head}` by `{}`", first.name)).replace(datum.head_span(), first.name);
+        self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
+        true
+    }
+}
+
+/// The message about a word of an index that was meant as the variable used at `used`.
+pub(super) fn variable_without_mark(name: &Symbol, word: Span, used: Span) -> Diagnostic {
+    let fix = Fix::safe(format!("write `?{name}`")).insert_before(Span { end: word.start, ..word }, "?");
+    Diagnostic::error(codes::UNBOUND_VARIABLE, word, format!("`{name}` is a word here, and nothing binds `?{name}`"))
+        .label(used, "used here")
+        .fix(fix)
+}
+
+impl Lowering {
+    /// Notes the words of a goal or of a value, which may turn out to be the names of variables.
+    pub(crate) fn note_words(&mut self, datum: &Datum) {
+        if !self.scope.has_variables {
+            return;
+        }
+        let items = datum.as_list().and_then(|items| items.get(1..)).unwrap_or(std::slice::from_ref(datum));
+        for item in items {
+            if let Some(name) = item.as_symbol() {
+                self.scope.words.push((name.clone(), self.scope.step, item.span));
+            }
+        }
+    }
+
+    /// Warns of such words, unless some index has them: then they are words.
+    pub(crate) fn report_words_like_variables(&mut self) {
+        let suspects = std::mem::take(&mut self.suspects);
+        if suspects.is_empty() {
+            return;
+        }
+        let mut words = BTreeSet::new();
+        self.served.iter().for_each(|served| words_of(&served.pattern, &mut words));
+        for (name, span) in suspects.iter().filter(|(name, _)| !words.contains(name)).take(SUSPECTS_MAX) {
+            let message = format!("`{name}` is a word here; `?{name}` is a variable");
+            let fix = Fix::safe(format!("write `?{name}`")).insert_before(Span { end: span.start, ..*span }, "?");
+            let diagnostic = Diagnostic::new(Severity::Warning, codes::WORD_LIKE_VARIABLE, *span, message)
+                .reason("no index has this word, and a variable of this procedure has its name")
+                .fix(fix);
+            self.report(diagnostic);
+        }
+    }
+}
+
+/// Words reported; who has so many means something by it.
+const SUSPECTS_MAX: usize = 50;
+
+fn words_of(pattern: &Pattern, words: &mut BTreeSet<Symbol>) {
+    match pattern {
+        Pattern::Literal(Value::Symbol(name)) => drop(words.insert(name.clone())),
+        Pattern::Literal(Value::List(items)) => words.extend(items.iter().filter_map(Value::as_symbol).cloned()),
+        Pattern::List(parts) | Pattern::And(parts) | Pattern::Or(parts) => {
+            parts.iter().for_each(|part| words_of(part, words));
+        }
+        _ => {}
+    }
+}
+
+/// Puts a colon before a word.
+pub(crate) fn colon(name: &str, span: Span) -> Fix {
+    Fix::safe(format!("write `:{name}`")).insert_before(Span { end: span.start, ..span }, ":")
+}

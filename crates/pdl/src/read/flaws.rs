@@ -1,0 +1,120 @@
+//! Messages about a text that is no sequence of data: parentheses, strings and comments without partner.
+
+use super::quotes::{Forgotten, forgotten};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
+use crate::syntax::{Flaw, FlawKind, Repair, Repaired, repairs};
+use apex_model::limits::READ_DEPTH_MAX;
+
+/// One message for each flaw; where it can be told which parenthesis the author forgot or wrote twice, about that one.
+pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic> {
+    if flaws.iter().any(|flaw| flaw.kind == FlawKind::UnclosedText)
+        && let Some(quote) = forgotten(text)
+    {
+        // Everything else that is wrong may be a consequence.
+        return vec![about_quote(file, text, quote)];
+    }
+    let is_parenthesis = |flaw: &Flaw| matches!(flaw.kind, FlawKind::UnmatchedClose | FlawKind::UnclosedList { .. });
+    let only_parentheses = flaws.iter().all(is_parenthesis);
+    let repaired = if flaws.is_empty() || !only_parentheses { Vec::new() } else { repairs(text) };
+    let is_repaired = |flaw: &Flaw| repaired.iter().any(|form| (form.start..form.end).contains(&flaw.start));
+    let others = flaws.iter().filter(|flaw| !is_repaired(flaw)).map(|flaw| plain(file, text, flaw));
+    repaired.iter().map(|form| about(file, text, form)).chain(others).collect()
+}
+
+/// The message about a quotation mark.
+fn about_quote(file: u32, text: &str, quote: Forgotten) -> Diagnostic {
+    let fix = if quote.is_certain { Fix::safe("add `\"` here") } else { Fix::look("add `\"` here") };
+    let last = text.get(..quote.at).and_then(|before| before.char_indices().next_back());
+    let span = locate(file, text, last.map_or(quote.at, |(last, _)| last), quote.at);
+    let next = text.get(quote.at..).and_then(|after| after.chars().next());
+    let opens = next.is_some_and(|next| !next.is_whitespace() && next != ')');
+    let span = if opens { locate(file, text, quote.at, quote.at + next.map_or(0, char::len_utf8)) } else { span };
+    let message = if opens { "this string has no opening `\"`" } else { "this string is never closed" };
+    let diagnostic = Diagnostic::error(codes::UNCLOSED_STRING, span, message);
+    let fix = if opens { fix.insert_before(span, "\"") } else { fix.insert_after(span, "\"") };
+    diagnostic.fix(fix).help("a `\"` inside a string is written `\\\"`")
+}
+
+/// The message about one parenthesis.
+fn about(file: u32, text: &str, form: &Repaired) -> Diagnostic {
+    let fix = |title: &str| if form.is_certain { Fix::safe(title) } else { Fix::look(title) };
+    match form.repair {
+        Repair::Close { at, opened } => {
+            // The last character before the place, so that something visible is marked.
+            let last = text.get(..at).and_then(|before| before.char_indices().next_back()).map_or(at, |(last, _)| last);
+            let span = locate(file, text, last, at);
+            let list = text.get(opened..).unwrap_or_default().lines().next().unwrap_or_default();
+            let head: String = list.chars().take_while(|c| !c.is_whitespace() && *c != ')').take(40).collect();
+            Diagnostic::error(
+                codes::UNCLOSED_LIST,
+                span,
+                format!("a `)` is missing after this: `{head} ..` is never closed"),
+            )
+            .label(locate(file, text, opened, opened + 1), "this list")
+            .reason("so the indentation and the shapes of the forms around it say")
+            .fix(fix("add `)` here").insert_after(span, ")"))
+        }
+        Repair::Remove { at } => {
+            let span = locate(file, text, at, at + 1);
+            Diagnostic::error(codes::UNMATCHED_CLOSE, span, "this `)` is too many")
+                .reason("with it a list ends earlier than the indentation and the shapes of the forms around it say")
+                .fix(fix("remove this `)`").replace(span, ""))
+        }
+        Repair::Open { at } => {
+            let word: String =
+                text.get(at..).unwrap_or_default().chars().take_while(|c| !c.is_whitespace() && *c != ')').collect();
+            let span = locate(file, text, at, at + word.len());
+            Diagnostic::error(codes::UNMATCHED_CLOSE, span, format!("a `(` is missing before `{word}`"))
+                .reason("there is one `)` too many, and here a list begins by the shapes of the forms around it")
+                .fix(fix("add `(` here").insert_before(span, "("))
+        }
+    }
+}
+
+/// The place of a byte range. Costs a walk over the text before it: for flaws only, which are few.
+fn locate(file: u32, text: &str, start: usize, end: usize) -> Span {
+    let before = text.get(..start).unwrap_or(text);
+    let line = 1 + before.bytes().filter(|byte| *byte == b'\n').count();
+    let column = 1 + before.rsplit('\n').next().map_or(0, |last| last.trim_start_matches('\u{feff}').chars().count());
+    let size = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    Span { file, start: size(start), end: size(end), line: size(line), column: size(column) }
+}
+
+fn plain(file: u32, text: &str, flaw: &Flaw) -> Diagnostic {
+    let span = locate(file, text, flaw.start, flaw.end);
+    match flaw.kind {
+        FlawKind::UnmatchedClose => Diagnostic::error(codes::UNMATCHED_CLOSE, span, "unmatched )")
+            .reason("every list before it is closed already")
+            .help("remove it, or add the `(` that it should close"),
+        FlawKind::UnclosedList { suspect, next } => {
+            let mut diagnostic = Diagnostic::error(codes::UNCLOSED_LIST, span, "this ( is never closed");
+            if let Some(suspect) = suspect {
+                let place = locate(file, text, suspect, suspect + 1);
+                diagnostic = diagnostic.label(place, "by the indentation, this list lacks its `)`");
+            }
+            match next {
+                Some(next) => {
+                    let place = locate(file, text, next, next + 1);
+                    diagnostic.label(place, "a new form begins here").help("add `)` before the new form")
+                }
+                None => diagnostic.reason("the text ends inside this list").help("add the missing `)`"),
+            }
+        }
+        FlawKind::UnclosedText => Diagnostic::error(codes::UNCLOSED_STRING, span, "this string is never closed")
+            .help("add the closing `\"`; a `\"` inside a string is written `\\\"`"),
+        FlawKind::UnclosedComment => {
+            Diagnostic::error(codes::UNCLOSED_COMMENT, span, "this comment is never closed").help("add `|#`")
+        }
+        FlawKind::DanglingPrefix => {
+            let mark = text.get(flaw.start..flaw.end).unwrap_or("'");
+            Diagnostic::error(codes::DANGLING_PREFIX, span, format!("nothing follows this {mark}"))
+                .help("remove it, or write what it applies to")
+        }
+        FlawKind::TooDeep => {
+            Diagnostic::error(codes::TOO_DEEP, span, format!("lists are nested deeper than {READ_DEPTH_MAX}"))
+                .help("split the form into several procedures or functions")
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Where the author meant a missing `)`, or which `)` is too many: by the indentation and the known shapes of forms.
+//!
+//! Each form that begins in the first column is looked at by itself. Every place where one parenthesis could be added or
+//! taken away is tried, and the one that leaves the least doubt is taken.
+
+use super::SyntaxKind;
+use super::lexer::tokens;
+use super::shape::{FORMS, Piece, PieceKind, cost};
+
+/// A change of one parenthesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Repair {
+    /// `)` is missing at this offset, and closes the list that begins at the other.
+    Close { at: usize, opened: usize },
+    /// The `)` at this offset is too many.
+    Remove { at: usize },
+    /// `(` is missing at this offset.
+    Open { at: usize },
+}
+
+/// A repaired form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Repaired {
+    /// The bytes of the form, up to the next one.
+    pub(crate) start: usize,
+    pub(crate) end: usize,
+    pub(crate) repair: Repair,
+    /// Nothing else is doubtful once this is done.
+    pub(crate) is_certain: bool,
+}
+
+/// Tokens of a form, times places that are tried, that are looked at in one text; beyond it no repair is proposed.
+const WORK_MAX: usize = 20_000_000;
+
+/// The repairs of all forms that lack one parenthesis or have one too many.
+pub(crate) fn repairs(text: &str) -> Vec<Repaired> {
+    let pieces = pieces(text);
+    let begins = |piece: &Piece<'_>| {
+        piece.first_column == Some(1) && (piece.kind == PieceKind::Open || FORMS.contains(&piece.text))
+    };
+    let mut starts: Vec<usize> =
+        pieces.iter().enumerate().filter(|(_, piece)| begins(piece)).map(|(at, _)| at).collect();
+    starts.push(pieces.len());
+    let mut work = WORK_MAX;
+    let mut repaired = Vec::new();
+    for pair in starts.windows(2) {
+        let (Some(from), Some(to)) = (pair.first(), pair.last()) else { continue };
+        let Some(form) = pieces.get(*from..*to) else { continue };
+        let lacking = balance(form);
+        if lacking == Balance::Even {
+            continue;
+        }
+        let Some(left) = work.checked_sub(form.len().saturating_mul(form.len()).saturating_mul(2)) else { break };
+        work = left;
+        let start = form.first().map_or(0, |piece| piece.start);
+        let end = pieces.get(*to).map_or(text.len(), |next| next.start);
+        if let Some((repair, is_certain)) = best(form, lacking) {
+            repaired.push(Repaired { start, end, repair, is_certain });
+        }
+    }
+    repaired
+}
+
+fn pieces(text: &str) -> Vec<Piece<'_>> {
+    let mut pieces = Vec::new();
+    let (mut offset, mut line, mut column, mut first) = (0, 1, 1, true);
+    for token in tokens(text) {
+        let kind = match token.kind {
+            SyntaxKind::Open => Some(PieceKind::Open),
+            SyntaxKind::Close => Some(PieceKind::Close),
+            SyntaxKind::Text | SyntaxKind::Atom => Some(PieceKind::Other),
+            _ => None,
+        };
+        if let Some(kind) = kind {
+            let first_column = first.then_some(column);
+            pieces.push(Piece { kind, text: token.text, start: offset, first_column, column, line });
+        }
+        first &= token.kind == SyntaxKind::WhiteSpace;
+        offset += token.text.len();
+        match token.text.rsplit_once('\n') {
+            Some((before, last)) => {
+                line += 1 + before.matches('\n').count();
+                column = 1 + last.chars().count();
+                first = token.kind == SyntaxKind::WhiteSpace;
+            }
+            None if token.text == "\u{feff}" => {}
+            None => column += token.text.chars().count(),
+        }
+    }
+    pieces
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Balance {
+    Even,
+    LacksClose,
+    LacksOpen,
+    /// More than one parenthesis is wrong.
+    Hopeless,
+}
+
+fn balance(form: &[Piece<'_>]) -> Balance {
+    let mut open = 0_usize;
+    let mut unmatched = 0_usize;
+    for piece in form {
+        match piece.kind {
+            PieceKind::Open => open += 1,
+            PieceKind::Close if open == 0 => unmatched += 1,
+            PieceKind::Close => open -= 1,
+            PieceKind::Other => {}
+        }
+    }
+    match (open, unmatched) {
+        (0, 0) => Balance::Even,
+        (1, 0) => Balance::LacksClose,
+        (0, 1) => Balance::LacksOpen,
+        // Closed too early and opened again later: one that stands too early, or one that opens too late.
+        _ => Balance::Hopeless,
+    }
+}
+
+/// The change that leaves the least doubt, and whether it leaves none.
+fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
+    let mut found: Option<(usize, bool, Candidate)> = None;
+    let candidates: Vec<Candidate> = match lacking {
+        Balance::LacksClose => (0..form.len()).map(Candidate::CloseAfter).collect(),
+        Balance::LacksOpen => {
+            let removed = (0..form.len()).filter(|at| is_last_of_run(form, *at)).map(Candidate::Remove);
+            let opened = (0..form.len()).filter(|at| form.get(*at).is_some_and(|piece| piece.kind == PieceKind::Other));
+            opened.map(Candidate::OpenBefore).chain(removed).collect()
+        }
+        Balance::Even | Balance::Hopeless => return None,
+    };
+    for candidate in candidates {
+        let this = cost(candidate.applied(form));
+        let (least, tied) = found.map_or((usize::MAX, false), |(least, tied, _)| (least, tied));
+        if this <= least {
+            let elsewhere = found.is_some_and(|(_, _, other)| other.line(form) != candidate.line(form));
+            found = Some((this, this == least && (tied || elsewhere), candidate));
+        }
+    }
+    let (least, tied, candidate) = found.filter(|(least, ..)| *least < 1000)?;
+    let repair = candidate.repair(form)?;
+    Some((repair, least == 0 && !tied))
+}
+
+/// The last `)` of several in a row: taking any of them away is the same.
+fn is_last_of_run(form: &[Piece<'_>], at: usize) -> bool {
+    let is_close = |at: usize| form.get(at).is_some_and(|piece| piece.kind == PieceKind::Close);
+    is_close(at) && !is_close(at + 1)
+}
+
+#[derive(Clone, Copy)]
+enum Candidate {
+    CloseAfter(usize),
+    Remove(usize),
+    OpenBefore(usize),
+}
+
+impl Candidate {
+    fn at(self) -> usize {
+        match self {
+            Candidate::CloseAfter(at) | Candidate::Remove(at) | Candidate::OpenBefore(at) => at,
+        }
+    }
+
+    fn line(self, form: &[Piece<'_>]) -> usize {
+        form.get(self.at()).map_or(0, |piece| piece.line)
+    }
+
+    /// The pieces of the form with this change.
+    fn applied<'f, 't>(self, form: &'f [Piece<'t>]) -> impl Iterator<Item = Piece<'t>> + 'f {
+        form.iter().enumerate().flat_map(move |(number, piece)| {
+            let close = Piece { kind: PieceKind::Close, text: ")", first_column: None, ..*piece };
+            let open = Piece { kind: PieceKind::Open, text: "(", ..*piece };
+            let inside = Piece { first_column: None, ..*piece };
+            let (one, two) = match self {
+                _ if self.at() != number => (Some(*piece), None),
+                Candidate::CloseAfter(_) => (Some(*piece), Some(close)),
+                Candidate::Remove(_) => (None, None),
+                Candidate::OpenBefore(_) => (Some(open), Some(inside)),
+            };
+            one.into_iter().chain(two)
+        })
+    }
+
+    fn repair(self, form: &[Piece<'_>]) -> Option<Repair> {
+        let piece = form.get(self.at())?;
+        Some(match self {
+            Candidate::Remove(_) => Repair::Remove { at: piece.start },
+            Candidate::OpenBefore(_) => Repair::Open { at: piece.start },
+            Candidate::CloseAfter(at) => {
+                Repair::Close { at: piece.start + piece.text.len(), opened: innermost(form.get(..=at)?)? }
+            }
+        })
+    }
+}
+
+/// Where the innermost list begins that is open after these pieces.
+fn innermost(pieces: &[Piece<'_>]) -> Option<usize> {
+    let mut open: Vec<usize> = Vec::new();
+    for piece in pieces {
+        match piece.kind {
+            PieceKind::Open => open.push(piece.start),
+            PieceKind::Close => {
+                open.pop();
+            }
+            PieceKind::Other => {}
+        }
+    }
+    open.pop()
+}

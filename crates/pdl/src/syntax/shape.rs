@@ -1,0 +1,217 @@
+//! How little a balanced form looks like PDL: what stands where it cannot, and lines that contradict their indentation.
+//! Only for choosing among repairs; what a form means is decided elsewhere.
+
+use apex_model::builtins::built_in;
+
+/// A token that matters for structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Piece<'t> {
+    pub(super) kind: PieceKind,
+    pub(super) text: &'t str,
+    pub(super) start: usize,
+    /// Column from 1, if it is the first on its line.
+    pub(super) first_column: Option<usize>,
+    pub(super) column: usize,
+    pub(super) line: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PieceKind {
+    Open,
+    Close,
+    Other,
+}
+
+/// Something that stands where it cannot.
+const MISPLACED: usize = 4;
+/// A line that is indented as if it belonged elsewhere.
+const MISALIGNED: usize = 3;
+/// A function with too few or too many arguments; the word may also be one of a goal.
+const ARITY: usize = 1;
+
+/// Forms of the top level, which stand nowhere else.
+pub(super) const FORMS: &[&str] = &[
+    "declare-function",
+    "defapplication",
+    "defconstant",
+    "defindexical",
+    "defun",
+    "in-apex-bundle",
+    "primitive",
+    "procedure",
+    "require-apex-file",
+    "require-apex-library",
+    "resource",
+    "solver",
+    "state-variable",
+];
+/// Clauses that only steps have.
+const OF_STEPS: &[&str] = &["waitfor", "forall", "rank", "responding", "repeating", "priority", "on-failure"];
+/// Clauses of procedures, primitives and solvers.
+const OF_PROCEDURES: &[&str] = &[
+    "index",
+    "step",
+    "profile",
+    "log",
+    "expected-duration",
+    "interrupt-cost",
+    "end-when",
+    "terminate",
+    "restart",
+    "restart-when",
+    "resume",
+    "resume-when",
+    "suspend",
+    "suspend-when",
+    "on-start",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "select",
+    "locals",
+    "duration",
+    "on-enablement",
+    "update",
+    "on-completion",
+    "return",
+];
+/// What conditions stand in.
+const AROUND_CONDITIONS: &[&str] = &[
+    "waitfor",
+    "end-when",
+    "terminate",
+    "when",
+    "until",
+    "restart",
+    "restart-when",
+    "resume",
+    "resume-when",
+    "suspend",
+    "suspend-when",
+    ":and",
+    ":or",
+    ":not",
+    ":in-order",
+    ":any-order",
+];
+const EPISODES: &[&str] = &[":episode", ":measurement", ":estimation"];
+
+/// A list that is open.
+struct List<'t> {
+    head: &'t str,
+    column: usize,
+    /// Column of the first item that begins a line.
+    body: Option<usize>,
+    items: usize,
+    lists: usize,
+    atoms_after_list: usize,
+}
+
+/// The cost of a sequence of pieces; 0 for a form without any doubt. Parentheses without partner cost more than anything.
+pub(super) fn cost<'t>(pieces: impl Iterator<Item = Piece<'t>>) -> usize {
+    let mut stack: Vec<List<'t>> = Vec::new();
+    let mut cost = 0;
+    let mut previous_open = false;
+    for piece in pieces {
+        if piece.kind != PieceKind::Close {
+            cost += misaligned(&piece, &mut stack);
+        }
+        match piece.kind {
+            PieceKind::Open => {
+                if let Some(parent) = stack.last_mut() {
+                    parent.items += 1;
+                    parent.lists += 1;
+                }
+                let column = piece.column;
+                stack.push(List { head: "", column, body: None, items: 0, lists: 0, atoms_after_list: 0 });
+            }
+            PieceKind::Close => match stack.pop() {
+                Some(list) => cost += closed(&list),
+                None => cost += 1000,
+            },
+            PieceKind::Other if previous_open => {
+                let parent =
+                    stack.len().checked_sub(2).and_then(|at| stack.get(at)).map(|list| (list.head, list.items));
+                cost += headed(piece.text, parent);
+                if let Some(list) = stack.last_mut() {
+                    list.head = piece.text;
+                }
+            }
+            PieceKind::Other => cost += item(piece.text, stack.last_mut()),
+        }
+        previous_open = piece.kind == PieceKind::Open;
+    }
+    cost + 1000 * stack.len()
+}
+
+/// A line that begins where its list does not put it.
+fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
+    let Some(column) = piece.first_column else { return 0 };
+    let Some(list) = stack.last_mut() else { return if column > 1 { MISALIGNED } else { 0 } };
+    if column <= list.column {
+        return MISALIGNED;
+    }
+    let body = *list.body.get_or_insert(column);
+    if body == column { 0 } else { MISALIGNED }
+}
+
+/// A list begins with `head` inside of a list with this head and so many items, this one included.
+fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
+    let Some((outer, items)) = parent else {
+        return if FORMS.contains(&head) || head == "agent" { 0 } else { MISPLACED };
+    };
+    let fits = match outer {
+        "procedure" | "primitive" | "solver" if items > 1 || OF_PROCEDURES.contains(&head) => {
+            OF_PROCEDURES.contains(&head)
+        }
+        "step" if items > 2 => {
+            OF_STEPS.contains(&head) || (OF_PROCEDURES.contains(&head) && !matches!(head, "step" | "index"))
+        }
+        _ if FORMS.contains(&head) || matches!(head, "step" | "index") || OF_STEPS.contains(&head) => {
+            outer == "step" && OF_STEPS.contains(&head)
+        }
+        _ if EPISODES.contains(&head) || matches!(head, ":and" | ":or" | ":not" | ":in-order") => {
+            AROUND_CONDITIONS.contains(&outer)
+        }
+        _ => true,
+    };
+    if fits { 0 } else { MISPLACED }
+}
+
+/// An item that is no list and not the first of its list.
+fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
+    let Some(list) = list else { return MISPLACED };
+    let after_list = list.lists > 0;
+    list.items += 1;
+    list.atoms_after_list += usize::from(after_list);
+    let fits = match list.head {
+        "procedure" | "primitive" => text.starts_with(':') && !after_list,
+        "step" => list.items == 1 || (after_list && (text == "=>" || text.starts_with('?'))),
+        _ if matches!(text, ":value" | ":timing" | ":quality") => EPISODES.contains(&list.head),
+        _ if matches!(text, ":unit" | ":rate") => list.head == "state-variable",
+        _ => !(OF_STEPS.contains(&text) || FORMS.contains(&text) || matches!(text, "step" | "index")),
+    };
+    if fits { 0 } else { MISPLACED }
+}
+
+/// A list has ended: has it the items that it needs?
+fn closed(list: &List<'_>) -> usize {
+    let exactly = |count: usize| if list.items == count { 0 } else { MISPLACED };
+    match list.head {
+        "index" => exactly(1) + if list.lists == 1 { 0 } else { MISPLACED },
+        "step" if list.lists == 0 => MISPLACED,
+        "end" | "duration" | "inform" | "return" | "rank" => exactly(1),
+        "waitfor" | "profile" | "on-start" | "procedure" | "primitive" if list.items == 0 => MISPLACED,
+        "select" | "defindexical" | "defconstant" => exactly(2),
+        "forall" => exactly(3),
+        "if" if list.items < 2 => ARITY,
+        "defun" if list.items < 3 => MISPLACED,
+        "command" if list.lists != 1 => MISPLACED,
+        "require-apex-library" | "in-apex-bundle" => exactly(1),
+        head => match built_in(head) {
+            Some(function) if list.items < function.arguments_min => ARITY,
+            Some(function) if function.arguments_max.is_some_and(|most| list.items > most) => ARITY,
+            _ => 0,
+        },
+    }
+}

@@ -1,0 +1,33 @@
+//! Seeded choices.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+pub struct Chance(ChaCha8Rng);
+
+impl Chance {
+    pub fn new(seed: u64) -> Chance {
+        Chance(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    pub fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.0.next_u64() % u64::try_from(count.max(1)).unwrap()).unwrap()
+    }
+
+    pub fn pick<'a, T>(&mut self, all: &'a [T]) -> Option<&'a T> {
+        let index = self.below(all.len());
+        all.get(index)
+    }
+
+    /// An index, each as likely as its weight says.
+    pub fn weighted(&mut self, weights: &[usize]) -> usize {
+        let mut left = self.below(weights.iter().sum());
+        for (index, weight) in weights.iter().enumerate() {
+            if left < *weight {
+                return index;
+            }
+            left -= weight;
+        }
+        0
+    }
+}

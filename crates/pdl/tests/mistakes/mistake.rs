@@ -1,0 +1,54 @@
+//! One mistake: a changed text, and the lines on which a message about it is right.
+
+use super::program::Program;
+use super::tree::line_of;
+use std::ops::Range;
+
+/// A mistake made in one text.
+pub struct Mistake {
+    pub text: String,
+    /// Lines of that text on which the message may stand; several where two places contradict each other and neither is
+    /// more right than the other.
+    pub lines: Vec<u32>,
+    /// The same in other files of the program.
+    pub elsewhere: Vec<(String, u32)>,
+    /// What was done, for reports.
+    pub what: String,
+}
+
+/// Replaces one stretch. The right line is that of the change.
+pub fn replace(program: &Program<'_>, range: Range<usize>, by: &str) -> Mistake {
+    let was = &program.text[range.clone()];
+    let what = format!("{} -> {}", shown(was), shown(by));
+    let line = line_of(program.text, range.start);
+    replaced(program, &[(range, by.to_string())], vec![line], what)
+}
+
+/// Replaces several stretches; `lines` are those of the text before.
+pub fn replaced(program: &Program<'_>, edits: &[(Range<usize>, String)], lines: Vec<u32>, what: String) -> Mistake {
+    let mut edits = edits.to_vec();
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut text = program.text.to_string();
+    for (range, by) in edits {
+        text.replace_range(range, &by);
+    }
+    Mistake { text, lines, elsewhere: Vec::new(), what }
+}
+
+/// Removes a stretch and, with it, a line that it leaves empty.
+pub fn remove(program: &Program<'_>, range: Range<usize>, what: &str) -> Mistake {
+    let mut range = range;
+    let before = program.text[..range.start].trim_end().len();
+    // What is before the stretch keeps its line; the blanks between go with it.
+    range.start = before;
+    let what = format!("{what}: {}", shown(&program.text[range.clone()]));
+    let line = line_of(program.text, before);
+    let mut text = program.text.to_string();
+    text.replace_range(range, "");
+    Mistake { text, lines: vec![line], elsewhere: Vec::new(), what }
+}
+
+fn shown(text: &str) -> String {
+    let line = text.trim().lines().next().unwrap_or_default();
+    if line.is_empty() { "nothing".to_string() } else { format!("`{line}`") }
+}
