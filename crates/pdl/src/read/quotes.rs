@@ -99,7 +99,8 @@ mod tests {
     fn mended(text: &str) -> String {
         let found = forgotten(text).unwrap();
         assert!(found.is_certain, "{text}");
-        format!("{}\"{}", &text[..found.at], &text[found.at..])
+        let (before, after) = text.split_at(found.at);
+        format!("{before}\"{after}")
     }
 
     #[test]
