@@ -1,6 +1,6 @@
 //! Calls of functions: resolution, arity, purity, function-valued arguments, literal dimensions.
 
-use super::expected::{Expected, ExpectedKind, zero_of};
+use super::expected::{Expected, ExpectedKind, dimension_of, zero_of};
 use super::{Callable, Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
@@ -172,7 +172,7 @@ impl Lowering {
 
     /// Literal dimensions of the arguments must agree; a literal 0 is zero of any dimension.
     fn one_dimension(&mut self, function: &Symbol, data: &[Datum], arguments: &mut [Expr]) -> Option<()> {
-        let known: Vec<Option<Dimension>> = arguments.iter().map(|argument| self.dimension(argument)).collect();
+        let known: Vec<Option<Dimension>> = arguments.iter().map(dimension_of).collect();
         let Some(wanted) = known.iter().flatten().copied().find(|dimension| *dimension != Dimension::NONE) else {
             return Some(());
         };

@@ -36,10 +36,6 @@ impl Lowering {
                 };
                 let first = self.names.indexicals.get(&name).copied();
                 self.define(&format!("+{name}+"), first, form.span)?;
-                let written = form.tail().get(1).and_then(|value| value.to_value().as_number());
-                if let Some((_, dimension)) = written.filter(|(_, dimension)| *dimension != Dimension::NONE) {
-                    self.names.indexical_dimensions.insert(name.clone(), dimension);
-                }
                 self.names.indexicals.insert(name, form.span);
                 Some(())
             }

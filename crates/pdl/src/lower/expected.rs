@@ -210,7 +210,7 @@ impl Lowering {
     }
 
     fn check_dimension(&mut self, expr: &Expr, span: Span, expected: &Expected) -> Option<()> {
-        let Some(found) = self.dimension(expr) else { return Some(()) };
+        let Some(found) = dimension_of(expr) else { return Some(()) };
         if let ExpectedKind::Instant = expected.kind {
             let diagnostic =
                 Diagnostic::error(codes::DIMENSION, span, format!("{found} stands where an instant is needed"))
@@ -231,17 +231,6 @@ impl Lowering {
             self.report(diagnostic);
             return self.fragment.then_some(());
         }
-        if let ExprKind::Indexical(name) = &expr.kind
-            && let Some(defined) = self.names.indexicals.get(name).copied()
-        {
-            let message = format!("`+{name}+` is {found}, but stands where {wanted} is needed");
-            let mut diagnostic = Diagnostic::error(codes::DIMENSION, defined, message)
-                .label(span, format!("{} is {wanted}", expected.subject));
-            if let Some(declared) = expected.declared {
-                diagnostic = diagnostic.label(declared, format!("declared as {wanted} here"));
-            }
-            return self.refuse(diagnostic);
-        }
         if let ExpectedKind::Duration = expected.kind {
             return self.duration_expected(span, found);
         }
@@ -252,16 +241,6 @@ impl Lowering {
             None => diagnostic.reason("only values of one dimension can be compared"),
         };
         self.refuse(diagnostic)
-    }
-
-    /// The dimension of an expression, of an indexical that is one quantity, too.
-    pub(crate) fn dimension(&self, expr: &Expr) -> Option<Dimension> {
-        match &expr.kind {
-            ExprKind::Indexical(name) => {
-                self.names.indexical_dimensions.get(name).copied().or_else(|| dimension_of(expr))
-            }
-            _ => dimension_of(expr),
-        }
     }
 
     /// Reports something of dimension `found` where a duration is needed.

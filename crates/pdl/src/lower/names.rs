@@ -3,7 +3,6 @@
 use crate::diagnostic::Span;
 use apex_model::builtins::{self, BUILT_INS, INDEXICALS};
 use apex_model::library::{ResourceKind, StateVariableDeclaration};
-use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeMap;
@@ -25,8 +24,6 @@ pub(crate) struct Names {
     pub(crate) functions: BTreeMap<Symbol, Callable>,
     /// Indexicals without plus signs.
     pub(crate) indexicals: BTreeMap<Symbol, Span>,
-    /// Dimensions of indexicals that are written as one quantity; pure numbers are left out.
-    pub(crate) indexical_dimensions: BTreeMap<Symbol, Dimension>,
     /// Constants by name as written, plus signs included.
     pub(crate) constants: BTreeMap<Symbol, (Value, Span)>,
     /// Constants that are computed, by name as written, plus signs included.

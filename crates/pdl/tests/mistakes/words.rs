@@ -120,7 +120,17 @@ pub fn wrong_dimension(program: &Program<'_>, chance: &mut Chance) -> Option<Mis
     let (range, digits, unit) = quantity(program, chance, |node| needs_dimension(program, node))?;
     let other = *chance.pick(&["deg", "kg", "ft", "kt", "min", "V", "s", "m"])?;
     let dimension = |name: &str| unit_named(name).map(|unit| unit.dimension);
-    (dimension(other) != dimension(unit)).then(|| replace(program, range, &format!("{digits}{other}")))
+    if dimension(other) == dimension(unit) {
+        return None;
+    }
+    let mut mistake = replace(program, range.clone(), &format!("{digits}{other}"));
+    // The definition of an indexical and its use contradict each other.
+    let line = program.text[..range.start].rfind('\n').map_or(0, |at| at + 1);
+    if let Some(name) = program.text[line..].strip_prefix("(defindexical ").and_then(|rest| rest.split(' ').next()) {
+        let uses = program.roles.sites.iter().filter(|site| program.roles.word(site.node) == name);
+        mistake.lines.extend(uses.map(|site| line_of(program.text, program.roles.tree.nodes[site.node].range.start)));
+    }
+    Some(mistake)
 }
 
 type Quantity<'t> = (std::ops::Range<usize>, &'t str, &'t str);
