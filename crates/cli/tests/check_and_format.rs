@@ -117,7 +117,7 @@ fn a_file_that_cannot_be_read_as_pdl_is_left_alone() {
     desk.write("a.pdl", "(procedure (index (a))");
     desk.apex(&["fmt", "a.pdl"]).complained(2, &["error[", "a.pdl:1:22"]);
     assert_eq!(desk.read("a.pdl"), "(procedure (index (a))");
-    desk.apex_hearing(&["fmt", "-"], "(a").complained(2, &["<standard input>:1:1"]);
+    desk.apex_hearing(&["fmt", "-"], "(a").complained(2, &["<standard input>:1:2"]);
 }
 
 #[test]
