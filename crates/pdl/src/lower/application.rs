@@ -126,11 +126,11 @@ impl Lowering {
             );
             return false;
         }
-        group.values.iter().for_each(|value| self.check_quantity_names(value));
-        match group.values {
-            [only] if group.name == "duration" => self.literal_duration(only).is_some(),
-            _ => true,
+        if let ("duration", [only]) = (group.name, group.values) {
+            return self.literal_duration(only).is_some();
         }
+        group.values.iter().for_each(|value| self.check_quantity_names(value));
+        true
     }
 
     fn application_kind(&mut self, values: &[Datum], form: &Datum) -> Option<Symbol> {
