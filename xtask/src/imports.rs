@@ -16,6 +16,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/server", &["apex-model", "apex-executive", "apex-runtime", "apex-metrics"]),
     ("crates/cli", &["*"]),
     ("spec", &["*"]),
+    // The second witness shares nothing with the first.
+    ("spec/reference", &[]),
+    ("spec/random", &["*"]),
     ("benches", &["*"]),
     ("python", &["*"]),
     ("xtask", &[]),

@@ -15,6 +15,7 @@ mod test_support;
 mod view;
 
 pub mod explanation;
+pub mod planted;
 
 pub use apex_model::agent::Agent;
 pub use step::step;

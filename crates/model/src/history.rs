@@ -174,9 +174,12 @@ impl History {
             if kept.value.equals(&sample.value) {
                 return Recorded::Repeated;
             }
-            *kept = sample;
-            self.replaced_count = self.replaced_count.saturating_add(1);
-            return Recorded::Replaced;
+            // What came too late replaces nothing either: it would depend on what is still kept.
+            if newest - sample.at <= self.retention.lateness {
+                *kept = sample;
+                self.replaced_count = self.replaced_count.saturating_add(1);
+                return Recorded::Replaced;
+            }
         }
         if newest - sample.at > self.retention.lateness || !self.covers(sample.at) {
             self.late_count = self.late_count.saturating_add(1);

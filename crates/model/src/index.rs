@@ -80,6 +80,8 @@ pub struct StepIndex {
     pub waitfor: Option<Arc<Condition>>,
     /// Results of other steps that its preconditions, activity, `select` or `forall` mention.
     pub awaits: Vec<Symbol>,
+    /// Those of them that its preconditions mention: until they are there, the preconditions cannot be watched.
+    pub condition_awaits: Vec<Symbol>,
     /// The end of its procedure waits for it.
     pub counts: bool,
 }
@@ -139,13 +141,17 @@ impl ProcedureIndex {
             names.iter().for_each(|name| producers.entry(name).or_default().push(step));
         }
         let sequential = procedure.kind == ProcedureKind::Sequential;
-        let steps = procedure.steps.iter().enumerate().map(|(number, step)| StepIndex {
-            waitfor: conjunction(&step.waitfor, step.place),
-            awaits: awaits(step, |name| {
+        let steps = procedure.steps.iter().enumerate().map(|(number, step)| {
+            let produced = |name: &Symbol| {
                 let others = producers.get(name).map(Vec::as_slice).unwrap_or_default();
                 others.iter().any(|producer| *producer != number && (!sequential || *producer < number))
-            }),
-            counts: endless_only || ends_by_itself(step),
+            };
+            StepIndex {
+                waitfor: conjunction(&step.waitfor, step.place),
+                awaits: awaits(step, produced, false),
+                condition_awaits: awaits(step, produced, true),
+                counts: endless_only || ends_by_itself(step),
+            }
         });
         ProcedureIndex {
             tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
@@ -182,7 +188,8 @@ fn results(step: &Step) -> BTreeSet<Symbol> {
     names
 }
 
-fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool) -> Vec<Symbol> {
+/// Results of other steps that the step mentions; or only those that its preconditions do.
+fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool, in_conditions: bool) -> Vec<Symbol> {
     let mut own: BTreeSet<Symbol> = step.select.iter().map(|(name, _)| name.clone()).collect();
     own.extend(step.forall.iter().map(|forall| forall.0.clone()));
     let mut awaited = Vec::new();
@@ -192,6 +199,9 @@ fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool) -> Vec<Symb
         }
     };
     step.waitfor.iter().for_each(|condition| variables::of_condition(condition, &mut sink));
+    if in_conditions {
+        return awaited;
+    }
     variables::of_activity(&step.activity, &mut sink);
     step.select.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
     step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut sink));

@@ -154,14 +154,16 @@ pub struct HeldBack {
     pub by_condition: bool,
     /// `:with-min-interval` has not passed.
     pub by_interval: bool,
-    /// Its waitfor uses the result of another step that is not there yet: no monitor exists.
+    /// It uses the result of another step that is not there yet.
     pub by_result: bool,
+    /// Its waitfor does: no monitor exists.
+    pub by_unknown: bool,
 }
 
 impl HeldBack {
     /// True when nothing holds the task back.
     pub fn is_free(self) -> bool {
-        !(self.by_predecessor || self.by_condition || self.by_interval || self.by_result)
+        !(self.by_predecessor || self.by_condition || self.by_interval || self.by_result || self.by_unknown)
     }
 }
 

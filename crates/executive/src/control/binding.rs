@@ -4,7 +4,7 @@
 //! Writes: task bindings, controllers' contexts, Decision.
 //! Bound: O(variables of a context) per binding.  PDL: section 4, `=>` and `select`.  Paper: section IV, information dependencies.
 
-use crate::control::instantiation;
+use crate::control::{instantiation, monitoring_clauses};
 use crate::cycle::Cycle;
 use crate::expression::evaluate;
 use crate::monitoring::pattern_matching::match_pattern;
@@ -194,6 +194,9 @@ pub(crate) fn set_current(cycle: &mut Cycle<'_>, parent: TaskId, step: StepRef, 
     if let Some(Controller::Procedure(controller)) = controller
         && let Some(slot) = controller.current.get_mut(step.step as usize)
     {
-        *slot = Some(task);
+        let before = slot.replace(task);
+        if let Some(before) = before.filter(|before| *before != task) {
+            monitoring_clauses::tag_moved(cycle, before);
+        }
     }
 }

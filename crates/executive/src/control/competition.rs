@@ -6,6 +6,7 @@
 
 use crate::control::{priority, resources};
 use crate::cycle::Cycle;
+use crate::planted::{self, Bug};
 use apex_model::agent::Agent;
 use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{Origin, TaskId, TaskState};
@@ -55,6 +56,7 @@ pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Opti
         b = agent.task(b.parent?)?;
     }
     let (first, second) = (priority::rank(agent, a.id, now)?, priority::rank(agent, b.id, now)?);
+    let (first, second) = if planted::is(Bug::RanksReversed) { (second, first) } else { (first, second) };
     let order = first.partial_cmp(&second).filter(|order| *order != Ordering::Equal)?;
     Some((order, first, second))
 }

@@ -14,6 +14,7 @@ use crate::control::priority;
 use crate::control::sharing::{Use, UseKind, any_related, has_room, matters};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
+use crate::planted::{self, Bug};
 use apex_model::agent::Agent;
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::clause::Level;
@@ -378,7 +379,8 @@ impl<'a, 'c> Field<'a, 'c> {
         let own = Strength::claiming(claimant.priority);
         if holds {
             let defence = priority::defence(agent, rival.task, now);
-            if own.total() > defence.total() {
+            let equal = planted::is(Bug::EqualNewcomerWins) && own.total() >= defence.priority;
+            if own.total() > defence.total() || equal {
                 return Ok(win(ConflictRule::Priority, own, defence));
             }
             let rule = if defence.priority > own.priority { ConflictRule::Priority } else { ConflictRule::Incumbent };

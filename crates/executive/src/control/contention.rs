@@ -8,6 +8,7 @@ use crate::control::transition::{Trigger, transition};
 use crate::control::{competition, crossing, line, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
+use crate::planted::{self, Bug};
 use apex_model::because::{Because, Cause, Share};
 use apex_model::effect::DecisionKind;
 use apex_model::quantity::Dimension;
@@ -50,7 +51,9 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let task = cycle.task(*id);
         let depth = task.map_or(0, |task| task.depth);
         match task.map(|task| task.state) {
-            Some(TaskState::Interrupted) => (0, u32::MAX - depth, *id),
+            Some(TaskState::Interrupted) if planted::is(Bug::AncestorsFirst) => (0, depth, *id),
+            // Who loses and is granted at once is interrupted in between.
+            Some(TaskState::Interrupted | TaskState::Ongoing) => (0, u32::MAX - depth, *id),
             _ => (1, 0, *id),
         }
     });

@@ -43,6 +43,10 @@ pub(crate) fn next_look(agent: &Agent, challenger: TaskId, rival: TaskId, holds:
         return None;
     }
     let contest = Contest { agent, challenger, rival, holds };
+    if contest.ahead(now) {
+        // It lost because of others: to look again at once, and again, would be to stand still.
+        return None;
+    }
     let mut budget = PRIORITY_SEARCH_MAX;
     let mut from = now;
     let mut span = FIRST_LOOK;

@@ -92,8 +92,9 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
             TaskState::Pending | TaskState::Enabled | TaskState::Terminated => {}
         },
         Clause::SuspendWhen => {
-            interruption::suspend(cycle, id, because);
+            // What the suspension itself brings about can end it.
             interruption::watch_resumption(cycle, id, level, after);
+            interruption::suspend(cycle, id, because);
         }
         Clause::SuspendUntil | Clause::ResumeWhen => {
             interruption::resume(cycle, id, &because);

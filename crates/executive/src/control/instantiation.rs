@@ -7,6 +7,7 @@ use crate::control::selection::activity_of;
 use crate::control::{interruption, monitoring_clauses, termination};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
+use crate::planted::{self, Bug};
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::because::{Because, Cause};
@@ -14,6 +15,7 @@ use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
 use apex_model::effect::DecisionKind;
 use apex_model::expression::Expr;
+use apex_model::index::StepIndex;
 use apex_model::limits::{TASK_DEPTH_MAX, TASKS_MAX};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Activity, BuiltInActivity};
@@ -155,17 +157,22 @@ fn built_in_words(which: BuiltInActivity) -> (&'static [&'static str], &'static 
 
 /// The window of evidence that counts for the task's present instance.
 pub(crate) fn window(task: &Task) -> Window {
-    Window { start: task.created_at, after_sequence: task.after_sequence }
+    let answered = task.after_sequence.filter(|_| !planted::is(Bug::OldEventCounts));
+    Window { start: task.created_at, after_sequence: answered }
 }
 
 /// Arms the preconditions of a pending task. It becomes ready at once when there are none left.
 pub(crate) fn arm(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(Origin::Step(_)) = cycle.task(id).map(|task| task.origin) {
-        let unbound = awaited(cycle, id).is_some();
+        let by_result = awaited(cycle, id, |index| &index.awaits).is_some();
+        let by_unknown = by_result && awaited(cycle, id, |index| &index.condition_awaits).is_some();
         if let Some(task) = cycle.agent.task_mut(id) {
-            task.held_back.by_result = unbound;
+            task.held_back.by_result = by_result;
+            task.held_back.by_unknown = by_unknown;
         }
-        let armed = watch_end(cycle, id).and_then(|()| if unbound { Ok(()) } else { watch_preconditions(cycle, id) });
+        // Who waits for a result only to work with it watches from the beginning: what happens before counts too.
+        let armed = watch_end(cycle, id);
+        let armed = armed.and_then(|()| if by_unknown { Ok(()) } else { watch_preconditions(cycle, id) });
         let armed = armed
             .map_err(|(message, place)| Because::new(Cause::ExpressionFailed { message }, Some(place)))
             .and_then(|()| interruption::watch_step_suspension(cycle, id));
@@ -185,10 +192,10 @@ pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
 }
 
 /// The first result of another step that the task needs and that is not there yet.
-pub(crate) fn awaited(cycle: &Cycle<'_>, id: TaskId) -> Option<Symbol> {
+fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Symbol>) -> Option<Symbol> {
     let step = cycle.task(id)?.step()?;
     let index = cycle.agent.procedure_index(step.procedure)?;
-    let awaits = &index.steps.get(step.step as usize)?.awaits;
+    let awaits = which(index.steps.get(step.step as usize)?);
     if awaits.is_empty() {
         return None;
     }
@@ -226,19 +233,21 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
 /// A result arrived in the context of `parent`: steps that waited for it get their monitors.
 pub(crate) fn result_arrived(cycle: &mut Cycle<'_>, waiting: Vec<TaskId>, variable: &Symbol) {
     for id in waiting {
-        let held = cycle.task(id).is_some_and(|task| task.held_back.by_result && task.state == TaskState::Pending);
-        if !held || awaited(cycle, id).is_some() {
-            continue;
-        }
+        let Some(task) = cycle.agent.task(id).filter(|task| task.state == TaskState::Pending) else { continue };
+        let (by_result, by_unknown) = (task.held_back.by_result, task.held_back.by_unknown);
+        let still_by_result = by_result && awaited(cycle, id, |index| &index.awaits).is_some();
+        let still_by_unknown = by_unknown && awaited(cycle, id, |index| &index.condition_awaits).is_some();
         if let Some(task) = cycle.agent.task_mut(id) {
-            task.held_back.by_result = false;
+            task.held_back.by_result = still_by_result;
+            task.held_back.by_unknown = still_by_unknown;
         }
-        match watch_preconditions(cycle, id) {
+        let watched = if by_unknown && !still_by_unknown { watch_preconditions(cycle, id) } else { Ok(()) };
+        match watched {
             Ok(()) => {
-                if cycle.task(id).is_some_and(|task| task.held_back.is_free()) {
+                if by_result && cycle.task(id).is_some_and(|task| task.held_back.is_free()) {
                     cycle.work.freed.insert(id, Cause::ResultArrived { variable: variable.clone() });
+                    offer(cycle, id);
                 }
-                offer(cycle, id);
             }
             Err((message, place)) => {
                 termination::fail(cycle, id, Because::new(Cause::ExpressionFailed { message }, Some(place)));

@@ -5,7 +5,7 @@
 //! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
 
 use crate::control::transition::{Trigger, transition};
-use crate::control::{hooks, instantiation, monitoring_clauses, primitive, question, resources, termination};
+use crate::control::{hooks, monitoring_clauses, primitive, question, resources, termination};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
 use apex_model::because::{Because, Cause};
@@ -264,11 +264,16 @@ fn watch(
     condition: Option<&Condition>,
 ) -> Result<Option<MonitorId>, Because> {
     let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(None) };
-    let window = match clause {
-        // What the task's `waitfor` answered says nothing about these: they count from its creation.
-        Clause::SuspendWhen | Clause::ResumeWhen => Window::from(task.created_at),
-        Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => instantiation::window(task),
+    // What is watched from a later moment than the creation counts from there: a procedure's own clauses, since it is
+    // not known before which one is chosen, and for what; what names something that was not bound before; and what
+    // starts work over, which has to begin first.
+    let start = if task.state == TaskState::Pending { task.created_at } else { cycle.now };
+    let after_sequence = match clause {
+        // What the task's `waitfor` answered says nothing about these.
+        Clause::SuspendWhen | Clause::ResumeWhen => None,
+        Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => task.after_sequence,
     };
+    let window = Window { start, after_sequence };
     monitoring_clauses::watch(cycle, id, clause, level, condition, window)
         .map(Some)
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))

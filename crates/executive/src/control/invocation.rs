@@ -6,6 +6,7 @@
 use crate::control::{built_in, interruption, primitive, procedure, question, termination};
 use crate::cycle::Cycle;
 use crate::deliberation::{plan_adoption, planner_invocation};
+use crate::planted::{self, Bug};
 use apex_model::because::Cause;
 use apex_model::controller::{Controller, Way};
 use apex_model::task::{TaskId, TaskState};
@@ -91,6 +92,8 @@ fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
             interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume)
         }
     }
-    interruption::offer_children(cycle, id);
+    if !planted::is(Bug::ChildrenStayBehind) {
+        interruption::offer_children(cycle, id);
+    }
     interruption::inheritance_changed(cycle, id);
 }

@@ -162,18 +162,27 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     monitoring::notice(&mut watch.monitor, stimulus, &view);
-    if let Some(filing) = &watch.filing
-        && monitoring::lasting_interest(&watch.monitor).is_none()
-    {
-        let interests = monitoring::interests(&watch.monitor);
-        if interests != filing.interests {
-            take_out(&mut cycle.agent.interests, &watch, id);
-            watch.filing = Some(Box::new(Filing { interests, second: None }));
-            file(&mut cycle.agent.interests, &watch, id);
-        }
-    }
     cycle.agent.watches.put(id.0, watch);
     cycle.work.touched.push(id);
+}
+
+/// A verdict may have found out which task is meant, or that it is another one now: the monitor is told of that one.
+fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
+    let Some(filing) = &watch.filing else { return };
+    if monitoring::lasting_interest(&watch.monitor).is_some() {
+        return;
+    }
+    let wanted = monitoring::interests(&watch.monitor);
+    if wanted != filing.interests {
+        take_out(interests, watch, id);
+        watch.filing = Some(Box::new(Filing { interests: wanted, second: None }));
+        file(interests, watch, id);
+    }
+}
+
+/// The tag of a step stands for another task than `before` now: whoever watches it looks again.
+pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
+    cycle.agent.interests.of_task(before, &mut cycle.work.touched);
 }
 
 /// Asks the monitor for its verdict; one that is satisfied joins the firings.
@@ -181,6 +190,7 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let verdict = monitoring::verdict(&mut watch.monitor, &view);
+    refile(&mut cycle.agent.interests, &mut watch, id);
     let troubles = monitoring::take_troubles(&mut watch.monitor);
     let wake_at = match &verdict {
         Verdict::Satisfied(_) => None,
@@ -221,7 +231,8 @@ fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> O
             events
                 .find(|event| event.form == *form && window.contains(event.at, event.sequence))
                 .map(|event| event.sequence)
-                .or(newest)
+                // One that is not remembered any more came before whatever could count again.
+                .or(newest.filter(|_| *at == cycle.now))
         }
         Evidence::Sample { at, .. } | Evidence::Run { end: at, .. } if *at == cycle.now => newest,
         Evidence::Sample { .. }

@@ -7,6 +7,7 @@ use crate::control::hooks::{self, Wanted};
 use crate::control::termination;
 use crate::cycle::Cycle;
 use crate::expression::evaluate;
+use crate::planted::{self, Bug};
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
@@ -281,7 +282,8 @@ pub(crate) fn pause(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(state) = controller(cycle, id) else { return };
     state.withdrawn = withdrawn;
     if let Some(since) = state.running_since.take() {
-        state.worked = state.worked + (now - since);
+        let before = if planted::is(Bug::ClockStartsOver) { now } else { since };
+        state.worked = state.worked + (now - before);
     }
     let (end, update) = (state.end.take(), state.update.take());
     if let Some(update) = update {

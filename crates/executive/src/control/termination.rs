@@ -52,6 +52,10 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     let Some(task) = cycle.agent.task_mut(id) else { return };
     task.selection = None;
     task.suspended = false;
+    // What was held for its steps went back with the rest: a repetition begins without it.
+    if let Some(extras) = &mut task.extras {
+        extras.held.clear();
+    }
     let (parent, answered) = (task.parent, task.after_sequence);
     if let Some(parent) = parent.and_then(|parent| cycle.agent.task_mut(parent)) {
         parent.after_sequence = parent.after_sequence.max(answered);

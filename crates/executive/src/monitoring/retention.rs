@@ -11,6 +11,7 @@ use crate::expression::history_queries::QUERIES;
 use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::history::Histories;
+use apex_model::index::ProcedureIndex;
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions};
@@ -50,6 +51,38 @@ impl Survey<'_> {
             self.all(&need.amount);
         });
         procedure.steps.iter().for_each(|step| self.step(step));
+        let index = ProcedureIndex::new(procedure);
+        for (step, known) in procedure.steps.iter().zip(&index.steps) {
+            if !known.condition_awaits.is_empty() {
+                step.waitfor.iter().for_each(|condition| self.since_creation(condition));
+            }
+        }
+    }
+
+    /// What a condition waits for counts from the creation of its task, and it can be watched only later: until then
+    /// everything that it could mean is kept.
+    fn since_creation(&mut self, condition: &Condition) {
+        match &condition.kind {
+            ConditionKind::Event { .. } => self.histories.require_event_lookback(Duration::MAX),
+            ConditionKind::Measurement(measurement) => {
+                self.histories.require_lookback(&measurement.variable.attribute, Duration::MAX);
+            }
+            ConditionKind::Episode(episode) => {
+                self.histories.require_lookback(&episode.variable.attribute, Duration::MAX);
+            }
+            ConditionKind::And(parts, _)
+            | ConditionKind::Or(parts, _)
+            | ConditionKind::InOrder(parts, _)
+            | ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| self.since_creation(part)),
+            ConditionKind::Not(part) | ConditionKind::Absent(part, _) => self.since_creation(part),
+            ConditionKind::Probing { condition, .. } => self.since_creation(condition),
+            ConditionKind::Cyclic { .. }
+            | ConditionKind::Delay(..)
+            | ConditionKind::Timestamp(..)
+            | ConditionKind::TaskEnded(_)
+            | ConditionKind::TaskState { .. }
+            | ConditionKind::Function(_) => {}
+        }
     }
 
     fn primitive(&mut self, primitive: &Primitive) {

@@ -1,0 +1,50 @@
+//! Bugs planted on purpose, to measure what finds them. Only with the feature `planted-bugs`, which no shipped build has.
+
+/// A bug that can be planted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bug {
+    /// A newcomer of equal priority takes the resource from who has it.
+    EqualNewcomerWins,
+    /// What a primitive worked before its interruption is forgotten.
+    ClockStartsOver,
+    /// The event that ended an instance of a repeating step satisfies the next one.
+    OldEventCounts,
+    /// The steps of a procedure that goes on do not claim.
+    ChildrenStayBehind,
+    /// The higher rank wins.
+    RanksReversed,
+    /// Ancestors go on before their descendants.
+    AncestorsFirst,
+}
+
+/// All of them.
+pub const ALL: [Bug; 6] = [
+    Bug::EqualNewcomerWins,
+    Bug::ClockStartsOver,
+    Bug::OldEventCounts,
+    Bug::ChildrenStayBehind,
+    Bug::RanksReversed,
+    Bug::AncestorsFirst,
+];
+
+#[cfg(feature = "planted-bugs")]
+static PLANTED: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(0);
+
+/// Plants `bug` in this process; none takes out what was planted.
+#[cfg(feature = "planted-bugs")]
+pub fn plant(bug: Option<Bug>) {
+    let number = bug.map_or(0, |bug| bug as u8 + 1);
+    PLANTED.store(number, std::sync::atomic::Ordering::SeqCst);
+}
+
+/// Is `bug` planted?
+#[cfg(feature = "planted-bugs")]
+pub(crate) fn is(bug: Bug) -> bool {
+    PLANTED.load(std::sync::atomic::Ordering::Relaxed) == bug as u8 + 1
+}
+
+/// Nothing is planted in a build without the feature.
+#[cfg(not(feature = "planted-bugs"))]
+pub(crate) const fn is(_: Bug) -> bool {
+    false
+}

@@ -1,0 +1,79 @@
+//! Many random programs on all cores, in an order that does not depend on the cores.
+
+use crate::compare::{Verdict, judge};
+use crate::coverage::Coverage;
+use crate::generate::{self, Case};
+use std::ops::Range;
+use std::thread;
+
+/// What came of many programs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Programs that both ran alike.
+    pub same: u64,
+    /// Programs that the checker refused.
+    pub refused: u64,
+    /// Programs of which an instant did not come to rest: not compared.
+    pub restless: u64,
+    /// Seeds of programs that they ran differently.
+    pub different: Vec<u64>,
+    /// What was in them.
+    pub coverage: Coverage,
+}
+
+impl Outcome {
+    fn add(&mut self, seed: u64, case: &Case, verdict: &Verdict) {
+        match verdict {
+            Verdict::Same(run) => {
+                self.same += 1;
+                self.coverage.add(case, run);
+            }
+            Verdict::Refused(_) => self.refused += 1,
+            Verdict::Restless => self.restless += 1,
+            Verdict::Different(_) => self.different.push(seed),
+        }
+    }
+
+    /// Adds what came of others.
+    pub fn join(&mut self, other: &Outcome) {
+        self.same += other.same;
+        self.refused += other.refused;
+        self.restless += other.restless;
+        self.different.extend(&other.different);
+        self.coverage.join(&other.coverage);
+    }
+
+    /// How many programs that is.
+    pub fn count(&self) -> u64 {
+        self.same + self.refused + self.restless + self.different.len() as u64
+    }
+}
+
+/// Runs the programs of all `seeds`.
+pub fn run(seeds: Range<u64>) -> Outcome {
+    let threads = thread::available_parallelism().map_or(2, |threads| threads.get() as u64);
+    let mut whole = Outcome::default();
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|worker| {
+                let seeds = seeds.clone();
+                scope.spawn(move || {
+                    let mut part = Outcome::default();
+                    for seed in seeds.filter(|seed| seed % threads == worker) {
+                        let case = generate::case(seed);
+                        part.add(seed, &case, &judge(&case));
+                    }
+                    part
+                })
+            })
+            .collect();
+        for worker in workers {
+            match worker.join() {
+                Ok(part) => whole.join(&part),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+    });
+    whole.different.sort_unstable();
+    whole
+}

@@ -1,0 +1,17 @@
+//! Random programs: made from a seed, run by the executive and by the reference, compared.
+//!
+//! [`generate`] makes a case, [`compare`] judges it, [`shrink`] makes it small, [`page`] writes it down, [`campaign`]
+//! does that with many.
+
+pub mod campaign;
+pub mod compare;
+pub mod coverage;
+mod dice;
+pub mod executive;
+pub mod generate;
+pub mod page;
+#[cfg(feature = "planted-bugs")]
+pub mod planted;
+pub mod print;
+pub mod shrink;
+mod steps;

@@ -1,0 +1,31 @@
+//! How long it takes to find bugs that were planted in the executive.
+
+use crate::compare::{Verdict, judge};
+use crate::generate;
+use apex_executive::planted::{self, Bug};
+use std::time::{Duration, Instant};
+
+/// Programs after which a bug counts as not found.
+pub const PROGRAMS_MAX: u64 = 20_000;
+
+/// Each planted bug with the seed of the first program that shows it, and the time that took.
+pub fn measure(first: u64) -> Vec<(Bug, Option<u64>, Duration)> {
+    let mut found = Vec::new();
+    for bug in planted::ALL {
+        let begun = Instant::now();
+        let seed = (first..first + PROGRAMS_MAX).find(|seed| shows(bug, *seed));
+        found.push((bug, seed, begun.elapsed()));
+    }
+    planted::plant(None);
+    found
+}
+
+/// Does the program of `seed` differ with the bug, and only with it?
+fn shows(bug: Bug, seed: u64) -> bool {
+    let case = generate::case(seed);
+    let differs = |bug| {
+        planted::plant(bug);
+        matches!(judge(&case), Verdict::Different(_))
+    };
+    differs(Some(bug)) && !differs(None)
+}

@@ -1,0 +1,55 @@
+//! Twenty thousand random programs: the executive and the reference do the same.
+
+use apex_random::{campaign, generate, page, shrink};
+
+/// In CI; `make nightly` runs a million.
+const COUNT: u64 = 20_000;
+
+/// Programs of which it is not decided yet who is right: rings of ranks and priorities, ranks of families that share, and
+/// tags of responding steps. The list may only become shorter.
+const UNDECIDED: &[u64] = &[
+    4080, 4869, 5121, 6659, 7731, 8994, 9272, 9611, 10013, 11032, 12915, 13183, 13404, 14492, 15935, 18970, 19293,
+    19599, 19905,
+];
+
+#[test]
+fn the_executive_and_the_reference_do_the_same() {
+    let outcome = campaign::run(1..COUNT + 1);
+    let new: Vec<u64> = outcome.different.iter().copied().filter(|seed| !UNDECIDED.contains(seed)).collect();
+    if let Some(seed) = new.first() {
+        let smallest = shrink::shrink(&generate::case(*seed));
+        panic!("{} programs differ: {new:?}; the first, made small:\n{}", new.len(), page::of(*seed, &smallest));
+    }
+    let table = outcome.coverage.text();
+    assert!(outcome.refused * 10 < COUNT, "{} programs are refused by the checker", outcome.refused);
+    assert!(outcome.restless * 50 < COUNT, "{} programs do not come to rest", outcome.restless);
+    for (construct, count) in &outcome.coverage.constructs {
+        assert!(*count >= 50, "only {count} programs with {construct}\n{table}");
+    }
+    let legal = [
+        ("pending -> enabled", 50_000),
+        ("enabled -> ongoing", 50_000),
+        ("ongoing -> interrupted", 2_500),
+        ("interrupted -> ongoing", 1_200),
+        ("ongoing -> pending", 500),
+        ("interrupted -> pending", 20),
+        ("terminated -> pending", 3_000),
+        ("pending -> terminated", 5_000),
+        ("enabled -> terminated", 500),
+        ("ongoing -> terminated", 50_000),
+        ("interrupted -> terminated", 500),
+        ("because outranked by", 300),
+        ("because a resource is exhausted", 20),
+        ("because handled by", 200),
+    ];
+    for (what, least) in legal {
+        let count = outcome.coverage.moves.get(what).copied().unwrap_or(0);
+        assert!(count >= least, "{what} only {count} times\n{table}");
+    }
+}
+
+#[test]
+fn a_seed_always_makes_the_same_program() {
+    assert_eq!(generate::case(7), generate::case(7));
+    assert_ne!(generate::case(7), generate::case(8));
+}

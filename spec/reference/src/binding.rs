@@ -1,0 +1,89 @@
+//! Variables: who sees which, and who changes them.
+
+use crate::agent::Agent;
+use crate::task::{Level, State, Work};
+use crate::value::Value;
+
+impl Agent<'_> {
+    /// What the clauses of `task` at `level` see under this name.
+    pub(crate) fn variable(&self, task: usize, level: Level, name: &str) -> Option<Value> {
+        match level {
+            Level::Procedure => self.inner(task, name),
+            Level::Step => self.outer(task, name),
+        }
+    }
+
+    /// A variable of the task's own procedure or primitive.
+    fn inner(&self, task: usize, name: &str) -> Option<Value> {
+        let task = &self.tasks[task];
+        match &task.work {
+            Some(Work::Procedure { .. }) => self.in_procedure(task.work.as_ref()?, name),
+            Some(Work::Primitive { context, locals, .. }) => locals.get(name).or_else(|| context.get(name)).cloned(),
+            _ => task.choice.as_ref()?.bound.get(name).cloned(),
+        }
+    }
+
+    fn in_procedure(&self, work: &Work, name: &str) -> Option<Value> {
+        let Work::Procedure { procedure, context, current, .. } = work else { return None };
+        if let Some(value) = context.get(name) {
+            return Some(value.clone());
+        }
+        let tags = self.steps(*procedure);
+        let step = tags.iter().position(|step| step.tag == name)?;
+        current[step].map(Value::Task)
+    }
+
+    /// A variable of the task itself, or of the procedure that its step belongs to.
+    fn outer(&self, task: usize, name: &str) -> Option<Value> {
+        if let Some(value) = self.tasks[task].bound.get(name) {
+            return Some(value.clone());
+        }
+        let parent = self.tasks[task].parent?;
+        match self.tasks[parent].work.as_ref()? {
+            work @ Work::Procedure { .. } => self.in_procedure(work, name),
+            Work::Items(_) | Work::Handling(_) => self.outer(parent, name),
+            Work::Primitive { .. } | Work::BuiltIn => None,
+        }
+    }
+
+    /// The nearest task above that runs a procedure.
+    pub(crate) fn procedure_above(&self, task: usize) -> Option<usize> {
+        let parent = self.tasks[task].parent?;
+        match self.tasks[parent].work {
+            Some(Work::Procedure { .. }) => Some(parent),
+            _ => self.procedure_above(parent),
+        }
+    }
+
+    /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps go on that wait for it.
+    pub(crate) fn bind_result(&mut self, task: usize, name: &str, value: Value) {
+        match &mut self.tasks[task].work {
+            Some(Work::Procedure { context, .. } | Work::Primitive { context, .. }) => {
+                context.insert(name.to_string(), value);
+            }
+            _ => return,
+        }
+        let Some(Work::Procedure { current, .. }) = &self.tasks[task].work else { return };
+        for child in current.clone().into_iter().flatten() {
+            let waits = self.tasks[child].waits_for_result && self.tasks[child].state == State::Pending;
+            if waits && self.awaited(child).is_none() {
+                self.tasks[child].waits_for_result = false;
+                self.changed = true;
+            }
+        }
+    }
+
+    /// `(setq ?x value)`: the variable changes where it lives; a new one becomes the task's own.
+    pub(crate) fn assign(&mut self, task: usize, level: Level, name: &str, value: Value) {
+        let runs = matches!(self.tasks[task].work, Some(Work::Procedure { .. } | Work::Primitive { .. }));
+        if level == Level::Procedure && runs {
+            self.bind_result(task, name, value);
+        } else if self.tasks[task].bound.contains_key(name) {
+            self.tasks[task].bound.insert(name.to_string(), value);
+        } else if let Some(above) = self.procedure_above(task) {
+            self.bind_result(above, name, value);
+        } else {
+            self.tasks[task].bound.insert(name.to_string(), value);
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Clauses that came true, and tasks that nothing holds back: the notice and enable phases.
+
+use crate::agent::Agent;
+use crate::task::{Clause, Level, Origin, Outcome, State, Watch, Window};
+use crate::value::Value;
+
+impl Agent<'_> {
+    pub(crate) fn notice_and_enable(&mut self) {
+        let noticed = self.noticed(|_| true);
+        self.fire_all(noticed);
+        let ready = self.ids(|task| task.is_free());
+        for id in ready {
+            if self.tasks[id].is_free() && !self.tasks[id].forgotten {
+                self.enable(id);
+                self.settle();
+            }
+        }
+        // A task whose suspension came true while it was pending does not begin.
+        let at_once = self.noticed(|watch| watch.at_once);
+        self.fire_all(at_once);
+        for task in &mut self.tasks {
+            task.watches.iter_mut().for_each(|watch| watch.at_once = false);
+        }
+    }
+
+    fn fire_all(&mut self, noticed: Vec<(usize, Watch)>) {
+        for (id, watch) in noticed {
+            if !self.finished && self.tasks[id].watches.iter().any(|each| each.number == watch.number) {
+                self.fire(id, &watch);
+                self.settle();
+            }
+        }
+    }
+
+    fn fire(&mut self, id: usize, watch: &Watch) {
+        let Some(proof) = self.proof(id, watch) else { return };
+        self.changed = true;
+        let answered = self.answered(&proof);
+        if watch.clause == Clause::Waitfor && self.is_known(id, &proof.bound) {
+            return self.wait_for_new(id, answered);
+        }
+        self.tasks[id].answered = self.tasks[id].answered.max(answered);
+        self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
+        let cause = format!("clause {}", watch.clause.word());
+        // What begins to be watched now counts from the evidence on.
+        let end = proof.end(self.now);
+        let newest = self.arrivals.checked_sub(1).filter(|_| end >= self.now);
+        let after = Window { start: end.min(self.now), after: answered.or(newest) };
+        match watch.clause {
+            Clause::Waitfor => {
+                self.tasks[id].bound.extend(proof.bound);
+                self.tasks[id].waits_for_condition = false;
+            }
+            Clause::EndWhen => {
+                if watch.level == Level::Step {
+                    self.tasks[id].repeats_no_more = true;
+                }
+                self.end(id, Outcome::Success(Value::Nil), cause);
+            }
+            Clause::RestartWhen => self.restart(id, cause),
+            Clause::SuspendWhen => {
+                // What the suspension itself brings about can end it.
+                self.watch_resumption(id, watch.level, after);
+                self.suspend(id, cause);
+            }
+            Clause::SuspendUntil | Clause::ResumeWhen => {
+                self.resume(id, cause);
+                self.watch_suspension_anew(id, after);
+            }
+        }
+    }
+
+    fn enable(&mut self, id: usize) {
+        self.transition(id, State::Enabled, None, "nothing holds it back".into());
+        self.respond(id);
+        // A handler sees what was selected for the step that it handles.
+        let handles = matches!(self.tasks[id].origin, Origin::Handler(..));
+        let step = self.step_of(id).filter(|_| !handles);
+        for (name, expr) in step.map(|step| step.select.as_slice()).unwrap_or_default() {
+            match self.evaluate(expr, id, Level::Step) {
+                Ok(value) => self.tasks[id].bound.insert(name.clone(), value),
+                Err(_) => return self.fail(id, "an expression".into()),
+            };
+        }
+        self.watch_step_suspension(id);
+    }
+}

@@ -1,0 +1,309 @@
+//! What conditions mean: all the ways in which one is true, from everything that was ever heard, measured and done.
+
+use crate::agent::Agent;
+use crate::expression::compare;
+use crate::program::{Condition, Span, Term, Time};
+use crate::task::{Level, State, Watch};
+use crate::value::{Bindings, Value, joined, matches};
+
+/// One way in which a condition is true.
+#[derive(Clone)]
+pub(crate) struct Proof {
+    /// First and last evidence; none where nothing was needed.
+    hull: Option<(Time, Time)>,
+    /// Since when it is known.
+    known: Time,
+    pub(crate) bound: Bindings,
+    evidence: Vec<Evidence>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Evidence {
+    Message(u64),
+    Sample(Time),
+}
+
+impl Proof {
+    fn at(at: Time, evidence: Option<Evidence>) -> Proof {
+        Proof { hull: Some((at, at)), known: at, bound: Bindings::new(), evidence: evidence.into_iter().collect() }
+    }
+
+    /// The last evidence.
+    pub(crate) fn end(&self, now: Time) -> Time {
+        self.hull.map_or(now, |hull| hull.1)
+    }
+}
+
+/// Whose clause is judged.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    task: usize,
+    watch: &'a Watch,
+}
+
+impl Agent<'_> {
+    /// The first way in which the watched condition is true.
+    pub(crate) fn proof(&self, task: usize, watch: &Watch) -> Option<Proof> {
+        self.proofs(&watch.condition, Place { task, watch }).into_iter().next()
+    }
+
+    /// The newest arrival among the evidence: what the next instance must not take for an answer.
+    pub(crate) fn answered(&self, proof: &Proof) -> Option<u64> {
+        let newest = self.arrivals.checked_sub(1);
+        let arrival = |evidence: &Evidence| match evidence {
+            Evidence::Message(arrival) => Some(*arrival),
+            Evidence::Sample(at) => newest.filter(|_| *at == self.now),
+        };
+        proof.evidence.iter().filter_map(arrival).max()
+    }
+
+    fn sees(&self, place: Place<'_>, name: &str) -> Option<Value> {
+        self.variable(place.task, place.watch.level, name)
+    }
+
+    /// All the ways, earliest known first.
+    fn proofs(&self, condition: &Condition, place: Place<'_>) -> Vec<Proof> {
+        let mut proofs = match condition {
+            Condition::Event(pattern) => self.messages_like(pattern, place),
+            Condition::Measurement(attribute, object, relation, number) => {
+                let fits = |value: &Value, _: &mut Bindings| {
+                    matches!(compare(*relation, value, &Value::Number(*number)), Ok(true))
+                };
+                self.samples_of(attribute, object, place, &fits)
+            }
+            Condition::Sample(attribute, object, name) => {
+                let pattern = [Term::Variable(name.clone())];
+                let fits = |value: &Value, bound: &mut Bindings| {
+                    matches(&pattern, std::slice::from_ref(value), &|name| self.sees(place, name), bound)
+                };
+                self.samples_of(attribute, object, place, &fits)
+            }
+            Condition::Ended(tag) => self.end_of(tag, place).into_iter().map(|at| Proof::at(at, None)).collect(),
+            Condition::State(tag, word) => self.states_of(tag.as_deref(), word, place),
+            Condition::Delay(least, most) => {
+                let start = place.watch.window.start;
+                let over = start + least;
+                let reached = over <= self.now && most.is_none_or(|most| most >= *least);
+                reached.then(|| Proof::at(over, None)).into_iter().collect()
+            }
+            Condition::Or(parts) => parts.iter().flat_map(|part| self.proofs(part, place)).collect(),
+            Condition::Not(part) => {
+                let nothing = self.proofs(part, place).is_empty();
+                nothing.then(|| Proof::at(self.now, None)).into_iter().collect()
+            }
+            Condition::And(parts) => self.together(parts, place),
+            Condition::InOrder(parts) => {
+                self.in_order(parts, place).into_iter().filter(|proof| proof.known <= self.now).collect()
+            }
+        };
+        proofs.sort_by_key(|proof| proof.known);
+        proofs
+    }
+
+    fn messages_like(&self, pattern: &[Term], place: Place<'_>) -> Vec<Proof> {
+        let window = place.watch.window;
+        let counts = |at: Time, arrival: u64| at >= window.start && window.after.is_none_or(|after| arrival > after);
+        let mut proofs = Vec::new();
+        for message in self.messages.iter().filter(|message| counts(message.at, message.arrival)) {
+            let mut proof = Proof::at(message.at, Some(Evidence::Message(message.arrival)));
+            if matches(pattern, &message.words, &|name| self.sees(place, name), &mut proof.bound) {
+                proofs.push(proof);
+            }
+        }
+        proofs
+    }
+
+    /// Samples within the window whose object and value fit. Of several at one time the last one counts.
+    fn samples_of(
+        &self,
+        attribute: &str,
+        object: &Term,
+        place: Place<'_>,
+        fits: &dyn Fn(&Value, &mut Bindings) -> bool,
+    ) -> Vec<Proof> {
+        let window = place.watch.window;
+        let counts = |at: Time, arrival: u64| at >= window.start && window.after.is_none_or(|after| arrival > after);
+        let seen: Vec<_> =
+            self.samples.iter().filter(|each| each.attribute == attribute && counts(each.at, each.arrival)).collect();
+        let mut proofs = Vec::new();
+        for (index, sample) in seen.iter().enumerate() {
+            let replaced = seen[index + 1..].iter().any(|later| later.object == sample.object && later.at == sample.at);
+            let mut proof = Proof::at(sample.at, Some(Evidence::Sample(sample.at)));
+            let named = Value::Word(sample.object.clone());
+            let known = |name: &str| self.sees(place, name);
+            let concerns = matches(std::slice::from_ref(object), &[named], &known, &mut proof.bound);
+            if !replaced && concerns && fits(&sample.value, &mut proof.bound) {
+                proofs.push(proof);
+            }
+        }
+        proofs
+    }
+
+    /// When the task of the step ended: it has, or it did since the clause is watched.
+    fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
+        let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
+        let since = self.moves.iter().skip(place.watch.made);
+        let mut ends = since.filter(|each| each.task == other && each.to == State::Terminated);
+        let ended = ends.next().map(|each| each.at);
+        // A repeated task waits for an end that comes after.
+        let has = self.tasks[other].state == State::Terminated && place.watch.window.after.is_none();
+        let last = || self.moves.iter().rev().find(|each| each.task == other && each.to == State::Terminated);
+        ended.or_else(|| last().filter(|_| has).map(|each| each.at))
+    }
+
+    /// States that the task of the step was in: as the clause began to be watched, and after every change since.
+    fn states_of(&self, tag: Option<&str>, word: &str, place: Place<'_>) -> Vec<Proof> {
+        let other = match tag {
+            None => place.task,
+            Some(tag) => match self.sees(place, tag) {
+                Some(Value::Task(other)) => other,
+                _ => return Vec::new(),
+            },
+        };
+        let (before, since) = self.moves.split_at(place.watch.made);
+        let mut proofs = Vec::new();
+        let state = before.iter().rev().find(|each| each.task == other).map_or(State::Pending, |each| each.to);
+        let began = if place.watch.window.after.is_none() && state.word() == word { Some(self.now) } else { None };
+        proofs.extend(began.map(|at| Proof::at(at, None)));
+        for each in since.iter().filter(|each| each.task == other) {
+            let resumed = each.from == State::Interrupted && each.to == State::Ongoing && word == "resumed";
+            if each.to.word() == word || resumed {
+                proofs.push(Proof::at(each.at, None));
+            }
+        }
+        proofs
+    }
+
+    /// All of the parts, in any order; a variable that several of them mention has one value.
+    fn together(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
+        let empty = Proof { hull: None, known: place.watch.window.start, bound: Bindings::new(), evidence: Vec::new() };
+        let mut proofs = vec![empty];
+        let shared = self.share_variables(parts, place);
+        let mut absent = Vec::new();
+        for part in parts {
+            match part {
+                Condition::Not(inner) => {
+                    let against = self.proofs(inner, place);
+                    if !shared && !against.is_empty() {
+                        return Vec::new();
+                    }
+                    absent.push(against);
+                }
+                part => proofs = combined(&proofs, &self.proofs(part, place), |_, _| true),
+            }
+        }
+        proofs.retain(|proof| !absent.iter().flatten().any(|other| joined(&proof.bound, &other.bound).is_some()));
+        for proof in &mut proofs {
+            if !absent.is_empty() || proof.hull.is_none() {
+                proof.known = self.now;
+            }
+        }
+        proofs
+    }
+
+    /// Does a variable without a value occur in more than one part?
+    fn share_variables(&self, parts: &[Condition], place: Place<'_>) -> bool {
+        let mut seen: Vec<String> = Vec::new();
+        parts.iter().any(|part| {
+            let mut own = Vec::new();
+            crate::creation::in_condition(part, &mut own);
+            own.retain(|name| self.sees(place, name).is_none());
+            let shared = own.iter().any(|name| seen.contains(name));
+            seen.extend(own);
+            shared
+        })
+    }
+
+    /// The parts one after the other, with the delays between them. A delay at the end may be over only later.
+    fn in_order(&self, parts: &[Condition], place: Place<'_>) -> Vec<Proof> {
+        let start = place.watch.window.start;
+        let empty = Proof { hull: None, known: start, bound: Bindings::new(), evidence: Vec::new() };
+        let mut proofs = vec![empty];
+        let mut delay: Option<(Span, Span)> = None;
+        for part in parts {
+            if let Condition::Delay(least, most) = part {
+                delay = Some((*least, most.unwrap_or(Span::MAX)));
+                continue;
+            }
+            let follows = |before: &Proof, next: &Proof| {
+                let end = before.hull.map_or(start, |hull| hull.1);
+                let between = next.hull.map_or(self.now, |hull| hull.0) - end;
+                match delay {
+                    Some((least, most)) => between >= least && between <= most,
+                    None => before.hull.is_none() || between > 0,
+                }
+            };
+            proofs = combined(&proofs, &self.proofs(part, place), follows);
+            delay = None;
+        }
+        if let Some((least, _)) = delay {
+            for proof in &mut proofs {
+                proof.known = proof.known.max(proof.hull.map_or(start, |hull| hull.1) + least);
+            }
+        }
+        proofs
+    }
+
+    /// The instants at which a delay that is watched is over, or may be.
+    pub(crate) fn delays_end(&self) -> Vec<Time> {
+        let mut ends = Vec::new();
+        for (task, watch) in self.living().flat_map(|(id, task)| task.watches.iter().map(move |watch| (id, watch))) {
+            self.delays_of(&watch.condition, Place { task, watch }, &mut ends);
+        }
+        ends
+    }
+
+    fn delays_of(&self, condition: &Condition, place: Place<'_>, ends: &mut Vec<Time>) {
+        match condition {
+            Condition::Delay(least, _) => ends.push(place.watch.window.start + least),
+            Condition::And(parts) | Condition::Or(parts) => {
+                parts.iter().for_each(|part| self.delays_of(part, place, ends));
+            }
+            Condition::Not(part) => self.delays_of(part, place, ends),
+            Condition::InOrder(parts) => {
+                ends.extend(self.in_order(parts, place).iter().map(|proof| proof.known));
+                parts
+                    .iter()
+                    .filter(|part| !matches!(part, Condition::Delay(..)))
+                    .for_each(|part| self.delays_of(part, place, ends));
+            }
+            _ => {}
+        }
+    }
+
+    /// Notice: which clauses have come true.
+    pub(crate) fn noticed(&self, wanted: impl Fn(&Watch) -> bool) -> Vec<(usize, Watch)> {
+        let mut noticed: Vec<(usize, Watch)> = Vec::new();
+        for (id, task) in self.living() {
+            let true_now = task.watches.iter().filter(|watch| wanted(watch) && self.proof(id, watch).is_some());
+            noticed.extend(true_now.map(|watch| (id, watch.clone())));
+        }
+        // Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.
+        noticed.sort_by_key(|(id, watch)| (watch.clause, *id, watch.number));
+        noticed
+    }
+
+    /// The level at which a watched clause stands, and the variables that it sees there.
+    pub(crate) fn all_known(&self, id: usize, conditions: &[&Condition]) -> bool {
+        let mut names = Vec::new();
+        conditions.iter().for_each(|condition| crate::creation::in_condition(condition, &mut names));
+        names.iter().all(|name| self.variable(id, Level::Step, name).is_some())
+    }
+}
+
+/// Every proof of the first with every one of the second that agrees with it and follows it.
+fn combined(first: &[Proof], second: &[Proof], follows: impl Fn(&Proof, &Proof) -> bool) -> Vec<Proof> {
+    let mut all = Vec::new();
+    for before in first {
+        for next in second.iter().filter(|next| follows(before, next)) {
+            let Some(bound) = joined(&before.bound, &next.bound) else { continue };
+            let hull = match (before.hull, next.hull) {
+                (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+                (a, b) => a.or(b),
+            };
+            let evidence = before.evidence.iter().chain(&next.evidence).copied().collect();
+            all.push(Proof { hull, known: before.known.max(next.known), bound, evidence });
+        }
+    }
+    all
+}

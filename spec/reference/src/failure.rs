@@ -1,0 +1,59 @@
+//! Failure: a step's `on-failure` goal handles it, or the task ends with it.
+
+use crate::agent::Agent;
+use crate::task::{Origin, Outcome, State, Work};
+
+impl Agent<'_> {
+    pub(crate) fn fail(&mut self, id: usize, cause: String) {
+        if self.tasks[id].state != State::Terminated && !self.handle(id) {
+            self.end(id, Outcome::Failure, cause);
+        }
+    }
+
+    fn handle(&mut self, id: usize) -> bool {
+        let Origin::Step(procedure, step) = self.tasks[id].origin else { return false };
+        let is_handling = matches!(self.tasks[id].work, Some(Work::Handling(_)));
+        if is_handling || self.own_step(id).is_none_or(|step| step.on_failure.is_none()) {
+            return false;
+        }
+        self.end_children(id, &format!("parent T{id} failed"));
+        // What was at work has ended, and says so; the step goes on with its handler.
+        self.run_inner_hook(id, |hooks| &hooks.on_end);
+        if self.tasks[id].state == State::Terminated {
+            return true;
+        }
+        self.tasks[id].work = None;
+        self.forget_clauses(id);
+        let handler = self.create(Some(id), Origin::Handler(procedure, step));
+        self.tasks[id].work = Some(Work::Handling(handler));
+        let cause = format!("handled by T{handler}");
+        if self.tasks[id].state == State::Pending {
+            let task = &mut self.tasks[id];
+            task.waits_for_step_before = false;
+            task.waits_for_result = false;
+            task.waits_for_condition = false;
+            task.waits_for_interval = None;
+            self.transition(id, State::Enabled, None, cause.clone());
+        }
+        if self.tasks[id].state != State::Ongoing {
+            // The handler is its work now: it needs nothing else.
+            self.tasks[id].held.clear();
+            if let Some(choice) = &mut self.tasks[id].choice {
+                choice.needs.clear();
+            }
+            if self.is_eligible(id) {
+                self.transition(id, State::Ongoing, None, cause);
+            }
+        }
+        self.arm(handler);
+        true
+    }
+
+    /// The handler ended: the step ends in the same way.
+    pub(crate) fn handled(&mut self, id: usize, handler: usize) {
+        match self.tasks[handler].outcome.clone() {
+            Some(Outcome::Failure) | None => self.end(id, Outcome::Failure, format!("child T{handler} failed")),
+            Some(outcome) => self.end(id, outcome, format!("handler T{handler} ended")),
+        }
+    }
+}

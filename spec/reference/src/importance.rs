@@ -1,0 +1,164 @@
+//! Ranks and priorities.
+
+use crate::agent::Agent;
+use crate::program::{Kind, Priority, SECOND, Time};
+use crate::task::{Level, Origin, State};
+use crate::value::Value;
+
+/// Workload of the agent.
+const WORKLOAD: f64 = 5.0;
+
+impl Agent<'_> {
+    /// The greatest of the task's own priority clauses and of those of its ancestors that are not interrupted; none is 0.
+    pub(crate) fn priority(&self, id: usize, at: Time) -> f64 {
+        let mut greatest: Option<f64> = None;
+        let mut next = Some(id);
+        while let Some(each) = next {
+            if each == id || self.tasks[each].state != State::Interrupted {
+                greatest = self.own_priority(each, at).into_iter().chain(greatest).reduce(f64::max);
+            }
+            next = self.tasks[each].parent;
+        }
+        greatest.unwrap_or(0.0)
+    }
+
+    fn own_priority(&self, id: usize, at: Time) -> Option<f64> {
+        let step = self.own_step(id)?;
+        let values = step.priority.iter().filter_map(|clause| match clause {
+            Priority::Number(expr) => match self.evaluate(expr, id, Level::Step) {
+                Ok(Value::Number(number)) => Some(number),
+                _ => None,
+            },
+            Priority::Urgency(urgency, importance) => {
+                let urgency = urgency_at(*urgency, self.tasks[id].first_created, at);
+                Some(combined(urgency, *importance))
+            }
+        });
+        let greatest = values.reduce(f64::max)?;
+        let recovery = step.repetition.as_ref().and_then(|clause| clause.recovery).zip(self.tasks[id].ended_before);
+        let recovered = match recovery {
+            Some((span, ended)) if span > 0 => (seconds(at - ended) / seconds(span)).clamp(0.0, 1.0),
+            _ => 1.0,
+        };
+        Some(recovered * greatest)
+    }
+
+    /// What an ongoing task defends its resources with.
+    pub(crate) fn defence(&self, id: usize, at: Time) -> f64 {
+        self.priority(id, at) + self.tasks[id].choice.as_ref().map_or(0.1, |choice| choice.interrupt_cost)
+    }
+
+    pub(crate) fn rank(&self, id: usize) -> Option<f64> {
+        let step = self.own_step(id)?;
+        if let Some(expr) = &step.rank {
+            return match self.evaluate(expr, id, Level::Step) {
+                Ok(Value::Number(number)) => Some(number),
+                _ => None,
+            };
+        }
+        let Origin::Step(procedure, number) = self.tasks[id].origin else { return None };
+        let ranked = matches!(self.program.procedures[procedure].kind, Kind::Ranked | Kind::SoftSequential);
+        ranked.then_some(number as f64 + 1.0)
+    }
+
+    /// The task and its ancestors, from the root down.
+    pub(crate) fn line(&self, id: usize) -> Vec<usize> {
+        let mut line = self.tasks[id].parent.map(|parent| self.line(parent)).unwrap_or_default();
+        line.push(id);
+        line
+    }
+
+    pub(crate) fn is_below(&self, low: usize, high: usize) -> bool {
+        low != high && self.line(low).contains(&high)
+    }
+
+    pub(crate) fn are_related(&self, a: usize, b: usize) -> bool {
+        a == b || self.is_below(a, b) || self.is_below(b, a)
+    }
+
+    /// The ranks of the two sibling ancestors, if both have one and they differ.
+    pub(crate) fn ranks(&self, a: usize, b: usize) -> Option<(f64, f64)> {
+        let (first, second) = (self.line(a), self.line(b));
+        let (first, second) = first.into_iter().zip(second).find(|(a, b)| a != b)?;
+        Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
+    }
+
+    /// When the order of two priorities changes by itself. It is looked for by halving between here and a far instant,
+    /// at many places: priorities rise, and stop rising.
+    pub(crate) fn priorities_cross(&self) -> Option<Time> {
+        let wants = |state| matches!(state, State::Enabled | State::Interrupted);
+        let claimants = self.ids(|task| wants(task.state) && !task.needs().is_empty());
+        let rivals = self.ids(|task| task.state != State::Pending && task.state != State::Terminated);
+        let until = self.rise_ends().into_iter().filter(|at| *at > self.now).max()?;
+        let mut first: Option<Time> = None;
+        for (claimant, rival) in claimants.iter().flat_map(|a| rivals.iter().map(move |b| (*a, *b))) {
+            let order = |at: Time| {
+                let own = self.priority(claimant, at);
+                (own > self.defence(rival, at), own.total_cmp(&self.priority(rival, at)))
+            };
+            if let Some(at) = first_change(self.now, until, &order) {
+                first = Some(first.map_or(at, |before| before.min(at)));
+            }
+        }
+        first
+    }
+
+    /// When priorities stop rising.
+    fn rise_ends(&self) -> Vec<Time> {
+        let mut ends = Vec::new();
+        for (id, task) in self.living() {
+            let Some(step) = self.own_step(id) else { continue };
+            for clause in &step.priority {
+                if let Priority::Urgency(urgency, _) = clause {
+                    ends.push(deadline(*urgency, task.first_created));
+                }
+            }
+            let recovery = step.repetition.as_ref().and_then(|clause| clause.recovery);
+            if let (Some(span), Some(ended), false) = (recovery, task.ended_before, step.priority.is_empty()) {
+                ends.push(ended + span);
+            }
+        }
+        ends
+    }
+}
+
+fn seconds(span: i64) -> f64 {
+    span as f64 / SECOND as f64
+}
+
+fn deadline(urgency: f64, created_at: Time) -> Time {
+    created_at + ((9.0 - urgency).exp2() * SECOND as f64).round() as i64
+}
+
+/// Urgency rises as the deadline nears.
+fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
+    let left = seconds(deadline(urgency, created_at) - at);
+    if left <= 0.5 { 10.0 } else { (9.0 - left.log2()).clamp(0.0, 10.0) }
+}
+
+fn combined(urgency: f64, importance: f64) -> f64 {
+    (importance * WORKLOAD * (1.0 - 1.0 / (1.0 + urgency))
+        + urgency * (10.0 - WORKLOAD) * (1.0 - 1.0 / (1.0 + importance)))
+        / 9.0
+}
+
+/// The first instant after `from` at which `order` is another one.
+fn first_change<T: PartialEq>(from: Time, until: Time, order: &dyn Fn(Time) -> T) -> Option<Time> {
+    const PLACES: i64 = 64;
+    let now = order(from);
+    let mut low = from;
+    for place in 1..=PLACES {
+        let mut high =
+            from + (until - from) / PLACES * place + if place == PLACES { (until - from) % PLACES } else { 0 };
+        if high == low || order(high) == now {
+            low = high;
+            continue;
+        }
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if order(middle) == now { low = middle } else { high = middle }
+        }
+        return Some(high);
+    }
+    None
+}

@@ -1,0 +1,334 @@
+//! The abstract syntax of programs: what the generator makes, the interpreter runs, and the printer writes as PDL.
+
+use crate::value::Value;
+
+/// An instant, in nanoseconds since the beginning.
+pub type Time = i64;
+/// A span of time in nanoseconds.
+pub type Span = i64;
+/// One second.
+pub const SECOND: Span = 1_000_000_000;
+
+/// A whole program. The initial goal is `(do-domain)`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Program {
+    /// Declared resources; all others are unitary.
+    pub resources: Vec<Resource>,
+    /// Procedures in written order.
+    pub procedures: Vec<Procedure>,
+    /// Primitives in written order.
+    pub primitives: Vec<Primitive>,
+}
+
+/// A declared resource.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resource {
+    /// Its name.
+    pub name: String,
+    /// Units to share, or what there is to use up.
+    pub amount: f64,
+    /// Is it used up by its users?
+    pub depletable: bool,
+}
+
+/// One word of a phrase or of a pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// Itself.
+    Is(Value),
+    /// `?x`
+    Variable(String),
+    /// `?`, in patterns only.
+    Anything,
+}
+
+/// How the steps of a procedure are ordered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// All at once.
+    Concurrent,
+    /// One after the other.
+    Sequential,
+    /// All at once, ranks in written order.
+    Ranked,
+    /// The same by another name.
+    SoftSequential,
+}
+
+/// A procedure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Procedure {
+    /// The order of its steps.
+    pub kind: Kind,
+    /// The goals that it serves.
+    pub index: Vec<Term>,
+    /// What it needs.
+    pub profile: Vec<Need>,
+    /// What it adds to its priority in defence.
+    pub interrupt_cost: Option<Expr>,
+    /// How long it may take.
+    pub expected: Option<Span>,
+    /// Conditions that end, restart, suspend and resume it.
+    pub clauses: Clauses,
+    /// Forms that run at certain moments.
+    pub hooks: Hooks,
+    /// Its steps.
+    pub steps: Vec<Step>,
+}
+
+/// A primitive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Primitive {
+    /// The goals that it serves.
+    pub index: Vec<Term>,
+    /// What it needs.
+    pub profile: Vec<Need>,
+    /// Its own variables with their first values.
+    pub locals: Vec<(String, Expr)>,
+    /// How long it takes.
+    pub duration: Option<Expr>,
+    /// Forms that run every so often.
+    pub update: Option<(Span, Vec<Form>)>,
+    /// Forms that run at certain moments.
+    pub hooks: Hooks,
+    /// Forms that run when it is complete.
+    pub on_completion: Vec<Form>,
+    /// Its value.
+    pub returns: Option<Expr>,
+}
+
+/// One entry of a profile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Need {
+    /// The resource: a word or a variable.
+    pub resource: Term,
+    /// How much of it; all of it unless stated.
+    pub amount: Option<f64>,
+}
+
+/// Conditions that move a task.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clauses {
+    /// It ends, with success.
+    pub end_when: Option<Condition>,
+    /// It starts over.
+    pub restart_when: Option<Condition>,
+    /// It is suspended until the other holds.
+    pub suspend_when: Option<(Condition, Condition)>,
+    /// It goes on.
+    pub resume_when: Option<Condition>,
+}
+
+/// Forms that run at certain moments of a task's life.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hooks {
+    /// When it begins.
+    pub on_start: Vec<Form>,
+    /// When it ends, in any way.
+    pub on_end: Vec<Form>,
+    /// When it is interrupted.
+    pub on_suspend: Vec<Form>,
+    /// When it goes on.
+    pub on_resume: Vec<Form>,
+}
+
+/// A step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its name.
+    pub tag: String,
+    /// What it does.
+    pub activity: Activity,
+    /// `=> ?x`
+    pub binds: Option<String>,
+    /// What it waits for: all of them.
+    pub waitfor: Vec<Condition>,
+    /// Computed when it is enabled.
+    pub select: Vec<(String, Expr)>,
+    /// One task for each item.
+    pub forall: Option<(String, Expr)>,
+    /// How important it is: the greatest counts.
+    pub priority: Vec<Priority>,
+    /// Its rank among its siblings.
+    pub rank: Option<Expr>,
+    /// What it adds to its priority in defence.
+    pub interrupt_cost: Option<Expr>,
+    /// Again and again.
+    pub repetition: Option<Repetition>,
+    /// What it needs besides what its method needs.
+    pub profile: Vec<Need>,
+    /// Forms that run at certain moments.
+    pub hooks: Hooks,
+    /// Conditions that move it.
+    pub clauses: Clauses,
+    /// What is done if it fails.
+    pub on_failure: Option<Activity>,
+}
+
+impl Step {
+    /// A step without clauses.
+    pub fn plain(tag: &str, activity: Activity) -> Step {
+        Step {
+            tag: tag.into(),
+            activity,
+            binds: None,
+            waitfor: Vec::new(),
+            select: Vec::new(),
+            forall: None,
+            priority: Vec::new(),
+            rank: None,
+            interrupt_cost: None,
+            repetition: None,
+            profile: Vec::new(),
+            hooks: Hooks::default(),
+            clauses: Clauses::default(),
+            on_failure: None,
+        }
+    }
+}
+
+/// A stated priority.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Priority {
+    /// A number.
+    Number(Expr),
+    /// Urgency at creation, and importance.
+    Urgency(f64, f64),
+}
+
+/// `repeating` and `responding`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Repetition {
+    /// A fresh instance beside each one that is enabled, rather than the same task again.
+    pub responding: bool,
+    /// Again as long as this holds.
+    pub while_true: Option<Expr>,
+    /// Not again when this holds.
+    pub until: Option<Expr>,
+    /// `:enabled`: it does not wait again.
+    pub enabled: bool,
+    /// Its priority recovers over this span.
+    pub recovery: Option<Span>,
+    /// From start to start at least.
+    pub minimum_interval: Option<Span>,
+    /// Once for each combination of these.
+    pub for_new: Vec<String>,
+}
+
+/// What a step does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Activity {
+    /// A goal for a procedure or primitive.
+    Goal(Vec<Term>),
+    /// `(terminate [?tag] [outcome] [>> value])`
+    Terminate {
+        /// Whose end; its procedure's if none.
+        tag: Option<String>,
+        /// `success`, `failure`, `cut`.
+        outcome: Option<String>,
+        /// The value.
+        value: Option<Expr>,
+    },
+    /// `(reset ?tag)`
+    Reset(String),
+    /// `(suspend ?tag)`
+    Suspend(String),
+    /// `(resume ?tag)`
+    Resume(String),
+    /// `(reprioritize ?tag)`
+    Reprioritize(String),
+    /// `(inform (PHRASE))`
+    Inform(Vec<Term>),
+    /// `(cogevent (PHRASE))`
+    Cogevent(Vec<Term>),
+    /// `(print WORD)`
+    Print(Expr),
+    /// `(hold-resource r)`
+    Hold(String),
+    /// `(release-resource r)`
+    Release(String),
+    /// `(end-application)`
+    EndApplication,
+}
+
+/// A comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// `=`
+    Equal,
+    /// `<`
+    Less,
+    /// `<=`
+    AtMost,
+    /// `>`
+    More,
+    /// `>=`
+    AtLeast,
+}
+
+/// A condition.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// A message that matches.
+    Event(Vec<Term>),
+    /// A sample of `(attribute object)` that compares so with the number.
+    Measurement(String, Term, Relation, f64),
+    /// A sample of `(attribute object)`; its value is bound.
+    Sample(String, Term, String),
+    /// The step's task has ended.
+    Ended(String),
+    /// The step's task is in this state (`resumed` is the change back to ongoing); `+this-task+` if none.
+    State(Option<String>, String),
+    /// All of them.
+    And(Vec<Condition>),
+    /// One of them.
+    Or(Vec<Condition>),
+    /// Nothing of that up to now.
+    Not(Box<Condition>),
+    /// One after the other.
+    InOrder(Vec<Condition>),
+    /// So much time since the task's creation, or since the part before.
+    Delay(Span, Option<Span>),
+}
+
+/// A pure expression.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expr {
+    /// Itself.
+    Is(Value),
+    /// `?x`
+    Variable(String),
+    /// `(+ a b)`
+    Sum(Box<Expr>, Box<Expr>),
+    /// `(- a b)`
+    Difference(Box<Expr>, Box<Expr>),
+    /// A comparison of numbers or spans.
+    Compare(Relation, Box<Expr>, Box<Expr>),
+    /// `(if c a b)`
+    If(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `(current-value 'attribute 'object)`
+    Current(String, String),
+    /// `+met+`
+    MissionTime,
+    /// `(task-state ?tag)`
+    StateOf(String),
+    /// `(first e)`, an error where e is no list.
+    First(Box<Expr>),
+}
+
+/// A form of a hook.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// `(inform (PHRASE))`
+    Inform(Vec<Term>),
+    /// `(print e)`
+    Print(Expr),
+    /// `(setq ?x e)`: a task's variable, or a primitive's local where it has one of that name.
+    Set(String, Expr),
+    /// `(publish (attribute object) e)`
+    Publish(String, String, Expr),
+    /// `(complete [e])`
+    Complete(Option<Expr>),
+    /// `(when e form)`
+    When(Expr, Box<Form>),
+}

@@ -1,0 +1,85 @@
+//! `repeating` and `responding`.
+
+use crate::agent::Agent;
+use crate::task::{Clause, Level, Origin, Outcome, State, Window};
+use crate::value::{Bindings, Value};
+
+impl Agent<'_> {
+    /// Do `:while` and `:until` allow another instance?
+    fn is_allowed(&self, id: usize) -> bool {
+        let Some(clause) = self.step_of(id).and_then(|step| step.repetition.as_ref()) else { return false };
+        let says = |expr| self.evaluate(expr, id, Level::Step).map(|value| value.is_true());
+        let goes_on = clause.while_true.as_ref().map_or(Ok(true), says);
+        let is_over = clause.until.as_ref().map_or(Ok(false), says);
+        matches!((goes_on, is_over), (Ok(true), Ok(false)))
+    }
+
+    /// Makes the ended task pending again when its step says so.
+    pub(crate) fn repeat(&mut self, id: usize) -> bool {
+        let Some(clause) = self.own_step(id).and_then(|step| step.repetition.as_ref()) else { return false };
+        let succeeded = matches!(self.tasks[id].outcome, Some(Outcome::Success(_)));
+        if clause.responding || self.tasks[id].repeats_no_more || !succeeded || !self.is_allowed(id) {
+            return false;
+        }
+        let started = self.tasks[id].started_at;
+        self.transition(id, State::Pending, None, "repetition".into());
+        let now = self.now;
+        let serial = self.next_serial();
+        let task = &mut self.tasks[id];
+        task.created_at = now;
+        task.first_created = now;
+        task.started_at = None;
+        task.waits_for_step_before = false;
+        task.waits_for_result = false;
+        task.waits_for_condition = false;
+        task.ended_before = Some(now);
+        if !clause.enabled {
+            task.bound = Bindings::new();
+        }
+        let next = clause.minimum_interval.zip(started).map(|(interval, started)| started + interval);
+        task.waits_for_interval = next.filter(|at| *at > now).map(|at| (at, serial));
+        if !clause.enabled {
+            self.arm(id);
+        }
+        true
+    }
+
+    /// The task of a responding step was enabled: a fresh instance waits beside it.
+    pub(crate) fn respond(&mut self, id: usize) {
+        let Origin::Step(procedure, step) = self.tasks[id].origin else { return };
+        let Some(parent) = self.tasks[id].parent else { return };
+        if !self.step_of(id).and_then(|step| step.repetition.as_ref()).is_some_and(|clause| clause.responding) {
+            return;
+        }
+        self.adopt(parent, id, Some(step));
+        if !self.is_allowed(id) {
+            return;
+        }
+        let fresh = self.create(Some(parent), Origin::Step(procedure, step));
+        self.tasks[fresh].answered = self.tasks[id].answered;
+        self.tasks[fresh].known = std::mem::take(&mut self.tasks[id].known);
+        self.adopt(parent, fresh, None);
+        self.arm(fresh);
+    }
+
+    /// Was this combination of `:for-new` variables answered before? If not, it is now.
+    pub(crate) fn is_known(&mut self, id: usize, bound: &Bindings) -> bool {
+        let Some(clause) = self.own_step(id).and_then(|step| step.repetition.as_ref()) else { return false };
+        if clause.for_new.is_empty() {
+            return false;
+        }
+        let values = clause.for_new.iter().map(|name| bound.get(name).cloned().unwrap_or(Value::Nil));
+        let combination = crate::value::phrase(&values.collect::<Vec<_>>());
+        !self.tasks[id].known.insert(combination)
+    }
+
+    pub(crate) fn wait_for_new(&mut self, id: usize, answered: Option<u64>) {
+        self.tasks[id].answered = self.tasks[id].answered.max(answered);
+        self.unwatch(id, |clause, _| clause == Clause::Waitfor);
+        self.watch_waitfor(id);
+        let window = Window { start: self.now, after: self.tasks[id].answered };
+        if let Some(watch) = self.tasks[id].watches.iter_mut().find(|watch| watch.clause == Clause::Waitfor) {
+            watch.window = window;
+        }
+    }
+}

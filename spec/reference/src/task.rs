@@ -1,0 +1,260 @@
+//! Tasks as the interpreter sees them.
+
+use crate::program::{Condition, Span, Time};
+use crate::value::{Bindings, Value};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// The states of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum State {
+    /// Waits for its preconditions.
+    Pending,
+    /// Waits for its resources.
+    Enabled,
+    /// Works.
+    Ongoing,
+    /// Lost a resource or was suspended.
+    Interrupted,
+    /// Has ended.
+    Terminated,
+}
+
+impl State {
+    /// Its name in PDL.
+    pub fn word(self) -> &'static str {
+        match self {
+            State::Pending => "pending",
+            State::Enabled => "enabled",
+            State::Ongoing => "ongoing",
+            State::Interrupted => "interrupted",
+            State::Terminated => "terminated",
+        }
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+/// What a task was made from; procedure and step by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    Root,
+    Step(usize, usize),
+    Item(usize, usize),
+    Handler(usize, usize),
+}
+
+/// How a task ended.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    Success(Value),
+    Failure,
+    Cut,
+}
+
+impl Outcome {
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Outcome::Success(value) => format!("success {value}"),
+            Outcome::Failure => "failure".into(),
+            Outcome::Cut => "cut".into(),
+        }
+    }
+}
+
+/// How a goal is pursued.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Way {
+    Procedure(usize),
+    Primitive(usize),
+    Items(Vec<Value>),
+    /// The step's activity, or its `on-failure`, is a built-in one.
+    BuiltIn,
+}
+
+/// What was decided for an enabled task.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Choice {
+    pub(crate) way: Way,
+    /// What the index of the method bound.
+    pub(crate) bound: Bindings,
+    /// Resource, amount.
+    pub(crate) needs: Vec<(String, f64)>,
+    pub(crate) interrupt_cost: f64,
+    pub(crate) expected: Option<Span>,
+}
+
+/// A clock that rings: when, and the number that orders clocks which ring at one instant.
+pub(crate) type Alarm = (Time, u64);
+
+/// What a task that has begun is doing.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Work {
+    Procedure {
+        procedure: usize,
+        context: Bindings,
+        /// The task that each step's tag stands for.
+        current: Vec<Option<usize>>,
+        children: BTreeSet<usize>,
+    },
+    Primitive {
+        primitive: usize,
+        context: Bindings,
+        locals: BTreeMap<String, Value>,
+        duration: Option<Span>,
+        worked: Span,
+        /// None while it is interrupted.
+        since: Option<Time>,
+        end: Option<Alarm>,
+        update: Option<Alarm>,
+        update_left: Span,
+    },
+    Items(BTreeSet<usize>),
+    Handling(usize),
+    BuiltIn,
+}
+
+/// Where a clause stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Level {
+    Step,
+    Procedure,
+}
+
+/// Clauses in the order in which they take effect at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Clause {
+    EndWhen,
+    RestartWhen,
+    SuspendWhen,
+    SuspendUntil,
+    ResumeWhen,
+    Waitfor,
+}
+
+impl Clause {
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Clause::EndWhen => "end-when",
+            Clause::RestartWhen => "restart-when",
+            Clause::SuspendWhen => "suspend-when",
+            Clause::SuspendUntil => "until",
+            Clause::ResumeWhen => "resume-when",
+            Clause::Waitfor => "waitfor",
+        }
+    }
+}
+
+/// From when on evidence counts: from an instant, closed, and after an arrival.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Window {
+    pub(crate) start: Time,
+    pub(crate) after: Option<u64>,
+}
+
+/// A clause that is being watched.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Watch {
+    /// In order of making.
+    pub(crate) number: u64,
+    pub(crate) clause: Clause,
+    pub(crate) level: Level,
+    pub(crate) condition: Condition,
+    pub(crate) window: Window,
+    /// How many changes of state there had been when it was made.
+    pub(crate) made: usize,
+    /// It must be judged at once, not only in the next round.
+    pub(crate) at_once: bool,
+}
+
+/// A task.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Task {
+    pub(crate) parent: Option<usize>,
+    pub(crate) origin: Origin,
+    pub(crate) state: State,
+    pub(crate) created_at: Time,
+    /// The same, however often it started over.
+    pub(crate) first_created: Time,
+    pub(crate) started_at: Option<Time>,
+    pub(crate) suspended: bool,
+    /// Its own variables.
+    pub(crate) bound: Bindings,
+    /// The newest arrival that it has answered.
+    pub(crate) answered: Option<u64>,
+    pub(crate) waits_for_step_before: bool,
+    pub(crate) waits_for_result: bool,
+    pub(crate) waits_for_condition: bool,
+    pub(crate) waits_for_interval: Option<Alarm>,
+    pub(crate) watches: Vec<Watch>,
+    pub(crate) choice: Option<Choice>,
+    pub(crate) work: Option<Work>,
+    /// Held for its steps.
+    pub(crate) held: Vec<(String, f64)>,
+    pub(crate) outcome: Option<Outcome>,
+    pub(crate) ended_before: Option<Time>,
+    pub(crate) repeats_no_more: bool,
+    pub(crate) known: BTreeSet<String>,
+    /// Its parent has taken note of its end.
+    pub(crate) over: bool,
+    /// Nobody can refer to it any more.
+    pub(crate) forgotten: bool,
+}
+
+impl Task {
+    pub(crate) fn new(parent: Option<usize>, origin: Origin, now: Time) -> Task {
+        Task {
+            parent,
+            origin,
+            state: State::Pending,
+            created_at: now,
+            first_created: now,
+            started_at: None,
+            suspended: false,
+            bound: Bindings::new(),
+            answered: None,
+            waits_for_step_before: false,
+            waits_for_result: false,
+            waits_for_condition: false,
+            waits_for_interval: None,
+            watches: Vec::new(),
+            choice: None,
+            work: None,
+            held: Vec::new(),
+            outcome: None,
+            ended_before: None,
+            repeats_no_more: false,
+            known: BTreeSet::new(),
+            over: false,
+            forgotten: false,
+        }
+    }
+
+    /// Does nothing hold it back from being enabled?
+    pub(crate) fn is_free(&self) -> bool {
+        self.state == State::Pending
+            && !self.waits_for_step_before
+            && !self.waits_for_result
+            && !self.waits_for_condition
+            && self.waits_for_interval.is_none()
+    }
+
+    /// All that it must have to be ongoing.
+    pub(crate) fn needs(&self) -> Vec<(String, f64)> {
+        let mut needs = self.choice.as_ref().map(|choice| choice.needs.clone()).unwrap_or_default();
+        self.held.iter().for_each(|(name, amount)| add(&mut needs, name, *amount));
+        needs
+    }
+}
+
+/// Two needs of one resource are one of their sum.
+pub(crate) fn add(needs: &mut Vec<(String, f64)>, name: &str, amount: f64) {
+    match needs.iter_mut().find(|(other, _)| other == name) {
+        Some((_, sum)) => *sum += amount,
+        None => needs.push((name.to_string(), amount)),
+    }
+}

@@ -1,0 +1,64 @@
+//! What is told of a run.
+
+use crate::program::Time;
+pub use crate::task::State;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// One thing that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// When.
+    pub at: Time,
+    /// To or by which task; tasks are numbered in order of creation.
+    pub task: usize,
+    /// What.
+    pub what: What,
+}
+
+/// What can happen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// The task came into being as a child of another one, from the step with this tag.
+    Created(Option<usize>, String),
+    /// It changed its state from, to, with this outcome, because of this.
+    Moved(State, State, Option<String>, String),
+    /// It said something to the world.
+    Informed(String),
+    /// It printed something.
+    Printed(String),
+    /// The application is over.
+    Finished,
+}
+
+/// A whole run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Run {
+    /// What happened, in order.
+    pub lines: Vec<Line>,
+    /// How tasks stand at the end that somebody may still refer to.
+    pub states: BTreeMap<usize, State>,
+    /// Who holds how much of what at the end.
+    pub holders: BTreeSet<(String, usize, String)>,
+    /// What there is of each resource at the end.
+    pub totals: BTreeMap<String, String>,
+    /// An instant did not come to rest: nothing can be said.
+    pub restless: bool,
+}
+
+impl fmt::Display for Line {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}s ", self.at as f64 / 1e9)?;
+        match &self.what {
+            What::Created(Some(parent), tag) => write!(f, "T{} {tag} created by T{parent}", self.task),
+            What::Created(None, tag) => write!(f, "T{} {tag} created", self.task),
+            What::Moved(from, to, outcome, cause) => {
+                let outcome = outcome.as_deref().map(|outcome| format!(" ({outcome})")).unwrap_or_default();
+                write!(f, "T{} {from} -> {to}{outcome} because {cause}", self.task)
+            }
+            What::Informed(form) => write!(f, "T{} informs {form}", self.task),
+            What::Printed(text) => write!(f, "T{} prints {text}", self.task),
+            What::Finished => f.write_str("finished"),
+        }
+    }
+}
