@@ -57,9 +57,17 @@ describe('why', () => {
       3,
       { now: 'y' },
     ];
-    const blocked = { by: 'T9', goal: '(pan)', resource: 'camera', strengths: '7 + interrupt cost 0.1 against 3' };
+    const blocked = {
+      by: 'T9',
+      goal: '(pan)',
+      resource: 'camera',
+      strengths: '7 + interrupt cost 0.1 against 3',
+    };
     const view = whyView({ ...why, explainer: { waiting, blocked } }, '2007-09-08T01:00:00Z');
-    expect(view.sentences).toEqual([why.now, 'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3']);
+    expect(view.sentences).toEqual([
+      why.now,
+      'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3',
+    ]);
     expect(view.waiting).toEqual([
       { what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' },
       { what: 'x', now: '', place: null },
