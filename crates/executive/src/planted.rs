@@ -7,8 +7,8 @@ pub enum Bug {
     EqualNewcomerWins,
     /// What a primitive worked before its interruption is forgotten.
     ClockStartsOver,
-    /// The event that ended an instance of a repeating step satisfies the next one.
-    OldEventCounts,
+    /// An interrupted task does not end when its `end-when` says so.
+    DeafWhileInterrupted,
     /// The steps of a procedure that goes on do not claim.
     ChildrenStayBehind,
     /// The higher rank wins.
@@ -21,7 +21,7 @@ pub enum Bug {
 pub const ALL: [Bug; 6] = [
     Bug::EqualNewcomerWins,
     Bug::ClockStartsOver,
-    Bug::OldEventCounts,
+    Bug::DeafWhileInterrupted,
     Bug::ChildrenStayBehind,
     Bug::RanksReversed,
     Bug::AncestorsFirst,

@@ -65,7 +65,7 @@ pub fn run(agent: &mut Agent, inputs: &[Input], until: i64, together: bool) -> R
         let effects = step(agent, &batch);
         run.lines.extend(effects.iter().filter_map(|effect| line_of(last, effect)));
         run.restless |= effects.iter().any(is_restless);
-        if agent.is_finished() {
+        if agent.is_finished() || run.restless {
             break;
         }
     }

@@ -6,6 +6,7 @@
 use crate::control::transition::{Trigger, transition};
 use crate::control::{binding, instantiation, interruption, monitoring_clauses, repetition, restart, termination};
 use crate::cycle::{Cycle, Firing, in_order};
+use crate::planted::{self, Bug};
 use apex_model::because::{Because, Cause};
 use apex_model::clause::Clause;
 use apex_model::controller::Controller;
@@ -83,6 +84,7 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     let because = Because { cause, place: Some(place), evidence: satisfaction.evidence };
     match clause {
         Clause::Waitfor => {}
+        Clause::EndWhen if state == TaskState::Interrupted && planted::is(Bug::DeafWhileInterrupted) => {}
         Clause::EndWhen => {
             repetition::forbid(cycle, id, level);
             termination::end(cycle, id, Outcome::Success(Value::nil()), because);

@@ -7,7 +7,6 @@ use crate::control::selection::activity_of;
 use crate::control::{interruption, monitoring_clauses, termination};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
-use crate::planted::{self, Bug};
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::because::{Because, Cause};
@@ -157,8 +156,7 @@ fn built_in_words(which: BuiltInActivity) -> (&'static [&'static str], &'static 
 
 /// The window of evidence that counts for the task's present instance.
 pub(crate) fn window(task: &Task) -> Window {
-    let answered = task.after_sequence.filter(|_| !planted::is(Bug::OldEventCounts));
-    Window { start: task.created_at, after_sequence: answered }
+    Window { start: task.created_at, after_sequence: task.after_sequence }
 }
 
 /// Arms the preconditions of a pending task. It becomes ready at once when there are none left.
