@@ -376,7 +376,9 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
                             || crate::suggest::is_certain(word, &crate::suggest::near(word, ["libraries", "files"]))
                                 && crate::suggest::nearest(word, ["libraries", "files"]) == Some(name)
                     };
-                    let at = items.iter().position(|item| item.keyword().is_some_and(is_meant));
+                    let lacks_colon = |item: &Datum| item.is(name);
+                    let named = |item: &Datum| item.keyword().is_some_and(is_meant) || lacks_colon(item);
+                    let at = items.iter().position(named);
                     at.and_then(|at| items.get(at + 1)).map(std::slice::from_ref).unwrap_or_default()
                 };
                 found.extend(names_of(option("libraries")).map(|(name, span)| (library(name), span)));
@@ -388,15 +390,15 @@ fn requirements(forms: &[Datum], from: &str) -> Vec<(Requirement, Span)> {
     found
 }
 
-/// Strings and symbols, alone or in lists.
+/// Strings and symbols, alone or in lists. A list that lost its end runs into the options behind it: it ends there.
 fn names_of(data: &[Datum]) -> impl Iterator<Item = (String, Span)> + '_ {
-    data.iter().flat_map(|datum| datum.as_list().unwrap_or(std::slice::from_ref(datum))).filter_map(
-        |datum| match &datum.kind {
-            DatumKind::Text(text) => Some((text.to_string(), datum.span)),
-            DatumKind::Symbol(name) if datum.keyword().is_none() => Some((name.to_string(), datum.span)),
-            _ => None,
-        },
-    )
+    let items = |datum| Datum::as_list(datum).unwrap_or(std::slice::from_ref(datum));
+    let names = data.iter().flat_map(move |datum| items(datum).iter().take_while(|item| item.keyword().is_none()));
+    names.filter_map(|datum| match &datum.kind {
+        DatumKind::Text(text) => Some((text.to_string(), datum.span)),
+        DatumKind::Symbol(name) => Some((name.to_string(), datum.span)),
+        _ => None,
+    })
 }
 
 /// `(in-apex-bundle :name)`: the forms after it belong to the bundle; the default bundle has no name.

@@ -40,11 +40,12 @@ fn two_hundred_mistakes_are_found_and_mended() {
     holds_the_bars(&score);
 }
 
-/// Seeds that nobody looked at while the checker was written.
+/// The checker must not fit one seed. `MISTAKE_SEEDS="11 12"` tries others than those that it was improved with.
 #[test]
 fn so_are_those_of_other_seeds() {
     let corpus = Corpus::new();
-    for seed in [7_001, 7_002, 7_003, 7_004, 7_005] {
+    let wanted = std::env::var("MISTAKE_SEEDS").unwrap_or_else(|_| "7001 7002 7003 7004 7005".to_string());
+    for seed in wanted.split_whitespace().map(|seed| seed.parse().unwrap()) {
         let score = score(&corpus, seed, 200);
         eprintln!("seed {seed}\n{}", score.report());
         holds_the_bars(&score);
