@@ -1,11 +1,10 @@
-//! From a sample to a command, with many tasks waiting; the life of a task; a resource that changes hands.
+//! From a sample to a command, with many tasks waiting; the life of a task.
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that did not happen must stop at once")]
 
 use apex_benches::{Driven, WATCHERS, command_in, level, library, programs};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::EventKind;
-use apex_model::task::TaskState;
 use apex_model::value::Value;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -141,35 +140,5 @@ fn task_life(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A more important task takes the arm from its holder, before the eyes of all who wait for it; and gives it back.
-fn hand_off(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("hand-off");
-    group.sample_size(10);
-    for count in [10_usize, 100] {
-        let mut driven = Driven::new(&library(&programs::hand_off(count)));
-        group.bench_function(BenchmarkId::new("interruption and resumption", count), |bencher| {
-            bencher.iter_custom(|iterations| {
-                let mut total = Duration::ZERO;
-                for _ in 0..iterations {
-                    let fire = driven.batch(EventKind::Occurrence(Value::list([Value::symbol("fire")])));
-                    let start = Instant::now();
-                    let effects = driven.step(black_box(&fire));
-                    total += start.elapsed();
-                    let command = command_in(&effects).expect("the fire did not interrupt");
-                    let done = driven.batch(EventKind::CommandAcknowledged(command, Ok(Value::nil())));
-                    let start = Instant::now();
-                    let effects = driven.step(black_box(&done));
-                    total += start.elapsed();
-                    let resumed = effects.iter().any(|effect| matches!(effect, Effect::Decided(each)
-                        if matches!(each.kind, DecisionKind::Transition { from: TaskState::Interrupted, to: TaskState::Ongoing, .. })));
-                    assert!(resumed, "the holder was not resumed");
-                }
-                total
-            });
-        });
-    }
-    group.finish();
-}
-
-criterion_group!(benches, event_to_command, event_to_nothing, one_of_many_bounds, task_life, hand_off);
+criterion_group!(benches, event_to_command, event_to_nothing, one_of_many_bounds, task_life);
 criterion_main!(benches);

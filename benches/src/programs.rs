@@ -54,19 +54,6 @@ pub fn ranked(steps: usize) -> String {
     written(":ranked", steps, |number| format!("(step s{number} (work on {number}))"), "")
 }
 
-/// A task that holds the arm, `competitors` that want it and are less important, and a more important one at every fire.
-pub fn hand_off(competitors: usize) -> String {
-    format!(
-        "(procedure (index (do-domain))
-  (step hold (hold) (priority 3))
-  (step all (want ?n) (forall ?n in (range {competitors})))
-  (step fire (look) (waitfor (fire)) (responding) (priority 5)))
-(primitive (index (hold)) (profile arm) (duration 10h))
-(primitive (index (want ?n)) (profile arm) (duration 1h))
-(primitive (index (look)) (profile arm) (on-start (command (look))))\n"
-    )
-}
-
 /// One sequential procedure of `steps` steps.
 pub fn sequence(steps: usize) -> String {
     let mut text = String::from("(procedure :sequential (index (do-domain))\n");

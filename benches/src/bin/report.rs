@@ -46,6 +46,8 @@ const BARS: &[Bar] = &[
     bar("task life, chain of waitfors", ["task life", "one chain of waitfors", "100000"], 1_000.0, None),
     bar("task life, concurrent", ["task life", "concurrent", "100000"], 1_000.0, None),
     bar("task life, ranked", ["task life", "ranked", "100000"], 1_000.0, None),
+    bar("hand-off", ["hand-off", "interruption and resumption", "1000"], 3_000.0, Some("hand-off")),
+    bar("hand-off", ["hand-off", "interruption and resumption", "100000"], 10_000.0, None),
     bar("load 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
     bar("load 100,000 steps", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
     bar("load 100,000 steps", ["load", "many procedures", "100000"], 0.5e9, None),
