@@ -57,8 +57,9 @@ impl Asker {
         let options: Vec<String> = options.iter().map(ToString::to_string).collect();
         let choices = if options.is_empty() { String::new() } else { format!(" [{}]", options.join(", ")) };
         let number = self.number(question);
-        output::complain(format_args!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
+        // Open before it is shown: whoever reads it may answer at once.
         self.open.with(|open| open.push(Open { agent, question, text: text.to_string() }));
+        output::complain(format_args!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
     }
 
     /// `2`, or `pilot/2` where several agents ask.
