@@ -1,7 +1,7 @@
 //! Across threads: another thread puts an event into the inbox, the executive's thread steps, and the command comes out of
 //! the outbox to yet another place. The row is the time from putting the event to holding the command.
 //!
-//! The loop is the one of real-time applications: bounded inbox, wall clock, spin for a moment, then park. Figures are
+//! The loop is the one of real-time applications: bounded inbox, wall clock, parked while nothing comes. Figures are
 //! taken by hand rather than by criterion: what counts is the median of many single journeys on a busy machine.
 #![allow(
     clippy::expect_used,

@@ -2,27 +2,15 @@
 //! do in articles and manuals. They are wrapped into procedures here, so that everything after checks them as usual.
 
 use crate::diagnostic::Span;
+use crate::lower::{ACTIVITIES, PROCEDURE_CLAUSES};
 use crate::read::{Datum, DatumKind};
 use apex_model::symbol::Symbol;
 
-/// Clauses that may stand alone in a fragment.
-const CLAUSES: &[&str] = &[
-    "index",
-    "step",
-    "profile",
-    "log",
-    "expected-duration",
-    "interrupt-cost",
-    "end-when",
-    "restart-when",
-    "resume-when",
-    "suspend-when",
-    "on-start",
-    "on-end",
-    "on-suspend",
-    "on-resume",
-    "select",
-];
+/// May this clause of a procedure stand alone in a fragment? Not where its short spelling is an activity too.
+fn is_clause(word: &str) -> bool {
+    PROCEDURE_CLAUSES.contains(&word) && !ACTIVITIES.contains(&word)
+}
+
 /// Relations that make a list `(ATTRIBUTE OBJECT RELATION VALUE ..)` a measurement.
 const RELATIONS: &[&str] = &["=", "<", "<=", ">", ">="];
 
@@ -32,7 +20,7 @@ pub(crate) fn gather(forms: Vec<Datum>) -> Vec<Datum> {
     let mut run: Vec<Datum> = Vec::new();
     let mut number = 0;
     for form in forms {
-        let clause = CLAUSES.contains(&form.head_name());
+        let clause = is_clause(form.head_name());
         let next_index = form.head_name() == "index" && run.iter().any(|each| each.head_name() == "index");
         if !clause || next_index {
             gathered.extend(procedure(std::mem::take(&mut run), &mut number));

@@ -92,7 +92,10 @@ pub(crate) fn arbitrate(
     let mut rest = BTreeSet::new();
     for id in dirty {
         match line::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
-            Some(part) => result.absorb(part),
+            Some(part) => {
+                debug_assert!(says_the_same(cycle, *id, &part), "the line of {id:?} and all its claimants disagree");
+                result.absorb(part);
+            }
             None => {
                 rest.insert(*id);
             }
@@ -102,6 +105,18 @@ pub(crate) fn arbitrate(
         result.absorb(arbitrate_all(cycle, &rest));
     }
     if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
+}
+
+/// The naive twin of a line, in debug builds: all claimants before the arbiter. Not for long lines, which it is there for.
+fn says_the_same(cycle: &Cycle<'_>, id: ResourceId, part: &Arbitration) -> bool {
+    const CLAIMANTS_MAX: usize = 32;
+    let losers = |of: &Arbitration| of.displaced.iter().map(|loss| (loss.loser, loss.winner)).collect::<Vec<_>>();
+    let claimants = cycle.agent.resources.get(id).map_or(0, |resource| resource.waiting.tasks().count());
+    if claimants > CLAIMANTS_MAX {
+        return true;
+    }
+    let all = arbitrate_all(cycle, &BTreeSet::from([id]));
+    all.granted == part.granted && losers(&all) == losers(part)
 }
 
 /// Who would begin although the task that it is a step of stops working.

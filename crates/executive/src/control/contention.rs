@@ -30,6 +30,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         let needs = resources::needs_of(cycle, id);
         if needs.is_empty() {
             free.push(id);
+            continue;
         }
         let claim = line::claim_of(cycle, id, &needs);
         for need in needs {

@@ -45,6 +45,7 @@ pub(crate) use primitive::CLAUSES as PRIMITIVE_CLAUSES;
 pub(crate) use procedure::CLAUSES as PROCEDURE_CLAUSES;
 pub(crate) use scope::Scope;
 pub(crate) use step::{REPEATING_OPTIONS, STEP_CLAUSES};
+pub(crate) use unserved::ACTIVITIES;
 
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::read::Datum;

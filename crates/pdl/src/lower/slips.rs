@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// Names of conditions that are no likely names of events.
 const CONDITIONS: &[&str] =
-    &["episode", "atomic-episode", "measurement", "in-order", "any-order", "cyclic", "timestamp", "and", "or", "not"];
+    &["episode", "atomic-episode", "measurement", "in-order", "cyclic", "timestamp", "and", "or", "not"];
 /// What is said of a task in a condition.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 

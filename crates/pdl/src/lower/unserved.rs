@@ -21,7 +21,7 @@ const UNSERVED_MAX: usize = 100;
 /// Indexes that are looked at for what an unserved goal may have meant.
 const CANDIDATES_MAX: usize = 2_000;
 /// Activities that need no definition, for suggestions.
-const ACTIVITIES: &[&str] = &[
+pub(crate) const ACTIVITIES: &[&str] = &[
     "terminate",
     "reset",
     "suspend",

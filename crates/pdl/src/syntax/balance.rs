@@ -5,7 +5,7 @@
 
 use super::SyntaxKind;
 use super::lexer::tokens;
-use super::shape::{FORMS, Piece, PieceKind, cost};
+use super::shape::{Piece, PieceKind, cost, is_form};
 
 /// A change of one parenthesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,9 +35,8 @@ const WORK_MAX: usize = 20_000_000;
 /// The repairs of all forms that lack one parenthesis or have one too many.
 pub(crate) fn repairs(text: &str) -> Vec<Repaired> {
     let pieces = pieces(text);
-    let begins = |piece: &Piece<'_>| {
-        piece.first_column == Some(1) && (piece.kind == PieceKind::Open || FORMS.contains(&piece.text))
-    };
+    let begins =
+        |piece: &Piece<'_>| piece.first_column == Some(1) && (piece.kind == PieceKind::Open || is_form(piece.text));
     let mut starts: Vec<usize> =
         pieces.iter().enumerate().filter(|(_, piece)| begins(piece)).map(|(at, _)| at).collect();
     starts.push(pieces.len());

@@ -1,6 +1,8 @@
 //! How little a balanced form looks like PDL: what stands where it cannot, and lines that contradict their indentation.
 //! Only for choosing among repairs; what a form means is decided elsewhere.
 
+use crate::check::FORMS;
+use crate::lower::{PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
 use apex_model::builtins::built_in;
 
 /// A token that matters for structure.
@@ -29,52 +31,21 @@ const MISALIGNED: usize = 3;
 /// A function with too few or too many arguments; the word may also be one of a goal.
 const ARITY: usize = 1;
 
-/// Forms of the top level, which stand nowhere else.
-pub(super) const FORMS: &[&str] = &[
-    "declare-function",
-    "defapplication",
-    "defconstant",
-    "defindexical",
-    "defun",
-    "in-apex-bundle",
-    "primitive",
-    "procedure",
-    "require-apex-file",
-    "require-apex-library",
-    "resource",
-    "solver",
-    "state-variable",
-];
-/// Clauses that only steps have.
-const OF_STEPS: &[&str] = &["waitfor", "forall", "rank", "responding", "repeating", "priority", "on-failure"];
-/// Clauses of procedures, primitives and solvers.
-const OF_PROCEDURES: &[&str] = &[
-    "index",
-    "step",
-    "profile",
-    "log",
-    "expected-duration",
-    "interrupt-cost",
-    "end-when",
-    "terminate",
-    "restart",
-    "restart-when",
-    "resume",
-    "resume-when",
-    "suspend",
-    "suspend-when",
-    "on-start",
-    "on-end",
-    "on-suspend",
-    "on-resume",
-    "select",
-    "locals",
-    "duration",
-    "on-enablement",
-    "update",
-    "on-completion",
-    "return",
-];
+/// Is this a form of the top level, which stands nowhere else? An agent stands in applications too.
+pub(super) fn is_form(word: &str) -> bool {
+    FORMS.contains(&word) && word != "agent"
+}
+
+/// Is this a clause that only steps have?
+fn of_steps(word: &str) -> bool {
+    STEP_CLAUSES.contains(&word) && !of_procedures(word)
+}
+
+/// Is this a clause of procedures or primitives?
+fn of_procedures(word: &str) -> bool {
+    PROCEDURE_CLAUSES.contains(&word) || PRIMITIVE_CLAUSES.contains(&word)
+}
+
 /// What conditions stand in.
 const AROUND_CONDITIONS: &[&str] = &[
     "waitfor",
@@ -92,7 +63,6 @@ const AROUND_CONDITIONS: &[&str] = &[
     ":or",
     ":not",
     ":in-order",
-    ":any-order",
 ];
 const EPISODES: &[&str] = &[":episode", ":measurement", ":estimation"];
 
@@ -158,18 +128,12 @@ fn misaligned(piece: &Piece<'_>, stack: &mut [List<'_>]) -> usize {
 /// A list begins with `head` inside of a list with this head and so many items, this one included.
 fn headed(head: &str, parent: Option<(&str, usize)>) -> usize {
     let Some((outer, items)) = parent else {
-        return if FORMS.contains(&head) || head == "agent" { 0 } else { MISPLACED };
+        return if is_form(head) || head == "agent" { 0 } else { MISPLACED };
     };
     let fits = match outer {
-        "procedure" | "primitive" | "solver" if items > 1 || OF_PROCEDURES.contains(&head) => {
-            OF_PROCEDURES.contains(&head)
-        }
-        "step" if items > 2 => {
-            OF_STEPS.contains(&head) || (OF_PROCEDURES.contains(&head) && !matches!(head, "step" | "index"))
-        }
-        _ if FORMS.contains(&head) || matches!(head, "step" | "index") || OF_STEPS.contains(&head) => {
-            outer == "step" && OF_STEPS.contains(&head)
-        }
+        "procedure" | "primitive" | "solver" if items > 1 || of_procedures(head) => of_procedures(head),
+        "step" if items > 2 => of_steps(head) || (of_procedures(head) && !matches!(head, "step" | "index")),
+        _ if is_form(head) || matches!(head, "step" | "index") || of_steps(head) => outer == "step" && of_steps(head),
         _ if EPISODES.contains(&head) || matches!(head, ":and" | ":or" | ":not" | ":in-order") => {
             AROUND_CONDITIONS.contains(&outer)
         }
@@ -189,7 +153,7 @@ fn item(text: &str, list: Option<&mut List<'_>>) -> usize {
         "step" => list.items == 1 || (after_list && (text == "=>" || text.starts_with('?'))),
         _ if matches!(text, ":value" | ":timing" | ":quality") => EPISODES.contains(&list.head),
         _ if matches!(text, ":unit" | ":rate") => list.head == "state-variable",
-        _ => !(OF_STEPS.contains(&text) || FORMS.contains(&text) || matches!(text, "step" | "index")),
+        _ => !(of_steps(text) || is_form(text) || matches!(text, "step" | "index")),
     };
     if fits { 0 } else { MISPLACED }
 }
