@@ -2,6 +2,7 @@
 //!
 //! Texts are made here and nowhere else, so that the trace, `apex why`, Sherpa and Python say the same words.
 
+use crate::estimate::{Aggregate, Estimate};
 use crate::event::StateVariable;
 use crate::evidence_list::EvidenceList;
 use crate::library::Library;
@@ -84,6 +85,10 @@ pub enum Evidence {
         /// Up to when it did not.
         at: Time,
     },
+    /// A value that an estimator gives.
+    Estimate(Box<Estimate>),
+    /// A statistic or a trend.
+    Aggregate(Box<Aggregate>),
 }
 
 /// What a task was granted of a resource.
@@ -184,6 +189,8 @@ impl Evidence {
             Evidence::Instant { since: Some(since), at } => format!("{} after {since}, at {at}", *at - *since),
             Evidence::Instant { since: None, at } => format!("it is {at}"),
             Evidence::Absence { what, at } => format!("no {what} up to {at}"),
+            Evidence::Estimate(estimate) => estimate.text(),
+            Evidence::Aggregate(aggregate) => aggregate.text(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Was it seen? Samples, messages, ends and states that a cause rests on are looked for in the record.
 
 use super::Step;
+use super::numbers;
 use super::world::World;
 use apex_model::because::{Because, Evidence};
 use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition, Relation};
@@ -81,6 +82,8 @@ fn one(
             require(!what.is_empty(), "nothing is named")?;
             require(*at == world.now, "it is told of another instant")
         }
+        Evidence::Estimate(estimate) => numbers::estimate(world, estimate),
+        Evidence::Aggregate(aggregate) => numbers::aggregate(world, aggregate),
     }
 }
 

@@ -4,6 +4,7 @@ mod causes;
 mod ends;
 mod evidence;
 pub mod mutation;
+mod numbers;
 mod world;
 
 use apex_model::because::Because;

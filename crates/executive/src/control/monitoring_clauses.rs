@@ -240,7 +240,9 @@ fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> O
         | Evidence::TaskState { .. }
         | Evidence::TaskEnd { .. }
         | Evidence::Instant { .. }
-        | Evidence::Absence { .. } => None,
+        | Evidence::Absence { .. }
+        | Evidence::Estimate(_)
+        | Evidence::Aggregate(_) => None,
     };
     satisfaction.evidence.iter().filter_map(arrival).max()
 }

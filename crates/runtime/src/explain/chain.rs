@@ -130,6 +130,14 @@ impl<'a> Chain<'a> {
                     link.causes.push(Link::seen(*at, evidence.text()));
                     None
                 }
+                Evidence::Estimate(estimate) => {
+                    link.causes.push(Link::seen(estimate.at, format!("{} was estimated", evidence.text())));
+                    None
+                }
+                Evidence::Aggregate(aggregate) => {
+                    link.causes.push(Link::seen(aggregate.interval.1, format!("{} was computed", evidence.text())));
+                    None
+                }
             };
             rows.extend(found);
         }

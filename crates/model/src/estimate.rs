@@ -1,0 +1,97 @@
+//! What was computed rather than measured: values between and beyond samples, statistics and trends
+//! (`monitoring.md` section 2, rules 1, 6, 10 to 12 and 22). Evidence, like a sample, with the samples behind it.
+
+use crate::event::StateVariable;
+use crate::time::{Duration, Time};
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// How values between and beyond samples are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Estimator {
+    /// The last sample holds.
+    Persistence,
+    /// A straight line of least squares.
+    LinearRegression,
+}
+
+impl fmt::Display for Estimator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Estimator::Persistence => ":persist",
+            Estimator::LinearRegression => ":linear-regression",
+        })
+    }
+}
+
+/// A value that an estimator gives for an instant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// How it was found.
+    pub estimator: Estimator,
+    /// Whose value.
+    pub variable: StateVariable,
+    /// The estimated value.
+    pub value: Value,
+    /// The instant it is for.
+    pub at: Time,
+    /// Where the estimate is valid, half-open: of a persisted sample from its instant to where it expires or is
+    /// replaced, of a line from the first to after the last fitted sample.
+    pub extent: (Time, Time),
+    /// How many samples it rests on.
+    pub samples: u64,
+    /// How far the instant lies outside of the samples; zero between them.
+    pub extrapolation: Duration,
+    /// Root mean square of the residuals of a line, in the unit of the variable.
+    pub error: Option<Value>,
+}
+
+impl Estimate {
+    /// `(altitude uav) = 120ft at 30s by :linear-regression over 12 samples, 4s beyond them, error 0.3ft`
+    pub fn text(&self) -> String {
+        let Estimate { estimator, variable, value, at, samples, extrapolation, .. } = self;
+        let mut text = format!("{variable} = {value} at {at} by {estimator}");
+        match estimator {
+            Estimator::Persistence => text.push_str(&self.validity()),
+            Estimator::LinearRegression => text.push_str(&format!(" over {samples} samples")),
+        }
+        if *extrapolation > Duration::ZERO && *estimator == Estimator::LinearRegression {
+            text.push_str(&format!(", {extrapolation} beyond them"));
+        }
+        if let Some(error) = &self.error {
+            text.push_str(&format!(", error {error}"));
+        }
+        text
+    }
+
+    fn validity(&self) -> String {
+        match self.extent {
+            (from, Time::END) => format!(", valid from {from} on"),
+            (from, to) => format!(", valid in [{from}, {to})"),
+        }
+    }
+}
+
+/// A number computed over samples of one variable: a statistic or a trend.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Aggregate {
+    /// Whose samples.
+    pub variable: StateVariable,
+    /// What was computed, as PDL names it without the colon: `mean`, `rate`.
+    pub name: String,
+    /// What came of it.
+    pub value: Value,
+    /// First and last instant of the interval, closed.
+    pub interval: (Time, Time),
+    /// How many samples are in it.
+    pub samples: u64,
+}
+
+impl Aggregate {
+    /// `mean of (rpm engine-1) from 2s to 9s = 812`
+    pub fn text(&self) -> String {
+        let Aggregate { variable, name, value, interval: (start, end), .. } = self;
+        format!("{name} of {variable} from {start} to {end} = {value}")
+    }
+}
