@@ -1,8 +1,9 @@
 //! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
 
 use crate::clause::MonitorId;
+use crate::episode_bank::{EpisodeBank, PlainEpisode};
 use crate::event::StateVariable;
-use crate::monitor::Interest;
+use crate::monitor::{Interest, ObjectRun};
 use crate::monitor_set::{Found, MonitorSet};
 use crate::symbol::Symbol;
 use crate::task::TaskId;
@@ -30,6 +31,8 @@ struct Watchers {
     every: MonitorSet,
     /// Must be told of samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
+    /// Need be told of nothing that leaves their episodes as undecided as they are.
+    episodes: Option<Box<EpisodeBank>>,
 }
 
 /// Monitors of messages that begin with one word, divided further by the second word where it is known.
@@ -67,6 +70,10 @@ fn drop_from<K: Ord>(map: &mut BTreeMap<K, MonitorSet>, key: &K, monitor: Monito
 }
 
 impl Watchers {
+    fn is_empty(&self) -> bool {
+        self.every.is_empty() && self.thresholds.is_none() && self.episodes.is_none()
+    }
+
     fn insert(&mut self, threshold: Option<Threshold>, monitor: MonitorId) {
         match threshold {
             Some(threshold) if !self.every.is_empty() || self.thresholds.is_some() => {
@@ -114,7 +121,7 @@ impl Interests {
             Interest::Variable(variable) => {
                 let Some(watchers) = self.variables.get_mut(variable) else { return };
                 watchers.remove(narrowed.threshold, monitor);
-                if watchers.every.is_empty() && watchers.thresholds.is_none() {
+                if watchers.is_empty() {
                     self.variables.remove(variable);
                 }
             }
@@ -189,6 +196,46 @@ impl Interests {
             set.collect_into(found);
         }
         self.any_task.collect_into(found);
+    }
+
+    /// Puts the undecided episode of `monitor` into its variable's bank, from then on told of nothing that the bank can
+    /// see by itself. False, and nothing changes, when the bank cannot take it.
+    pub fn bank(
+        &mut self,
+        variable: &StateVariable,
+        monitor: MonitorId,
+        wanted: &PlainEpisode,
+        run: Option<&ObjectRun>,
+    ) -> bool {
+        let watchers = self.variables.entry(variable);
+        let mut fresh = None;
+        let bank =
+            watchers.episodes.as_mut().unwrap_or_else(|| fresh.insert(Box::new(EpisodeBank::new(wanted.dimension))));
+        let taken = bank.insert(monitor, wanted, run);
+        if taken {
+            watchers.every.remove(monitor);
+            watchers.episodes = watchers.episodes.take().or(fresh);
+        }
+        taken
+    }
+
+    /// The undecided plain episodes of a variable.
+    pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeBank> {
+        self.variables.get(variable)?.episodes.as_deref()
+    }
+
+    /// The undecided plain episodes of a variable, to feed them.
+    pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeBank> {
+        self.variables.get_mut(variable)?.episodes.as_deref_mut()
+    }
+
+    /// Lets the bank of a variable go when nothing is left in it.
+    pub fn drop_empty_bank(&mut self, variable: &StateVariable) {
+        let Some(watchers) = self.variables.get_mut(variable) else { return };
+        watchers.episodes.take_if(|bank| bank.is_empty());
+        if watchers.is_empty() {
+            self.variables.remove(variable);
+        }
     }
 
     /// True when nobody must be told of transitions of `task`.

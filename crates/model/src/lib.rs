@@ -17,6 +17,7 @@ pub mod clause;
 pub mod condition;
 pub mod controller;
 pub mod effect;
+pub mod episode_bank;
 pub mod estimate;
 pub mod event;
 pub mod evidence_list;

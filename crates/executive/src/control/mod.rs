@@ -17,6 +17,7 @@ pub(crate) mod invocation;
 pub(crate) mod line;
 pub(crate) mod monitoring_clauses;
 pub(crate) mod moving;
+pub(crate) mod plain_episodes;
 pub(crate) mod primitive;
 pub(crate) mod priority;
 pub(crate) mod procedure;

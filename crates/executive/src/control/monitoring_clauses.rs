@@ -5,6 +5,7 @@
 //! Bound: touches only the monitors interested in a stimulus; O(log n) to find them.
 //! PDL: `waitfor`, `end-when`, `restart-when`, `suspend-when`, `resume-when`.  Paper: section III, condition monitoring.
 
+use crate::control::plain_episodes;
 use crate::cycle::{Cycle, Firing};
 use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::{self, Stimulus};
@@ -73,7 +74,8 @@ fn for_each_interest(watch: &Watch, mut act: impl FnMut(&Interest, Narrowed<'_>)
     }
 }
 
-fn file(interests: &mut Interests, watch: &Watch, id: MonitorId) {
+/// Files the monitor under all its interests.
+pub(crate) fn file(interests: &mut Interests, watch: &Watch, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.insert(interest, narrowed, id));
 }
 
@@ -121,7 +123,8 @@ pub(crate) fn unwatch(cycle: &mut Cycle<'_>, task: TaskId, unwanted: impl Fn(Cla
 }
 
 fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
-    let Some(watch) = cycle.agent.watches.remove(id.0) else { return };
+    let Some(mut watch) = cycle.agent.watches.remove(id.0) else { return };
+    plain_episodes::take_out(cycle, id, &mut watch);
     take_out(&mut cycle.agent.interests, &watch, id);
     if let Some(wake) = watch.wake {
         cycle.agent.wakes.cancel(wake);
@@ -144,6 +147,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
                 cycle.agent.interests.of_task(*task, &mut found);
             }
         }
+        plain_episodes::notice(cycle, stimulus, &mut found);
         found.sort_unstable();
         found.dedup();
         for id in &found {
@@ -188,12 +192,14 @@ pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
 /// Asks the monitor for its verdict; one that is satisfied joins the firings.
 pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
+    plain_episodes::take_out(cycle, id, &mut watch);
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let verdict = monitoring::verdict(&mut watch.monitor, &view);
     refile(&mut cycle.agent.interests, &mut watch, id);
     let troubles = monitoring::take_troubles(&mut watch.monitor);
     let wake_at = match &verdict {
         Verdict::Satisfied(_) => None,
+        _ if plain_episodes::put_in(cycle, id, &mut watch) => None,
         Verdict::NotSatisfied | Verdict::Unknown => monitoring::next_wake(&watch.monitor).map(|(at, _)| at),
     };
     if watch.wake.map(|wake| wake.at) != wake_at {
@@ -216,9 +222,11 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
 
 /// A monitor's wake has come: it is judged again.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
-    if let Some(watch) = cycle.agent.watches.get_mut(id.0) {
-        watch.wake = None;
+    let own = cycle.agent.watches.get_mut(id.0).and_then(|watch| watch.wake.take());
+    if own.is_some() {
         cycle.work.touched.push(id);
+    } else {
+        plain_episodes::woken(cycle, id);
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a task waits for, part by part.
 
+use crate::control::plain_episodes;
 use crate::control::priority::{defence, priority};
 use crate::monitoring;
 use crate::view::View;
@@ -124,7 +125,7 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
     for id in &task.monitors {
         let Some(watch) = agent.watches.get(id.0).filter(|watch| wanted(watch.clause)) else { continue };
         let view = View { agent, task: task.id, level: watch.level, now: agent.now };
-        for part in monitoring::unmet(&watch.monitor, &view) {
+        for part in monitoring::unmet(&plain_episodes::as_told(agent, *id, watch), &view) {
             let text = format!("{} {}", watch.clause.word(), part.what);
             reasons.push(Reason {
                 now: Some(part.now),

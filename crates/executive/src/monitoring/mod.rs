@@ -11,6 +11,7 @@ mod histories;
 mod logic;
 mod measurement;
 pub(crate) mod pattern_matching;
+pub(crate) mod plain_episode;
 mod quick_runs;
 mod retention;
 mod runs;

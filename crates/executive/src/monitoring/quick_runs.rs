@@ -9,22 +9,15 @@
 
 use super::Site;
 use super::constraints::satisfies_fixed;
+use super::plain_episode::is_plain;
 use super::samples::Seen;
 use apex_model::bindings::Bindings;
-use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample};
+use apex_model::monitor::{EpisodePart, ObjectRun, Run, RunSample};
 use apex_model::time::Time;
 
 /// Takes the sample in. False when it must go the long way; then nothing has changed.
 pub(super) fn notice(part: &mut EpisodePart, site: Site, sample: Seen<'_>) -> bool {
-    let condition = &part.condition;
-    let plain = part.variable.is_some()
-        && part.settled.is_empty()
-        && site.keep == Keep::First
-        && !part.any_pair
-        && !part.at_close
-        && condition.object.is_empty()
-        && condition.first_value.is_empty()
-        && condition.last_value.is_empty();
+    let plain = part.settled.is_empty() && is_plain(part, site);
     if !plain || !site.window.contains(sample.at, sample.sequence) {
         return false;
     }

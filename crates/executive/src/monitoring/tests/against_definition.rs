@@ -222,8 +222,8 @@ proptest! {
             // The agent sleeps until the next arrival or the wake, and looks nowhere else.
             while now < until && first.is_none() {
                 first = world.answer(now).map(|(_, _, known)| (now, known));
-                match next_wake(&world.monitor) {
-                    Some((wake, _)) if wake.0 < until => {
+                match world.wake() {
+                    Some(wake) if wake.0 < until => {
                         prop_assert!(wake.0 > now, "a wake at {} asked at {}", wake.0, now);
                         now = wake.0;
                     }
@@ -248,7 +248,7 @@ proptest! {
         world.view.histories.require_lookback(&Symbol::new("a"), Duration::MAX);
         tell(&mut world, &past);
         world.view.now = Time(start);
-        world.monitor = create(&wanted, Window::from(Time(start)), &world.view).unwrap();
+        world.watch(&wanted, Window::from(Time(start)));
         let mut seen = past;
         let expected = |seen: &[(i64, Option<i64>)]| {
             valid(seen).into_iter().find(|(at, value)| *at >= start && *value > limit).map(|(at, _)| (at, at, at))

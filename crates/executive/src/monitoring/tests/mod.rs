@@ -8,9 +8,11 @@ mod thresholds;
 
 use super::*;
 use crate::test_support::View;
+use apex_model::clause::MonitorId;
 use apex_model::condition::{
     ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
+use apex_model::episode_bank::{EpisodeBank, PlainEpisode, Taken};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
@@ -93,12 +95,17 @@ fn free(name: &str) -> Pattern {
     Pattern::Variable(Symbol::new(name))
 }
 
-/// A monitor with its world: time, histories, arrival numbers.
+/// A monitor with its world: time, histories, arrival numbers. Wherever a bank can watch the monitor, one does; a twin is
+/// told of everything, and must be in the same state whenever somebody asks.
 struct World {
     view: View,
     monitor: Monitor,
+    told: Monitor,
+    bank: Option<EpisodeBank>,
     sequence: u64,
 }
+
+const HERE: MonitorId = MonitorId(7);
 
 impl World {
     fn new(condition: &Condition) -> World {
@@ -107,7 +114,39 @@ impl World {
 
     fn in_view(condition: &Condition, view: View) -> World {
         let monitor = create(condition, Window::from(view.now), &view).unwrap();
-        World { view, monitor, sequence: 0 }
+        let mut world = World { view, told: monitor.clone(), monitor, bank: None, sequence: 0 };
+        world.lie_down();
+        world
+    }
+
+    /// Goes on with another monitor.
+    fn watch(&mut self, condition: &Condition, window: Window) {
+        self.monitor = create(condition, window, &self.view).unwrap();
+        (self.told, self.bank) = (self.monitor.clone(), None);
+        self.lie_down();
+    }
+
+    /// Lets a bank watch the monitor, if it can. Another monitor is there already, which has seen nothing.
+    fn lie_down(&mut self) {
+        let Some((wanted, run)) = plain_episode::undecided(&self.monitor) else { return };
+        let mut bank = EpisodeBank::new(wanted.dimension);
+        let other = PlainEpisode { gap_max: Duration(1), duration_min: Duration(1_000), ..wanted };
+        assert!(bank.insert(MonitorId(3), &other, None) && bank.insert(HERE, &wanted, run));
+        self.bank = Some(bank);
+        plain_episode::lie_down(&mut self.monitor);
+    }
+
+    fn stand_up(&mut self) {
+        if let Some(run) = self.bank.take().and_then(|mut bank| bank.take(HERE)) {
+            plain_episode::stand_up(&mut self.monitor, run);
+        }
+        let plain = plain_episode::variable(&self.monitor).is_some();
+        assert!(
+            !plain || self.monitor.root == self.told.root,
+            "{:#?}\nwas told {:#?}",
+            self.monitor.root,
+            self.told.root
+        );
     }
 
     /// Records a sample of `(attribute object)` and tells the monitor.
@@ -117,8 +156,29 @@ impl World {
         let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
         let (histories, library) = (&mut self.view.histories, &self.view.library);
         let recording = record_sample(histories, library, variable, value, Time(at), self.sequence);
-        if let Some(stimulus) = recording.stimulus {
-            notice(&mut self.monitor, &stimulus, &self.view);
+        let Some(stimulus) = recording.stimulus else { return };
+        notice(&mut self.told, &stimulus, &self.view);
+        let Stimulus::Sample { variable, value, at, newest, .. } = &stimulus else { return };
+        let watched = plain_episode::variable(&self.monitor) == Some(variable);
+        let Some(bank) = self.bank.as_mut().filter(|_| watched) else {
+            return notice(&mut self.monitor, &stimulus, &self.view);
+        };
+        match bank.takes(*at, value).filter(|_| *newest) {
+            Some(number) => {
+                let mut taken = Taken::new();
+                bank.sample(*at, number, &mut taken);
+                if let Some((_, run)) = taken.into_iter().find(|(id, _)| *id == HERE) {
+                    plain_episode::stand_up(&mut self.monitor, run);
+                    self.bank = None;
+                }
+            }
+            None => {
+                let run = bank.take(HERE).flatten();
+                self.bank = None;
+                plain_episode::stand_up(&mut self.monitor, run);
+                notice(&mut self.monitor, &stimulus, &self.view);
+                self.lie_down();
+            }
         }
     }
 
@@ -127,11 +187,25 @@ impl World {
         self.sequence += 1;
         let stimulus = record_event(&mut self.view.histories, form, Time(at), self.sequence);
         notice(&mut self.monitor, &stimulus, &self.view);
+        notice(&mut self.told, &stimulus, &self.view);
     }
 
     fn ask(&mut self, now: i64) -> Verdict {
         self.view.now = Time(now);
-        verdict(&mut self.monitor, &self.view)
+        self.stand_up();
+        let verdict = verdict(&mut self.monitor, &self.view);
+        if !matches!(verdict, Verdict::Satisfied(_)) {
+            self.lie_down();
+        }
+        verdict
+    }
+
+    /// When time alone decides, as monitor or bank say.
+    fn wake(&self) -> Option<Time> {
+        match &self.bank {
+            Some(bank) => bank.due().map(|(at, _)| at),
+            None => next_wake(&self.monitor).map(|(at, _)| at),
+        }
     }
 
     /// Interval and instant of recognition, when satisfied at `now`.

@@ -52,6 +52,7 @@ fn one_tick_divides_more_than_from_at_least() {
         let mut world = World::new(&condition(ConditionKind::Episode(Arc::new(wanted))));
         world.sample("roll", "uav", Value::Integer(12), 0);
         assert_eq!(world.ask(0), Verdict::Unknown);
+        world.stand_up();
         let (wake, why) = next_wake(&world.monitor).unwrap();
         assert_eq!(wake, Time(expected));
         assert!(why.to_string().contains(":duration"));
@@ -65,11 +66,11 @@ fn evidence_of_the_instant_of_creation_counts_but_not_what_was_answered_before()
     let wanted = condition(event(vec![word("ready"), free("who")]));
     let mut world = World::new(&wanted);
     world.event(list(&[Value::symbol("ready"), Value::symbol("camera")]), 7);
-    world.monitor = create(&wanted, Window::from(Time(7)), &world.view).unwrap();
+    world.watch(&wanted, Window::from(Time(7)));
     let Verdict::Satisfied(result) = world.ask(7) else { panic!() };
     assert_eq!(result.bindings.get(&Symbol::new("who")), Some(&Value::symbol("camera")));
     let repeated = Window { start: Time(7), after_sequence: Some(world.sequence) };
-    world.monitor = create(&wanted, repeated, &world.view).unwrap();
+    world.watch(&wanted, repeated);
     assert_eq!(world.ask(7), Verdict::NotSatisfied);
     world.event(list(&[Value::symbol("ready"), Value::symbol("radio")]), 7);
     assert!(world.answer(7).is_some());
@@ -88,8 +89,7 @@ fn a_question_about_a_forgotten_past_is_unknown_never_false() {
     let mut world = World::in_view(&condition(ConditionKind::Measurement(past.clone().into())), view);
     assert_eq!(world.ask(9), Verdict::Unknown);
     past.value = vec![compare(Relation::Equal, int(1))];
-    world.monitor =
-        create(&condition(ConditionKind::Measurement(past.into())), Window::from(Time(9)), &world.view).unwrap();
+    world.watch(&condition(ConditionKind::Measurement(past.into())), Window::from(Time(9)));
     assert_eq!(world.answer(9), Some((3, 3, 9)));
 }
 
@@ -195,7 +195,7 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
     assert_eq!(world.ask(1), Verdict::NotSatisfied);
     world.sample("altitude", "uav", Value::Integer(301), 2);
     assert!(world.answer(2).is_some());
-    world.monitor = create(&above(span(5)), Window::from(Time(2)), &world.view).unwrap();
+    world.watch(&above(span(5)), Window::from(Time(2)));
     let troubles = take_troubles(&mut world.monitor);
     assert_eq!(troubles.len(), 1);
     assert!(troubles[0].message.contains("cannot compare 301ft (length) with P0.000000005S (time)"));
@@ -216,7 +216,7 @@ fn tasks_that_have_ended_satisfy_at_once_unless_the_wait_is_a_repetition() {
     assert_eq!(world.answer(5), Some((3, 3, 5)));
     assert_eq!(interests(&world.monitor), [Interest::Task(TaskId(4))]);
     let repeated = Window { start: Time(5), after_sequence: Some(0) };
-    world.monitor = create(&wanted, repeated, &world.view).unwrap();
+    world.watch(&wanted, repeated);
     assert_eq!(world.ask(5), Verdict::NotSatisfied);
     notice(&mut world.monitor, &Stimulus::TaskEnded { task: TaskId(4), at: Time(6) }, &world.view);
     assert_eq!(world.answer(6), Some((6, 6, 6)));

@@ -1,0 +1,370 @@
+//! Undecided plain episodes of one state variable, side by side, so that a sample costs each of them a comparison.
+//!
+//! A plain episode compares a number with fixed bounds, and wants a gap and a least duration at most. Until it is
+//! decided a sample can do three things to it: turn its truth, cut its run by a gap, or reach its duration. The bank
+//! watches for these in arrays; the monitor itself is touched when its episode is decided, or asked for. Whatever is not
+//! an ordinary sample (late, replaced, of another kind) takes every episode out first, and goes the general way.
+
+use crate::bindings::Bindings;
+use crate::clause::MonitorId;
+use crate::monitor::{ObjectRun, Run, RunSample};
+use crate::quantity::Dimension;
+use crate::time::{Duration, Time};
+use crate::value::Value;
+use crate::wake::WakeKey;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Beyond this not every whole number is a double: comparing them takes the general way.
+pub const EXACT_INTEGER_MAX: i64 = 1 << 53;
+
+/// Values between two bounds, both included; infinite where there is no bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// The least value, in SI.
+    pub least: f64,
+    /// The greatest value, in SI.
+    pub most: f64,
+}
+
+/// A plain episode, as the bank must know it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlainEpisode {
+    /// Values that satisfy it.
+    pub band: Band,
+    /// Their dimension.
+    pub dimension: Dimension,
+    /// The greatest gap between samples; the greatest duration is none.
+    pub gap_max: Duration,
+    /// The run lasts at least so long.
+    pub duration_min: Duration,
+    /// Samples before this do not count.
+    pub window_start: Time,
+}
+
+/// Episodes that left a bank, with what they have seen: none when they have seen nothing.
+pub type Taken = Vec<(MonitorId, Option<ObjectRun>)>;
+
+/// Episodes by row. All rows have seen the same samples since they came in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeBank {
+    dimension: Dimension,
+    rows: BTreeMap<MonitorId, usize>,
+    monitors: Vec<MonitorId>,
+    bands: Vec<Band>,
+    holds: Vec<bool>,
+    /// When the run is long enough; the end of time while there is none.
+    deadlines: Vec<Time>,
+    gaps: Vec<Duration>,
+    states: Vec<State>,
+    /// Samples seen so far, the newest included.
+    samples: i64,
+    newest: Time,
+    /// The sample before the newest.
+    previous: Time,
+    /// No deadline is earlier.
+    deadline_floor: Time,
+    gap_least: Duration,
+    gap_most: Duration,
+    window_latest: Time,
+    /// When time alone decides an episode unless another sample comes before, and whose.
+    due: Option<(Time, MonitorId)>,
+    /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
+    pub wake: Option<(WakeKey, MonitorId)>,
+}
+
+/// What changes seldom in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    duration_min: Duration,
+    window_start: Time,
+    /// It has seen a sample before it came in, or `samples` has grown since.
+    seen: bool,
+    came_at: i64,
+    /// The run with the newest sample, where it holds.
+    start: Time,
+    first: i64,
+    contradicted: bool,
+    gap: Option<Duration>,
+    /// What was before the newest sample, if that one changed anything.
+    before: Before,
+}
+
+/// A row before the sample at `at`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Before {
+    at: Time,
+    held: bool,
+    start: Time,
+    first: i64,
+    contradicted: bool,
+    gap: Option<Duration>,
+}
+
+impl State {
+    /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
+    fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
+        let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
+        let State { start, first, gap, .. } = *self;
+        self.before = Before { at, held, start, first, contradicted, gap };
+        self.gap = cut.or(gap);
+        self.contradicted = !holds || (contradicted && cut.is_none());
+        (self.start, self.first) = (at, sample);
+    }
+
+    /// Has it seen one of the first `samples` samples of the bank, or one before it came in?
+    fn has_seen_any(&self, samples: i64) -> bool {
+        self.seen || samples > self.came_at
+    }
+}
+
+/// The value as a plain number, where comparing it as a double is exact.
+pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
+    match value {
+        Value::Integer(integer) if integer.unsigned_abs() > EXACT_INTEGER_MAX.unsigned_abs() => None,
+        Value::Integer(_) | Value::Real(_) | Value::Quantity(_) => {
+            value.as_number().filter(|(number, _)| !number.is_nan())
+        }
+        _ => None,
+    }
+}
+
+impl EpisodeBank {
+    /// A bank without episodes, for numbers of `dimension`.
+    pub fn new(dimension: Dimension) -> EpisodeBank {
+        EpisodeBank {
+            dimension,
+            rows: BTreeMap::new(),
+            monitors: Vec::new(),
+            bands: Vec::new(),
+            holds: Vec::new(),
+            deadlines: Vec::new(),
+            gaps: Vec::new(),
+            states: Vec::new(),
+            samples: 0,
+            newest: Time::BEGINNING,
+            previous: Time::BEGINNING,
+            deadline_floor: Time::END,
+            gap_least: Duration::MAX,
+            gap_most: Duration::ZERO,
+            window_latest: Time::BEGINNING,
+            due: None,
+            wake: None,
+        }
+    }
+
+    /// How many episodes are here.
+    pub fn len(&self) -> usize {
+        self.monitors.len()
+    }
+
+    /// True without episodes.
+    pub fn is_empty(&self) -> bool {
+        self.monitors.is_empty()
+    }
+
+    /// Is the episode of `monitor` here?
+    pub fn contains(&self, monitor: MonitorId) -> bool {
+        self.rows.contains_key(&monitor)
+    }
+
+    /// When time alone decides an episode, if no sample comes before.
+    pub fn due(&self) -> Option<(Time, MonitorId)> {
+        self.due
+    }
+
+    /// Takes an undecided episode in: what it wants, and what its samples were. False, and nothing changes, when its
+    /// samples are not those that the others have seen, or its numbers of another dimension.
+    pub fn insert(&mut self, monitor: MonitorId, wanted: &PlainEpisode, run: Option<&ObjectRun>) -> bool {
+        let same_samples = self.samples == 0 || run.is_none_or(|run| run.newest.at == self.newest);
+        if wanted.dimension != self.dimension || !same_samples || self.contains(monitor) {
+            return false;
+        }
+        if let Some(run) = run {
+            if self.samples == 0 {
+                (self.samples, self.newest) = (1, run.newest.at);
+            }
+            self.previous = run.run.as_ref().map_or(self.previous, |run| self.previous.max(run.last));
+        }
+        let (holds, state) = self.state_of(wanted, run);
+        let deadline = if holds { state.start + wanted.duration_min } else { Time::END };
+        self.rows.insert(monitor, self.monitors.len());
+        self.monitors.push(monitor);
+        self.bands.push(wanted.band);
+        self.holds.push(holds);
+        self.deadlines.push(deadline);
+        self.gaps.push(wanted.gap_max);
+        self.states.push(state);
+        self.deadline_floor = self.deadline_floor.min(deadline);
+        self.gap_least = self.gap_least.min(wanted.gap_max);
+        if wanted.gap_max < Duration::MAX {
+            self.gap_most = self.gap_most.max(wanted.gap_max);
+        }
+        self.window_latest = self.window_latest.max(wanted.window_start);
+        let due = deadline > self.newest && deadline <= self.newest + wanted.gap_max && wanted.gap_max < Duration::MAX;
+        if due && self.due.is_none_or(|(at, _)| deadline < at) {
+            self.due = Some((deadline, monitor));
+        }
+        true
+    }
+
+    fn state_of(&self, wanted: &PlainEpisode, run: Option<&ObjectRun>) -> (bool, State) {
+        let nothing =
+            Before { at: Time::BEGINNING, held: false, start: Time::END, first: 0, contradicted: false, gap: None };
+        let mut state = State {
+            duration_min: wanted.duration_min,
+            window_start: wanted.window_start,
+            seen: false,
+            came_at: self.samples,
+            start: Time::END,
+            first: 0,
+            contradicted: false,
+            gap: None,
+            before: nothing,
+        };
+        let Some(ObjectRun { run, newest, contradicted, gap, .. }) = run else { return (false, state) };
+        // All but the newest sample first, then the newest as `sample` would take it in.
+        (state.contradicted, state.gap) = (*contradicted, *gap);
+        if let Some(run) = run {
+            let samples = i64::try_from(run.samples).unwrap_or(i64::MAX);
+            (state.start, state.first) = (run.start, self.samples.saturating_sub(samples));
+        }
+        let (held, holds) = (run.is_some(), newest.holds.is_some());
+        let cut = run.as_ref().map(|run| newest.at - run.last).filter(|gap| *gap > wanted.gap_max);
+        let State { start, first, .. } = state;
+        if held != holds || cut.is_some() {
+            state.turn(newest.at, self.samples, held, holds, cut);
+        } else {
+            state.contradicted |= !holds;
+        }
+        state.before = Before { at: newest.at, held, start, first, contradicted: *contradicted, gap: *gap };
+        state.seen = true;
+        (holds, state)
+    }
+
+    /// May a sample be taken in by [`EpisodeBank::sample`]? All episodes must be taken out for any other one.
+    pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
+        // What time alone has decided before the sample must be taken out before the sample is told.
+        let in_time = self.due.is_none_or(|(due, _)| due >= at);
+        let ordinary = at > self.newest && at >= self.window_latest && in_time;
+        let (number, dimension) = plain_number(value).filter(|_| ordinary)?;
+        (dimension == self.dimension).then_some(number)
+    }
+
+    /// Takes in a sample that [`EpisodeBank::takes`]. Episodes that it decides leave the bank, with all they have seen.
+    pub fn sample(&mut self, at: Time, value: f64, taken: &mut Taken) {
+        let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
+        let gaps = gap > self.gap_least;
+        (self.previous, self.newest) = (self.newest, at);
+        self.samples = self.samples.saturating_add(1);
+        let sample = self.samples;
+        let mut floor = self.deadline_floor;
+        let rows =
+            self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
+        for ((((band, held), state), deadline), gap_max) in rows {
+            let holds = (value >= band.least) & (value <= band.most);
+            if holds != *held || (gaps && holds && gap > *gap_max) {
+                let cut = (*held && gap > *gap_max).then_some(gap);
+                state.turn(at, sample, *held, holds, cut);
+                *held = holds;
+                *deadline = if holds { at + state.duration_min } else { Time::END };
+                floor = floor.min(*deadline);
+            }
+        }
+        self.deadline_floor = floor;
+        let reached = self.look_at_deadlines();
+        self.take_each(reached, taken);
+    }
+
+    /// Finds the episodes whose deadline the newest sample has reached, and what time alone will decide next.
+    fn look_at_deadlines(&mut self) -> Vec<MonitorId> {
+        self.due = None;
+        if self.deadline_floor > self.newest + self.gap_most {
+            return Vec::new();
+        }
+        let (mut floor, mut due, mut reached) = (Time::END, None, Vec::new());
+        for ((deadline, gap), monitor) in self.deadlines.iter().zip(&self.gaps).zip(&self.monitors) {
+            floor = floor.min(*deadline);
+            if *deadline <= self.newest {
+                reached.push(*monitor);
+            } else if *deadline <= self.newest + *gap && *gap < Duration::MAX {
+                let this = (*deadline, *monitor);
+                due = Some(due.map_or(this, |least: (Time, MonitorId)| least.min(this)));
+            }
+        }
+        (self.deadline_floor, self.due) = (floor, due);
+        reached
+    }
+
+    fn take_each(&mut self, monitors: Vec<MonitorId>, taken: &mut Taken) {
+        taken.extend(monitors.into_iter().filter_map(|monitor| Some((monitor, self.take(monitor)?))));
+    }
+
+    /// Takes out the episodes that time alone has decided at `now`.
+    pub fn take_due(&mut self, now: Time, taken: &mut Taken) {
+        if self.due.take_if(|(at, _)| *at <= now).is_none() {
+            return;
+        }
+        let newest = self.newest;
+        let over = |(deadline, gap): (&Time, &Duration)| *deadline <= now && *deadline <= newest + *gap;
+        let rows = self.deadlines.iter().zip(&self.gaps).map(over).zip(&self.monitors);
+        let due = rows.filter(|(over, _)| *over).map(|(_, monitor)| *monitor).collect();
+        self.take_each(due, taken);
+        self.look_at_deadlines();
+    }
+
+    /// What the episode of `monitor` has seen, as its monitor would have it: none when it has seen nothing. None at all
+    /// when it is not here.
+    pub fn run_of(&self, monitor: MonitorId) -> Option<Option<ObjectRun>> {
+        let row = *self.rows.get(&monitor)?;
+        let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);
+        if !state.has_seen_any(self.samples) {
+            return Some(None);
+        }
+        let run = |start, first: i64| Run {
+            start,
+            last: self.previous,
+            samples: u64::try_from(self.samples.saturating_sub(first)).unwrap_or_default(),
+            bindings: Bindings::new(),
+            first_holds: true,
+            last_holds: true,
+            instants: Vec::new(),
+        };
+        let (before, contradicted, gap) = if state.before.at == self.newest {
+            let Before { held, start, first, contradicted, gap, .. } = state.before;
+            (held.then(|| run(start, first)), contradicted, gap)
+        } else {
+            let contradicted = state.contradicted || (!holds && state.has_seen_any(self.samples.saturating_sub(1)));
+            (holds.then(|| run(state.start, state.first)), contradicted, state.gap)
+        };
+        let holds = holds.then(Bindings::new);
+        let newest = RunSample { at: self.newest, holds, joins: true, first_holds: true, last_holds: true };
+        Some(Some(ObjectRun { rank: 0, run: before, newest, found: None, contradicted, gap }))
+    }
+
+    /// Takes the episode of `monitor` out, with what [`EpisodeBank::run_of`] says of it.
+    pub fn take(&mut self, monitor: MonitorId) -> Option<Option<ObjectRun>> {
+        let run = self.run_of(monitor)?;
+        let row = self.rows.remove(&monitor)?;
+        self.monitors.swap_remove(row);
+        self.bands.swap_remove(row);
+        self.holds.swap_remove(row);
+        self.deadlines.swap_remove(row);
+        self.gaps.swap_remove(row);
+        self.states.swap_remove(row);
+        if let Some(moved) = self.monitors.get(row) {
+            self.rows.insert(*moved, row);
+        }
+        if self.due.is_some_and(|(_, due)| due == monitor) {
+            self.look_at_deadlines();
+        }
+        Some(run)
+    }
+
+    /// Takes all episodes out, in order of their monitors.
+    pub fn take_all(&mut self, taken: &mut Taken) {
+        let monitors = self.rows.keys().copied().collect();
+        self.due = None;
+        self.take_each(monitors, taken);
+    }
+}
