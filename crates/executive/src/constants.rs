@@ -1,32 +1,25 @@
 //! Constants: every `defconstant` that is an expression is computed once, as the agent is loaded.
 
-use crate::expression::evaluate;
-use crate::view::View;
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::expression::{Surroundings, evaluate};
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::Library;
 use apex_model::symbol::Symbol;
-use apex_model::task::TaskId;
-use std::sync::Arc;
 
-/// Replaces the definitions of the agent's constants by their values.
+/// The constants of `library` that are not written as values, with their values.
 ///
 /// # Errors
 /// Place and reason of the first constant that has no value.
-pub(crate) fn compute(agent: &mut Agent) -> Result<(), String> {
-    if agent.library.constants.values().all(|expr| matches!(expr.kind, ExprKind::Constant(_))) {
-        return Ok(());
-    }
+pub(crate) fn compute(library: &Library, surroundings: &dyn Surroundings) -> Result<Vec<(Symbol, Expr)>, String> {
     let mut values: Vec<(Symbol, Expr)> = Vec::new();
-    // No task: the checker lets nothing into a constant that would ask for one.
-    let view = View { agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
-    for (name, expr) in &agent.library.constants {
-        let value = evaluate(expr, &view).map_err(|error| {
-            let place = agent.library.describe_place(error.place);
+    for (name, expr) in &library.constants {
+        if matches!(expr.kind, ExprKind::Constant(_)) {
+            continue;
+        }
+        let value = evaluate(expr, surroundings).map_err(|error| {
+            let place = library.describe_place(error.place);
             format!("{place}: the constant `{name}` has no value: {}", error.message)
         })?;
         values.push((name.clone(), Expr { kind: ExprKind::Constant(value), place: expr.place }));
     }
-    Arc::make_mut(&mut agent.library).constants.extend(values);
-    Ok(())
+    Ok(values)
 }

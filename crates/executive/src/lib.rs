@@ -1,6 +1,7 @@
 //! The executive: one door in, one door out.
 //!
 //! [`load`] makes an agent, [`step`] advances it. Nothing else changes an agent; [`explanation`] reads it.
+//! [`MonitorSession`] watches conditions without any agent or task.
 //! The executive knows no syntax, no clock, no I/O and no randomness: the same inputs give the same effects.
 
 mod constants;
@@ -9,6 +10,7 @@ mod cycle;
 mod deliberation;
 mod expression;
 mod monitoring;
+mod session;
 mod step;
 #[cfg(test)]
 mod test_support;
@@ -18,11 +20,16 @@ pub mod explanation;
 pub mod planted;
 
 pub use apex_model::agent::Agent;
+pub use session::{Judgement, MonitorResult, MonitorSession, SessionTrouble, Telling};
 pub use step::step;
 
+use apex_model::clause::Level;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
 use std::sync::Arc;
+use view::View;
 
 /// Makes the agent described by `declaration`. Its root task is created by the first [`step`].
 ///
@@ -30,14 +37,7 @@ use std::sync::Arc;
 /// A message for people when the library cannot be executed: it declares a host function that the host did not register,
 /// or a constant that cannot be computed.
 pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFunctions) -> Result<Agent, String> {
-    for (name, function) in &library.host_functions {
-        if !function.command && host.get(name).is_none() {
-            let place = library.describe_place(function.place);
-            return Err(format!(
-                "{place}: the host function `{name}` is declared but not registered; register it before loading, or declare it with `:command t` if it is a command"
-            ));
-        }
-    }
+    all_registered(&library, &host)?;
     let mut agent = Agent {
         name: declaration.name.clone(),
         initial_task: declaration.initial_task.clone(),
@@ -47,6 +47,23 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
     };
     monitoring::prepare(&mut agent.histories, &library);
     agent.attach(library, host);
-    constants::compute(&mut agent)?;
+    // No task: the checker lets nothing into a constant that would ask for one.
+    let nobody = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
+    let values = constants::compute(&agent.library, &nobody)?;
+    if !values.is_empty() {
+        Arc::make_mut(&mut agent.library).constants.extend(values);
+    }
     Ok(agent)
+}
+
+/// Is every host function there that `library` declares?
+fn all_registered(library: &Library, host: &HostFunctions) -> Result<(), String> {
+    let missing = |name: &Symbol, command: bool| !command && host.get(name).is_none();
+    match library.host_functions.iter().find(|(name, function)| missing(name, function.command)) {
+        None => Ok(()),
+        Some((name, function)) => Err(format!(
+            "{}: the host function `{name}` is declared but not registered; register it before loading, or declare it with `:command t` if it is a command",
+            library.describe_place(function.place)
+        )),
+    }
 }

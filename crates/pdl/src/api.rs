@@ -1,8 +1,9 @@
 //! Small doors into the front end: one value, one condition, the table of codes.
 
-use crate::check::{CheckOptions, host_names};
+use crate::check::CheckOptions;
 use crate::codes::{self, ErrorCode, TABLE};
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::host::host_names;
 use crate::lower::{Lowering, Scope};
 use crate::read::read_file;
 use apex_model::condition::Condition;

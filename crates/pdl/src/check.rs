@@ -1,13 +1,15 @@
 //! Source texts to a checked library: reading, following requirements, collecting names, lowering, cross checks.
 
-use crate::analysis::analyse;
+use crate::analysis::{analyse, analyse_conditions};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
+use crate::host::{HostSignature, host_names};
 use crate::loose;
-use crate::lower::{Callable, Lowering, Names};
+use crate::lower::{Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
 use crate::suggest::{renames, renames_marked};
+use apex_model::condition::Condition;
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
@@ -21,19 +23,6 @@ pub struct SourceText {
     pub name: String,
     /// The text.
     pub text: String,
-}
-
-/// A function of the host program that PDL may call.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct HostSignature {
-    /// Its name.
-    pub name: String,
-    /// At least so many arguments.
-    pub parameters_min: usize,
-    /// At most so many arguments; none is unlimited.
-    pub parameters_max: Option<usize>,
-    /// Has no effect: may stand in conditions.
-    pub pure: bool,
 }
 
 /// A text that another text needs.
@@ -111,46 +100,18 @@ pub fn check_forms(sources: Vec<SourceText>, options: CheckOptions<'_>) -> Check
 }
 
 fn check_with(sources: Vec<SourceText>, options: CheckOptions<'_>, foresee: bool) -> Checked {
-    let mut loader = Loader {
-        library: Library::default(),
-        files: Vec::new(),
-        flawed: BTreeSet::new(),
-        diagnostics: Vec::new(),
-        requested: BTreeSet::new(),
-        foreign: BTreeSet::new(),
-        incomplete: false,
-    };
+    let mut loader = Loader::default();
     let fragment = options.fragment;
     let names = host_names(options.host);
     for source in sources {
         loader.load(source, fragment, options.resolve);
     }
-    loader.finish(names, fragment, foresee)
+    loader.finish(names, fragment, foresee, &[]).0
 }
 
-/// The host program's functions as names that text may use.
-pub(crate) fn host_names(host: &[HostSignature]) -> Names {
-    let mut names = Names::default();
-    for signature in host {
-        let callable = Callable {
-            min: signature.parameters_min,
-            max: signature.parameters_max,
-            pure: signature.pure,
-            place: None,
-        };
-        match signature.name.strip_prefix('+').and_then(|name| name.strip_suffix('+')) {
-            Some(name) if !name.is_empty() => {
-                names.indexicals.insert(Symbol::new(name), Span::default());
-            }
-            _ => {
-                names.functions.insert(Symbol::new(&signature.name), callable);
-            }
-        }
-    }
-    names
-}
-
-struct Loader {
+/// Reads texts and what they require, then makes a library of them.
+#[derive(Default)]
+pub(crate) struct Loader {
     library: Library,
     /// Top-level data of each file.
     files: Vec<Vec<Datum>>,
@@ -166,7 +127,7 @@ struct Loader {
 
 impl Loader {
     /// Reads a text and, before it, the texts that it requires.
-    fn load(
+    pub(crate) fn load(
         &mut self,
         source: SourceText,
         fragment: bool,
@@ -177,27 +138,7 @@ impl Loader {
             if self.library.sources.iter().any(|known| *known.name == source.name) {
                 continue;
             }
-            let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
-            if is_library {
-                self.foreign.insert(number);
-            }
-            let read = read_file(number, &source.text);
-            // Behind a string without end nothing is what it seems.
-            let garbled = read.diagnostics.iter().any(|each| each.code == codes::UNCLOSED_STRING);
-            for mut diagnostic in read.diagnostics {
-                if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
-                    diagnostic.severity = Severity::Warning;
-                }
-                if diagnostic.severity == Severity::Error {
-                    self.flawed.insert(number);
-                    self.incomplete = true;
-                }
-                self.diagnostics.push(diagnostic);
-            }
-            self.incomplete |= lacks_libraries(&read.data);
-            let requirements = if garbled { Vec::new() } else { requirements(&read.data, &source.name) };
-            self.library.sources.push(SourceFile { name: Arc::from(&*source.name), text: Arc::from(source.text) });
-            self.files.push(read.data);
+            let requirements = self.read(source, is_library, fragment);
             for (requirement, span) in requirements.into_iter().rev() {
                 if !self.requested.insert(requirement.clone()) {
                     continue;
@@ -210,6 +151,42 @@ impl Loader {
                 }
             }
         }
+    }
+
+    /// Reads a text and yields what it requires.
+    pub(crate) fn read(&mut self, source: SourceText, is_library: bool, fragment: bool) -> Vec<(Requirement, Span)> {
+        let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
+        if is_library {
+            self.foreign.insert(number);
+        }
+        let read = read_file(number, &source.text);
+        // Behind a string without end nothing is what it seems.
+        let garbled = read.diagnostics.iter().any(|each| each.code == codes::UNCLOSED_STRING);
+        for mut diagnostic in read.diagnostics {
+            if fragment && diagnostic.code == codes::UNMATCHED_CLOSE {
+                diagnostic.severity = Severity::Warning;
+            }
+            if diagnostic.severity == Severity::Error {
+                self.flawed.insert(number);
+                self.incomplete = true;
+            }
+            self.diagnostics.push(diagnostic);
+        }
+        self.incomplete |= lacks_libraries(&read.data);
+        let requirements = if garbled { Vec::new() } else { requirements(&read.data, &source.name) };
+        self.library.sources.push(SourceFile { name: Arc::from(&*source.name), text: Arc::from(source.text) });
+        self.files.push(read.data);
+        requirements
+    }
+
+    /// How many texts were read.
+    pub(crate) fn texts_read(&self) -> usize {
+        self.files.len()
+    }
+
+    /// Takes back what was read from this text on: it is no part of the library.
+    pub(crate) fn split_off(&mut self, first: usize) -> Vec<Vec<Datum>> {
+        self.files.split_off(first)
     }
 
     fn missing(&mut self, requirement: &Requirement, span: Span, reason: &str, fragment: bool) {
@@ -237,7 +214,14 @@ impl Loader {
         renames_marked(span, name, words, |name| if quoted { format!("\"{name}\"") } else { name.to_string() })
     }
 
-    fn finish(mut self, names: Names, fragment: bool, foresee: bool) -> Checked {
+    /// The library of all texts; `texts` are those that [`Loader::split_off`] held back, and hold conditions.
+    pub(crate) fn finish(
+        mut self,
+        names: Names,
+        fragment: bool,
+        foresee: bool,
+        texts: &[Vec<Datum>],
+    ) -> (Checked, Vec<Condition>) {
         let mut lowering = Lowering::new(names, fragment);
         let mut files = std::mem::take(&mut self.files);
         if fragment {
@@ -252,6 +236,7 @@ impl Loader {
         for file in &files {
             self.lower_file(&mut lowering, file);
         }
+        let conditions: Vec<Condition> = texts.iter().flat_map(|text| lowering.lone_conditions(text)).collect();
         // What a refused definition would have defined is not missed a second time.
         if !self.incomplete && !refused {
             lowering.report_unknown_names();
@@ -268,13 +253,16 @@ impl Loader {
         }
         let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
         if foresee && !self.incomplete && no_errors(&self.diagnostics) && no_errors(&lowering.diagnostics) {
-            let found = analyse(&self.library, &lowering.names, fragment, &self.foreign);
+            let found = match texts {
+                [] => analyse(&self.library, &lowering.names, fragment, &self.foreign),
+                _ => analyse_conditions(&self.library, &conditions, &lowering.names),
+            };
             self.diagnostics.extend(found);
         }
         let flawed = &self.flawed;
         self.diagnostics.extend(lowering.diagnostics.into_iter().filter(|each| !flawed.contains(&each.span.file)));
         self.diagnostics.sort_by_key(|each| (each.span.file, each.span.line, each.span.column, each.severity));
-        Checked { library: self.library, diagnostics: self.diagnostics }
+        (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
 
     fn lower_file(&mut self, lowering: &mut Lowering, forms: &[Datum]) {

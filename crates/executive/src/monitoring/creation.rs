@@ -35,9 +35,10 @@ struct Role {
 pub(super) fn tree(
     condition: &Condition,
     window: Window,
+    keep: Keep,
     surroundings: &dyn Surroundings,
 ) -> Result<Part, EvaluationError> {
-    part(condition, Role { window, keep: Keep::First, any_pair: false }, surroundings)
+    part(condition, Role { window, keep, any_pair: false }, surroundings)
 }
 
 fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {

@@ -269,6 +269,20 @@ pub(super) fn results(
     results
 }
 
+/// The results of runs that go on: their intervals may still grow.
+pub(super) fn open_results(
+    part: &EpisodePart,
+    site: Site,
+    now: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Vec<Satisfaction> {
+    let judged = |(object, object_run): (&Value, &ObjectRun)| {
+        advance_run(part, site, object, object_run, now, surroundings, troubles).found
+    };
+    part.runs.iter().filter_map(judged).collect()
+}
+
 /// Satisfied, contradicted, or not known: no sample yet, everything seen so far holds but not for long enough, or a
 /// gap hides what happened.
 pub(super) fn truth(

@@ -16,6 +16,7 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
 use apex_model::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
+use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -29,7 +30,7 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
         PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
         PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => Truth::of(leaf.reached.is_some(), leaf.span.is_none()),
-        PartKind::Not(inner) => truth(inner, asking).negated(),
+        PartKind::Not(inner) => asking.of_everything(|asking| truth(inner, asking)).negated(),
         PartKind::And(composite) => {
             let all = composite
                 .parts
@@ -72,7 +73,7 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
             time_conditions::result(leaf, Kind::Timestamp, site.window.start).into_iter().collect()
         }
         PartKind::Delay(leaf) => time_conditions::result(leaf, Kind::Delay, site.window.start).into_iter().collect(),
-        PartKind::Not(inner) => match truth(inner, asking) {
+        PartKind::Not(inner) => match asking.of_everything(|asking| truth(inner, asking)) {
             Truth::False => vec![nothing_until(inner, asking.now)],
             Truth::True | Truth::Unknown => Vec::new(),
         },
@@ -80,6 +81,9 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
         PartKind::InOrder(composite) => Combination::new(part, composite, true).run(asking),
         PartKind::Or(composite) => alternatives(part, composite, asking),
     };
+    if let Some(used) = &asking.used {
+        results.retain(|result| !used.contains(part.place, result));
+    }
     if let Some(tag) = &part.tag {
         for result in &mut results {
             result.bindings.set(tag.clone(), Value::Interval(result.interval.0, result.interval.1));
@@ -109,12 +113,22 @@ fn absence(inner: &Part, at: Time) -> Evidence {
 
 fn alternatives(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
     let mut all: Vec<Satisfaction> = composite.parts.iter().flat_map(|part| results(part, asking)).collect();
-    all.retain(|result| constraints_hold(part, &composite.constraints, result.interval, &result.bindings, asking));
+    all.retain(|result| alternative_holds(part.tag.as_ref(), &composite.constraints, result, asking));
     all
 }
 
+/// Do the constraints of an `:or` with this tag hold of the result of one of its parts?
+pub(super) fn alternative_holds(
+    tag: Option<&Symbol>,
+    constraints: &[Expr],
+    result: &Satisfaction,
+    asking: &mut Asking<'_>,
+) -> bool {
+    constraints_hold(tag, constraints, result.interval, &result.bindings, asking)
+}
+
 fn constraints_hold(
-    part: &Part,
+    tag: Option<&Symbol>,
     constraints: &[Expr],
     interval: (Time, Time),
     bindings: &Bindings,
@@ -124,7 +138,7 @@ fn constraints_hold(
         return true;
     }
     let mut bindings = bindings.clone();
-    if let Some(tag) = &part.tag {
+    if let Some(tag) = tag {
         bindings.set(tag.clone(), Value::Interval(interval.0, interval.1));
     }
     let seen = WithBindings { below: asking.surroundings, bindings: &bindings };
@@ -188,9 +202,9 @@ impl<'a> Combination<'a> {
                 },
                 PartKind::Not(inner) if !self.ordered && self.composite.combines => {
                     absent.push(absence(inner, asking.now));
-                    nots.push(results(inner, asking));
+                    nots.push(asking.of_everything(|asking| results(inner, asking)));
                 }
-                PartKind::Not(inner) if !self.ordered => match truth(inner, asking) {
+                PartKind::Not(inner) if !self.ordered => match asking.of_everything(|asking| truth(inner, asking)) {
                     Truth::False => {
                         absent.push(absence(inner, asking.now));
                         nots.push(Vec::new());
@@ -270,7 +284,15 @@ impl<'a> Combination<'a> {
     ) {
         let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
         let interval = partial.hull.unwrap_or((asking.now, asking.now));
-        if excluded || !constraints_hold(self.part, &self.composite.constraints, interval, &partial.bindings, asking) {
+        if excluded
+            || !constraints_hold(
+                self.part.tag.as_ref(),
+                &self.composite.constraints,
+                interval,
+                &partial.bindings,
+                asking,
+            )
+        {
             return;
         }
         if !nots.is_empty() || partial.hull.is_none() {

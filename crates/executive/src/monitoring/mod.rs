@@ -7,6 +7,7 @@ mod constraints;
 mod creation;
 mod episode;
 pub(crate) mod event;
+mod harvest;
 mod histories;
 mod logic;
 mod measurement;
@@ -23,8 +24,9 @@ mod tests;
 mod time_conditions;
 mod unmet;
 
+pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
-pub(crate) use retention::prepare;
+pub(crate) use retention::{prepare, prepare_condition};
 
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::Condition;
@@ -184,11 +186,21 @@ struct Asking<'a> {
     now: Time,
     troubles: Troubles,
     wake: Option<Time>,
+    /// Results of parts that do not count any more.
+    used: Option<harvest::Used>,
 }
 
 impl<'a> Asking<'a> {
     fn new(surroundings: &'a dyn Surroundings) -> Asking<'a> {
-        Asking { surroundings, now: surroundings.now(), troubles: Troubles::default(), wake: None }
+        Asking { surroundings, now: surroundings.now(), troubles: Troubles::default(), wake: None, used: None }
+    }
+
+    /// What `ask` says when everything counts.
+    fn of_everything<T>(&mut self, ask: impl FnOnce(&mut Asking<'a>) -> T) -> T {
+        let used = self.used.take();
+        let answer = ask(self);
+        self.used = used;
+        answer
     }
 
     fn wake_at(&mut self, at: Time) {
@@ -213,7 +225,20 @@ pub(crate) fn create(
     window: Window,
     surroundings: &dyn Surroundings,
 ) -> Result<Monitor, EvaluationError> {
-    let mut root = creation::tree(condition, window, surroundings)?;
+    create_keeping(condition, window, Keep::First, surroundings)
+}
+
+/// As [`create`], for a monitor that remembers what `keep` says until it is harvested.
+///
+/// # Errors
+/// As [`create`].
+pub(crate) fn create_keeping(
+    condition: &Condition,
+    window: Window,
+    keep: Keep,
+    surroundings: &dyn Surroundings,
+) -> Result<Monitor, EvaluationError> {
+    let mut root = creation::tree(condition, window, keep, surroundings)?;
     let mut troubles = Troubles::default();
     creation::look_back(&mut root, surroundings, &mut troubles);
     let mut monitor =

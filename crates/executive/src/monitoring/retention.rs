@@ -35,6 +35,11 @@ pub(crate) fn prepare(histories: &mut Histories, library: &Library) {
     library.functions.values().for_each(|function| survey.exprs(&function.body));
 }
 
+/// Prepares `histories` for one more condition.
+pub(crate) fn prepare_condition(histories: &mut Histories, condition: &Condition) {
+    Survey { histories }.condition(condition);
+}
+
 /// Walks through definitions and notes what looks back.
 struct Survey<'a> {
     histories: &'a mut Histories,

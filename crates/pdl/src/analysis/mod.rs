@@ -26,11 +26,17 @@ mod walk;
 
 use crate::diagnostic::Diagnostic;
 use crate::lower::Names;
+use apex_model::condition::Condition;
 use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Activity, BuiltInActivity, Hooks, Procedure, ProcedureKind, Step, Transitions};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 use endings::Endings;
 use locate::Locator;
 use methods::Methods;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Messages kept; who has so many reads the first ones.
 const MESSAGES_MAX: usize = 200;
@@ -79,4 +85,40 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     memory::check(&program, &mut report);
     unused::check(&program, &mut report);
     report.diagnostics
+}
+
+/// What there is to say about `conditions` that stand alone, in terms of `library`.
+pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], names: &Names) -> Vec<Diagnostic> {
+    // The checks look at procedures: each condition becomes what the step of one waits for.
+    let mut whole = library.clone();
+    whole.procedures.extend(conditions.iter().map(|condition| Arc::new(waiting_for(condition))));
+    let methods = Methods::new(&whole);
+    let endings = Endings::new(&whole, names, &methods);
+    let foreign = BTreeSet::new();
+    let program = Program { library: &whole, names, fragment: false, foreign: &foreign, methods, endings };
+    let mut report = Report { locator: Locator::new(&whole.sources), diagnostics: Vec::new() };
+    limits::check(&program, &mut report);
+    dimensions::check(&program, &mut report);
+    resemblance::check(&program, &mut report);
+    memory::check(&program, &mut report);
+    report.diagnostics
+}
+
+fn waiting_for(condition: &Condition) -> Procedure {
+    let place = condition.place;
+    let activity = Activity::BuiltIn(BuiltInActivity::Print, Vec::new());
+    let step = Step { waitfor: vec![condition.clone()], ..Step::plain(Symbol::new("s1"), activity, place) };
+    Procedure {
+        kind: ProcedureKind::Concurrent,
+        index: Pattern::Literal(Value::list([Value::symbol("monitor")])),
+        profile: Vec::new(),
+        log: Vec::new(),
+        expected_duration: None,
+        interrupt_cost: None,
+        transitions: Transitions::default(),
+        hooks: Hooks::default(),
+        steps: vec![step],
+        bundle: None,
+        place,
+    }
 }

@@ -1,7 +1,7 @@
 //! Conditions (`monitoring.md` section 1): which form is which.
 
-use super::Lowering;
 use super::constraint::relation_named;
+use super::{Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
@@ -58,6 +58,23 @@ impl Lowering {
             rest = next;
         }
         complete.then_some(lowered)
+    }
+
+    /// Lowers conditions that stand alone, each in a scope of its own.
+    pub(crate) fn lone_conditions(&mut self, items: &[Datum]) -> Vec<Condition> {
+        let mut lowered = Vec::new();
+        let mut rest = items;
+        while let Some((item, after)) = rest.split_first() {
+            let length = if matches!(after, [mark, _, ..] if mark.is(":quality")) { 3 } else { 1 };
+            let (form, next) = rest.split_at_checked(length).unwrap_or((rest, &[]));
+            self.scope = Scope::of_tasks();
+            let condition = self.conditions(form).and_then(|mut all| all.pop());
+            let condition = condition.filter(|condition| self.check_condition_support(condition, item).is_some());
+            self.finish_scope(condition.is_some());
+            lowered.extend(condition);
+            rest = next;
+        }
+        lowered
     }
 
     fn condition_with(&mut self, datum: &Datum, quality: Option<&Datum>) -> Option<Condition> {

@@ -1,0 +1,433 @@
+//! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
+
+mod scene;
+#[cfg(test)]
+mod tests;
+mod watched;
+
+use crate::constants;
+use crate::monitoring::{self, Stimulus, TellingKind};
+use apex_model::bindings::Bindings;
+use apex_model::clause::MonitorId;
+use apex_model::condition::Condition;
+use apex_model::event::StateVariable;
+use apex_model::history::Histories;
+use apex_model::host::HostFunctions;
+use apex_model::interests::Interests;
+use apex_model::library::Library;
+use apex_model::limits::SESSION_TROUBLES_MAX;
+use apex_model::monitor::{Satisfaction, Unmet, Verdict};
+use apex_model::monitor_set::Found;
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::table::Table;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use scene::{KnownTask, World};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use watched::Watched;
+
+/// Watches conditions over a stream of samples, messages and changes of tasks' states (`monitoring.md`).
+///
+/// Stimuli come in any number and order of calls; their instants move the session's time, which never goes back. All
+/// stimuli of one instant are one step (rule 4): an instant is over when one of a later instant comes, or when
+/// [`advance`](MonitorSession::advance) says so. What time alone decides is decided at its exact instant. So what is told
+/// depends neither on how calls are divided nor on how often time is advanced (rule 21).
+///
+/// # What is told
+///
+/// Not only the first result of a condition, as a task would wait for it, but a stream of all of them, each once:
+///
+/// - **A single condition** (measurement, episode, event, ..) tells every result: each sample that satisfies a
+///   measurement, each maximal run that satisfies an episode, each message that matches. With an object variable there
+///   are such results for each object.
+/// - **An episode** is told when it is recognised, say after its `:duration`. Its run may go on: then the result is marked
+///   [`open`](Telling::Recognised), and it is told once more, with its final interval, when the run is over, which the
+///   next sample shows: [`Telling::Closed`]. Who wants each result once looks at either kind.
+/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins anew: what
+///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
+///   same variables (tags aside) the first in order is told.
+/// - **The alternatives** of an outermost `:or` are told each for itself.
+/// - **An absence** (`:not`) is told once, when it becomes true, and not at every instant at which it is still true.
+///
+/// A sample that comes late, within its variable's `:lateness`, can make a result known, which is then recognised at the
+/// session's time; what was told before is not taken back.
+///
+/// Results wait in the session until they are [taken](MonitorSession::take_results).
+#[derive(Clone, Debug)]
+pub struct MonitorSession {
+    world: World,
+    interests: Interests,
+    watches: Table<Watched>,
+    next_watch: u64,
+    arrivals: u64,
+    /// How late samples may come at most.
+    lateness: Duration,
+    /// What happened at the present instant.
+    stimuli: Vec<Stimulus>,
+    touched: Vec<MonitorId>,
+    wakes: BTreeSet<(Time, MonitorId)>,
+    results: Vec<MonitorResult>,
+    troubles: Vec<SessionTrouble>,
+}
+
+/// A result of a watched condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonitorResult {
+    /// The condition.
+    pub watch: MonitorId,
+    /// What is told of the result.
+    pub telling: Telling,
+    /// The result: interval, instant of recognition, bindings, evidence.
+    pub result: Satisfaction,
+}
+
+/// What is told of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Telling {
+    /// It was recognised just now.
+    Recognised {
+        /// Its interval may still grow; it will be told once more when it is final.
+        open: bool,
+    },
+    /// Its interval is final; it was told before.
+    Closed,
+}
+
+/// What is known about a condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement {
+    /// Satisfied by the first result; otherwise what can be said now.
+    pub verdict: Verdict,
+    /// The parts that do not hold, with the reason of each; empty when satisfied.
+    pub because: Vec<Unmet>,
+    /// How many results were told.
+    pub results: u64,
+}
+
+/// Something that went wrong: a sample that was refused, a condition whose expression failed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SessionTrouble {
+    /// The condition, if it is about one.
+    pub watch: Option<MonitorId>,
+    /// When.
+    pub at: Time,
+    /// A sentence for people.
+    pub message: String,
+    /// Where in the condition's or library's text.
+    pub place: Option<Place>,
+}
+
+impl MonitorSession {
+    /// A session in terms of `library`: its declared state variables, functions, constants and indexicals.
+    ///
+    /// # Errors
+    /// A sentence when a declared host function is not registered or a constant has no value.
+    pub fn new(library: Arc<Library>, host: HostFunctions) -> Result<MonitorSession, String> {
+        crate::all_registered(&library, &host)?;
+        let mut histories = Histories::default();
+        monitoring::prepare(&mut histories, &library);
+        let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
+        let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
+        let mut world = World {
+            library,
+            host,
+            name: Symbol::new("monitor"),
+            histories,
+            tasks: BTreeMap::new(),
+            variables: Bindings::new(),
+            now: Time::BEGINNING,
+        };
+        let values = constants::compute(&world.library, &world)?;
+        if !values.is_empty() {
+            Arc::make_mut(&mut world.library).constants.extend(values);
+        }
+        Ok(MonitorSession {
+            world,
+            interests: Interests::default(),
+            watches: Table::default(),
+            next_watch: 0,
+            arrivals: 0,
+            lateness: lateness.unwrap_or_default(),
+            stimuli: Vec::new(),
+            touched: Vec::new(),
+            wakes: BTreeSet::new(),
+            results: Vec::new(),
+            troubles: Vec::new(),
+        })
+    }
+
+    /// Watches `condition` with a window from `created_at` on (rule 2). An instant to come is waited for; for one that is
+    /// past the retained history is searched first, and what is found there is recognised now.
+    ///
+    /// # Errors
+    /// What is wrong and where, when an expression that must be known now (a duration, a gap) has no value.
+    pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionTrouble> {
+        self.end_instant();
+        monitoring::prepare_condition(&mut self.world.histories, &condition);
+        let id = MonitorId(self.next_watch);
+        let watched = Watched::new(condition, created_at, &self.world).map_err(|error| SessionTrouble {
+            watch: None,
+            at: self.world.now,
+            message: error.message,
+            place: Some(error.place),
+        })?;
+        self.next_watch += 1;
+        if watched.monitor.is_some() {
+            watched.file(&mut self.interests, id);
+        }
+        self.watches.insert(id.0, watched);
+        self.judge(id);
+        Ok(id)
+    }
+
+    /// Ends the watch of a condition. What it told already stays to be taken.
+    pub fn unwatch(&mut self, id: MonitorId) {
+        self.end_instant();
+        if let Some(watched) = self.watches.remove(id.0) {
+            watched.take_out(&mut self.interests, id);
+            if let Some(at) = watched.wake {
+                self.wakes.remove(&(at, id));
+            }
+        }
+    }
+
+    /// Binds a variable (without `?`) that conditions may name, for example the tag of a task.
+    pub fn bind(&mut self, name: Symbol, value: Value) {
+        self.end_instant();
+        self.world.variables.set(name, value);
+        self.touch_all();
+    }
+
+    /// A measurement, in the declared unit where it is a bare number.
+    pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) {
+        self.come_to(at);
+        let sequence = self.arrival();
+        let World { histories, library, .. } = &mut self.world;
+        let recording = monitoring::record_sample(histories, library, variable.clone(), value, at, sequence);
+        self.stimuli.extend(recording.stimulus);
+        if let Some(message) = recording.trouble {
+            self.trouble(SessionTrouble { watch: None, at, message, place: None });
+        }
+    }
+
+    /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
+    pub fn samples(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) {
+        for (at, value) in instants.iter().zip(values) {
+            self.sample(variable, Value::Real(*value), *at);
+        }
+    }
+
+    /// A message.
+    pub fn event(&mut self, form: Value, at: Time) {
+        self.come_to(at);
+        let sequence = self.arrival();
+        self.stimuli.push(monitoring::record_event(&mut self.world.histories, form, at, sequence));
+    }
+
+    /// A task enters a state. One that is first heard of was pending before.
+    pub fn task_state(&mut self, task: TaskId, state: TaskState, at: Time) {
+        self.come_to(at);
+        let first = KnownTask { state: TaskState::Pending, since: at, started_at: at, worked: Duration::ZERO };
+        let known = self.world.tasks.entry(task).or_insert(first);
+        let from = known.state;
+        known.enter(state, at);
+        self.stimuli.push(Stimulus::TaskState { task, from, state, at });
+        if state == TaskState::Terminated {
+            self.stimuli.push(Stimulus::TaskEnded { task, at });
+        }
+    }
+
+    /// Time has come to `now`, and everything up to and with it was handed over: what it decides is told.
+    pub fn advance(&mut self, now: Time) {
+        self.come_to(now);
+        self.end_instant();
+    }
+
+    /// Nothing more comes: results whose interval could still grow are told as closed.
+    pub fn finish(&mut self) {
+        self.end_instant();
+        for number in 0..self.next_watch {
+            let Some(mut watched) = self.watches.lift(number) else { continue };
+            for telling in watched.finish(&self.world) {
+                self.results.push(told(MonitorId(number), telling));
+            }
+            self.watches.put(number, watched);
+        }
+    }
+
+    /// The results since the last call, in order of recognition.
+    pub fn take_results(&mut self) -> Vec<MonitorResult> {
+        std::mem::take(&mut self.results)
+    }
+
+    /// What went wrong since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
+    pub fn take_troubles(&mut self) -> Vec<SessionTrouble> {
+        std::mem::take(&mut self.troubles)
+    }
+
+    /// The session's time: [`Time::BEGINNING`] before anything happened.
+    pub fn now(&self) -> Time {
+        self.world.now
+    }
+
+    /// The library in whose terms conditions are understood.
+    pub fn library(&self) -> &Arc<Library> {
+        &self.world.library
+    }
+
+    /// What is remembered, with counts of late, replaced and missing samples.
+    pub fn histories(&self) -> &Histories {
+        &self.world.histories
+    }
+
+    /// What can be said about a condition at the last instant that is over; none when it is not watched.
+    pub fn verdict(&self, id: MonitorId) -> Option<Judgement> {
+        let watched = self.watches.get(id.0)?;
+        let results = watched.results;
+        if let Some(first) = &watched.first {
+            return Some(Judgement { verdict: Verdict::Satisfied(first.clone()), because: Vec::new(), results });
+        }
+        let Some(monitor) = &watched.monitor else {
+            return Some(Judgement { verdict: Verdict::Unknown, because: vec![not_begun(watched)], results });
+        };
+        let mut monitor = monitor.clone();
+        let verdict = monitoring::verdict(&mut monitor, &self.world);
+        Some(Judgement { verdict, because: monitoring::unmet(&monitor, &self.world), results })
+    }
+
+    fn arrival(&mut self) -> u64 {
+        self.arrivals += 1;
+        self.arrivals
+    }
+
+    fn trouble(&mut self, trouble: SessionTrouble) {
+        if self.troubles.len() < SESSION_TROUBLES_MAX {
+            self.troubles.push(trouble);
+        }
+    }
+
+    /// Lets everything happen that is due before `at`, and moves time there.
+    fn come_to(&mut self, at: Time) {
+        if at <= self.world.now {
+            return;
+        }
+        self.end_instant();
+        while let Some((due, _)) = self.wakes.first().copied().filter(|(due, _)| *due < at) {
+            self.world.now = self.world.now.max(due);
+            self.end_instant();
+        }
+        self.world.now = at;
+    }
+
+    /// The present instant is over: what happened is noticed, what is due begins, and all that was touched is judged.
+    fn end_instant(&mut self) {
+        let now = self.world.now;
+        if self.stimuli.is_empty() && self.wakes.first().is_none_or(|(due, _)| *due > now) {
+            return;
+        }
+        let mut found = Found::new();
+        for stimulus in std::mem::take(&mut self.stimuli) {
+            found.clear();
+            match &stimulus {
+                Stimulus::Sample { variable, value, newest, .. } => {
+                    self.interests.of_sample(variable, value, *newest, &mut found);
+                }
+                Stimulus::Event { form, .. } => self.interests.of_event(form, &mut found),
+                Stimulus::TaskEnded { task, .. } | Stimulus::TaskState { task, .. } => {
+                    self.interests.of_task(*task, &mut found);
+                }
+            }
+            found.sort_unstable();
+            found.dedup();
+            for id in &found {
+                if let Some(watched) = self.watches.get_mut(id.0) {
+                    watched.notice(&stimulus, &self.world);
+                }
+            }
+            self.touched.extend(&found);
+        }
+        while let Some((due, id)) = self.wakes.first().copied().filter(|(due, _)| *due <= now) {
+            self.wakes.remove(&(due, id));
+            self.begin(id);
+            self.touched.push(id);
+        }
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.sort_unstable();
+        touched.dedup();
+        touched.iter().for_each(|id| self.judge(*id));
+        touched.clear();
+        self.touched = touched;
+    }
+
+    /// A wake of the condition has come: it begins if it has not yet.
+    fn begin(&mut self, id: MonitorId) {
+        let Some(watched) = self.watches.get_mut(id.0) else { return };
+        watched.wake = None;
+        if watched.monitor.is_some() {
+            return;
+        }
+        match watched.begin(&self.world) {
+            Ok(()) => watched.file(&mut self.interests, id),
+            Err(error) => {
+                let at = self.world.now;
+                self.watches.remove(id.0);
+                self.trouble(SessionTrouble { watch: Some(id), at, message: error.message, place: Some(error.place) });
+            }
+        }
+    }
+
+    fn touch_all(&mut self) {
+        for number in 0..self.next_watch {
+            self.judge(MonitorId(number));
+        }
+    }
+
+    /// Tells what is new about a condition and sees to its next wake.
+    fn judge(&mut self, id: MonitorId) {
+        let Some(mut watched) = self.watches.lift(id.0) else { return };
+        for telling in watched.harvest(self.lateness, &self.world) {
+            if telling.kind != TellingKind::Closed {
+                watched.results += 1;
+                watched.first.get_or_insert_with(|| telling.result.clone());
+            }
+            self.results.push(told(id, telling));
+        }
+        watched.refile(&mut self.interests, id);
+        let wake = watched.next_wake();
+        if wake != watched.wake {
+            if let Some(at) = watched.wake {
+                self.wakes.remove(&(at, id));
+            }
+            self.wakes.extend(wake.map(|at| (at, id)));
+            watched.wake = wake;
+        }
+        let troubles = watched.monitor.as_mut().map(monitoring::take_troubles).unwrap_or_default();
+        self.watches.put(id.0, watched);
+        for trouble in troubles {
+            let (message, place) = (trouble.message, Some(trouble.place));
+            self.trouble(SessionTrouble { watch: Some(id), at: self.world.now, message, place });
+        }
+    }
+}
+
+fn told(watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
+    let kind = match telling.kind {
+        TellingKind::Found { open } => Telling::Recognised { open },
+        TellingKind::Closed => Telling::Closed,
+    };
+    MonitorResult { watch, telling: kind, result: telling.result }
+}
+
+fn not_begun(watched: &Watched) -> Unmet {
+    Unmet {
+        what: "the condition".to_string(),
+        now: format!("it is watched from {} on", watched.created_at),
+        since: None,
+        until: Some(watched.created_at),
+        distance: None,
+        place: watched.condition.place,
+    }
+}

@@ -1,0 +1,97 @@
+//! What the conditions of a session see: its histories, the tasks that it was told of, the variables that were bound.
+
+use crate::expression::Surroundings;
+use apex_model::bindings::Bindings;
+use apex_model::history::Histories;
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A task that the session was told of.
+#[derive(Clone, Debug)]
+pub(super) struct KnownTask {
+    pub(super) state: TaskState,
+    pub(super) since: Time,
+    /// When it began to work, or was first heard of while it has not.
+    pub(super) started_at: Time,
+    /// How long it had worked before `since`.
+    pub(super) worked: Duration,
+}
+
+impl KnownTask {
+    /// Enters `state` at `at`.
+    pub(super) fn enter(&mut self, state: TaskState, at: Time) {
+        if self.state == TaskState::Ongoing {
+            self.worked = self.worked + (at - self.since);
+        } else if state == TaskState::Ongoing && self.worked == Duration::ZERO {
+            self.started_at = at;
+        }
+        self.state = state;
+        self.since = at;
+    }
+}
+
+/// The world of a session, apart from its monitors.
+#[derive(Clone, Debug)]
+pub(super) struct World {
+    pub(super) library: Arc<Library>,
+    pub(super) host: HostFunctions,
+    pub(super) name: Symbol,
+    pub(super) histories: Histories,
+    pub(super) tasks: BTreeMap<TaskId, KnownTask>,
+    pub(super) variables: Bindings,
+    pub(super) now: Time,
+}
+
+impl Surroundings for World {
+    fn variable(&self, name: &Symbol) -> Option<Value> {
+        self.variables.get(name).cloned()
+    }
+
+    fn now(&self) -> Time {
+        self.now
+    }
+
+    fn this_task(&self) -> Option<TaskId> {
+        None
+    }
+
+    fn agent_name(&self) -> &Symbol {
+        &self.name
+    }
+
+    fn task_start(&self, task: TaskId) -> Option<Time> {
+        self.tasks.get(&task).map(|task| task.started_at)
+    }
+
+    fn task_end(&self, task: TaskId) -> Option<Time> {
+        self.tasks.get(&task).filter(|task| task.state == TaskState::Terminated).map(|task| task.since)
+    }
+
+    fn task_state(&self, task: TaskId) -> Option<TaskState> {
+        self.tasks.get(&task).map(|task| task.state)
+    }
+
+    fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
+        let task = self.tasks.get(&task)?;
+        let now = if task.state == TaskState::Ongoing { self.now - task.since } else { Duration::ZERO };
+        Some(task.worked + now)
+    }
+
+    fn histories(&self) -> &Histories {
+        &self.histories
+    }
+
+    fn library(&self) -> &Library {
+        &self.library
+    }
+
+    fn host(&self) -> &HostFunctions {
+        &self.host
+    }
+}

@@ -1,0 +1,236 @@
+//! Streams of results: each once, at its instant, however the stimuli are handed over.
+
+use super::*;
+use apex_pdl::{CheckOptions, SourceText, check_conditions};
+use proptest::prelude::*;
+
+const DECLARATIONS: &str = "(state-variable (roll-angle ?a) :unit deg) (state-variable (slow ?a) :lateness 5s)";
+
+fn session(condition: &str, created_at: f64) -> (MonitorSession, MonitorId) {
+    let (library, condition) = read(condition);
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    let id = session.watch(condition, Time::from_seconds(created_at)).unwrap();
+    (session, id)
+}
+
+fn read(text: &str) -> (Arc<Library>, Condition) {
+    let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
+    let mut resolve = |_| Err("nothing is required".to_string());
+    let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
+    let mut read =
+        check_conditions(vec![source("declarations", DECLARATIONS)], vec![source("condition", text)], options);
+    assert!(!read.checked.has_errors(), "{:?}", read.checked.diagnostics);
+    (Arc::new(read.checked.library), read.conditions.remove(0))
+}
+
+fn roll(object: &str) -> StateVariable {
+    StateVariable::new(Symbol::new("roll-angle"), Value::symbol(object))
+}
+
+fn of(attribute: &str) -> StateVariable {
+    StateVariable::new(Symbol::new(attribute), Value::symbol("uav"))
+}
+
+fn at(seconds: f64) -> Time {
+    Time::from_seconds(seconds)
+}
+
+/// `kind start..end @recognised` of all results so far.
+fn told(session: &mut MonitorSession) -> Vec<String> {
+    let text = |result: MonitorResult| {
+        let kind = match result.telling {
+            Telling::Recognised { open: true } => "open",
+            Telling::Recognised { open: false } => "found",
+            Telling::Closed => "closed",
+        };
+        let ((start, end), known) = (result.result.interval, result.result.recognised_at);
+        let bound = result.result.bindings.iter().map(|(name, value)| format!(" {name}={value}")).collect::<String>();
+        format!("{kind} {}..{} @{}{bound}", start.seconds(), end.seconds(), known.seconds())
+    };
+    session.take_results().into_iter().map(text).collect()
+}
+
+#[test]
+fn each_run_is_told_when_recognised_and_again_when_over() {
+    let condition = "(:episode (roll-angle uav) :quality (:max-gap 2s) :value (> 15) :timing (:duration (>= 2s)))";
+    let (mut session, id) = session(condition, 0.0);
+    for (second, value) in [20.0, 20.0, 20.0, 20.0, 0.0, 20.0, 20.0, 0.0, 30.0, 30.0].into_iter().enumerate() {
+        session.sample(&roll("uav"), Value::Real(value), at(second as f64));
+    }
+    session.advance(at(9.5));
+    assert_eq!(told(&mut session), ["open 0..2 @2", "closed 0..3 @2"]);
+    // Until the gap is too long the last value holds: the duration is reached without a sample.
+    session.advance(at(60.0));
+    assert_eq!(told(&mut session), ["open 8..9 @10"]);
+    session.finish();
+    assert_eq!(told(&mut session), ["closed 8..9 @10"]);
+    assert_eq!(session.verdict(id).unwrap().results, 2);
+}
+
+#[test]
+fn a_measurement_is_told_for_each_sample_and_object() {
+    let (mut session, _) = session("(roll-angle ?who > 15)", 1.0);
+    for (object, value, instant) in
+        [("a", 90.0, 0.5), ("a", 20.0, 1.0), ("b", 30.0, 1.0), ("a", 3.0, 2.0), ("a", 40.0, 3.0)]
+    {
+        session.sample(&roll(object), Value::Real(value), at(instant));
+    }
+    session.advance(at(3.0));
+    // Twice the same instant is over; what comes for it afterwards is told all the same.
+    session.sample(&roll("b"), Value::Real(50.0), at(3.0));
+    session.advance(at(3.0));
+    let expected = ["found 1..1 @1 who=a", "found 1..1 @1 who=b", "found 3..3 @3 who=a", "found 3..3 @3 who=b"];
+    assert_eq!(told(&mut session), expected);
+}
+
+#[test]
+fn a_combination_begins_anew_after_each_result() {
+    let (mut session, _) = session("(:in-order (go ?n) (stop))", 0.0);
+    for (second, form) in ["(go 1)", "(go 2)", "(stop)", "(stop)", "(go 3)", "(stop)"].into_iter().enumerate() {
+        session.event(apex_pdl::read_value(form).unwrap(), at(second as f64));
+    }
+    session.advance(at(10.0));
+    assert_eq!(told(&mut session), ["found 0..2 @2 n=1", "found 1..2 @2 n=2", "found 4..5 @5 n=3"]);
+}
+
+#[test]
+fn alternatives_are_told_apart_and_absence_once() {
+    let (mut session, _) = session("(:or (:and (x uav = 1) (y uav = 1)) (x uav = 1) (:not (z uav = 1)))", 0.0);
+    session.sample(&of("z"), Value::Integer(0), at(0.0));
+    session.sample(&of("x"), Value::Integer(1), at(1.0));
+    session.sample(&of("y"), Value::Integer(1), at(2.0));
+    session.sample(&of("y"), Value::Integer(1), at(3.0));
+    session.advance(at(4.0));
+    assert_eq!(told(&mut session), ["found 0..0 @0", "found 1..1 @1", "found 1..2 @2"]);
+}
+
+#[test]
+fn a_late_sample_makes_a_result_known_now() {
+    let (mut session, _) = session("(slow uav > 10)", 0.0);
+    for (value, instant) in [(20, 1.0), (0, 4.0), (30, 2.0), (0, 5.0), (20, 3.0), (40, 6.0)] {
+        session.sample(&of("slow"), Value::Integer(value), at(instant));
+    }
+    session.advance(at(7.0));
+    assert_eq!(told(&mut session), ["found 1..1 @1", "found 2..2 @4", "found 3..3 @5", "found 6..6 @6"]);
+}
+
+#[test]
+fn a_watch_that_begins_later_looks_back_to_its_beginning() {
+    let (library, condition) = read("(roll-angle uav > 15)");
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    for (value, instant) in [(20.0, 0.0), (21.0, 1.0), (22.0, 2.0)] {
+        session.sample(&roll("uav"), Value::Real(value), at(instant));
+    }
+    session.advance(at(3.0));
+    let id = session.watch(condition, at(1.0)).unwrap();
+    assert_eq!(told(&mut session), ["found 1..1 @3", "found 2..2 @3"]);
+    session.unwatch(id);
+    session.sample(&roll("uav"), Value::Real(30.0), at(4.0));
+    session.advance(at(5.0));
+    assert_eq!(told(&mut session), Vec::<String>::new());
+    assert_eq!(session.verdict(id), None);
+}
+
+#[test]
+fn what_was_forgotten_makes_the_verdict_unknown() {
+    let (library, condition) = read("(roll-angle uav > 15)");
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    for second in 0..10 {
+        session.sample(&roll("uav"), Value::Real(0.0), at(f64::from(second)));
+    }
+    let id = session.watch(condition, at(1.0)).unwrap();
+    let judgement = session.verdict(id).unwrap();
+    assert_eq!(judgement.verdict, Verdict::Unknown);
+    assert!(judgement.because[0].now.contains("older samples are no longer kept"), "{judgement:?}");
+}
+
+#[test]
+fn a_gap_is_the_reason_of_an_unknown_verdict() {
+    let (mut session, id) =
+        session("(:episode (roll-angle uav) :quality (:max-gap 1s) :value (> 15) :timing (:duration (>= 5s)))", 0.0);
+    for instant in [0.0, 1.0, 3.4, 4.0] {
+        session.sample(&roll("uav"), Value::Real(20.0), at(instant));
+    }
+    session.advance(at(4.0));
+    let judgement = session.verdict(id).unwrap();
+    assert_eq!(judgement.verdict, Verdict::Unknown);
+    assert!(judgement.because[0].now.contains("a gap of P2.4S > P1S cut it before"), "{judgement:?}");
+}
+
+#[test]
+fn tasks_are_watched_when_their_tag_is_bound() {
+    let (library, _) = read("(x uav = 1)");
+    let condition = Condition {
+        tag: None,
+        kind: apex_model::condition::ConditionKind::TaskEnded(Symbol::new("s1")),
+        place: Place::default(),
+    };
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    let id = session.watch(condition, at(0.0)).unwrap();
+    session.bind(Symbol::new("s1"), Value::Task(TaskId(7)));
+    session.task_state(TaskId(8), TaskState::Terminated, at(1.0));
+    session.task_state(TaskId(7), TaskState::Ongoing, at(2.0));
+    session.advance(at(2.5));
+    assert_eq!(session.verdict(id).unwrap().verdict, Verdict::NotSatisfied);
+    session.task_state(TaskId(7), TaskState::Terminated, at(3.0));
+    session.advance(at(4.0));
+    assert_eq!(told(&mut session), ["found 3..3 @3"]);
+}
+
+#[test]
+fn refused_samples_are_troubles() {
+    let (mut session, _) = session("(roll-angle uav > 15)", 0.0);
+    session.sample(&roll("uav"), Value::symbol("steep"), at(1.0));
+    assert!(session.take_troubles()[0].message.contains("was refused"));
+}
+
+const CONDITIONS: &[&str] = &[
+    "(x uav > 1)",
+    "(:episode (x uav) :quality (:max-gap 2s) :value (> 0) :timing (:duration (>= 3s)))",
+    "(:episode (x uav) :quality (:max-gap 2s) :value (> 0) :timing (:duration (<= 2s)))",
+    "(:episode (x ?o) :quality (:no-constraints) :value (> 1) :timing (:duration (> 1s)))",
+    "(:in-order (x uav = 2) (:delay 2s) (y uav = 2))",
+    "(:and (x ?o > 1) (y ?o > 1))",
+    "(:and (x uav = 2) (:not (y uav = 2)))",
+    "(:or (:delay 4s) (:measurement (y uav) :value (= 2) :estimation (:persist :with-timeout 2s)))",
+];
+
+/// All results of all conditions over `samples`; `advances` are instants at which time is advanced in between.
+fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
+    let mut session = MonitorSession::new(Arc::new(Library::default()), HostFunctions::default()).unwrap();
+    for text in CONDITIONS {
+        session.watch(read(text).1, at(1.0)).unwrap();
+    }
+    let mut advances = advances.to_vec();
+    advances.sort_unstable();
+    let mut advances = advances.into_iter().peekable();
+    for (which, value, half_seconds) in samples {
+        // Before the sample's instant: what was handed over must be all of it.
+        while let Some(half) = advances.next_if(|half| half < half_seconds) {
+            session.advance(at(half as f64 / 2.0));
+        }
+        let variable = of(if *which % 2 == 0 { "x" } else { "y" });
+        session.sample(&variable, Value::Integer(i64::from(*value)), at(*half_seconds as f64 / 2.0));
+    }
+    session.advance(at(100.0));
+    session.finish();
+    session.take_results()
+}
+
+proptest! {
+    #[test]
+    fn results_do_not_depend_on_how_often_time_is_advanced(
+        mut samples in prop::collection::vec((0u8..2, 0i8..3, 0i64..40), 0..40),
+        advances in prop::collection::vec(0i64..45, 0..20),
+    ) {
+        samples.sort_by_key(|(_, _, at)| *at);
+        let told = run(&samples, &[]);
+        prop_assert_eq!(&told, &run(&samples, &advances));
+        let recognised = |result: &&MonitorResult| result.telling != Telling::Closed;
+        let sorted = told.iter().filter(recognised).is_sorted_by_key(|result| result.result.recognised_at);
+        prop_assert!(sorted, "out of order: {:?}", told);
+        for (index, result) in told.iter().enumerate() {
+            prop_assert!(!told[index + 1..].contains(result), "told twice: {:?}", result);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! One condition of a session: waiting for its beginning, or at work with its monitor.
+
+use super::scene::World;
+use crate::expression::EvaluationError;
+use crate::monitoring::{self, Stimulus, Telling, Told};
+use apex_model::clause::MonitorId;
+use apex_model::condition::Condition;
+use apex_model::interests::{Interests, Narrowed};
+use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Window};
+use apex_model::time::{Duration, Time};
+use std::sync::Arc;
+
+/// A condition and what is known about it.
+#[derive(Clone, Debug)]
+pub(super) struct Watched {
+    pub(super) condition: Arc<Condition>,
+    pub(super) created_at: Time,
+    /// None until `created_at` has come.
+    pub(super) monitor: Option<Monitor>,
+    told: Told,
+    /// What the monitor must be told of.
+    interests: Vec<Interest>,
+    /// Interests may change: they are about tasks that are not known yet.
+    changing: bool,
+    pub(super) wake: Option<Time>,
+    /// The first result, as it was recognised.
+    pub(super) first: Option<Satisfaction>,
+    pub(super) results: u64,
+}
+
+impl Watched {
+    /// A condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
+    pub(super) fn new(condition: Condition, created_at: Time, world: &World) -> Result<Watched, EvaluationError> {
+        let mut watched = Watched {
+            condition: Arc::new(condition),
+            created_at,
+            monitor: None,
+            told: Told::default(),
+            interests: Vec::new(),
+            changing: false,
+            wake: None,
+            first: None,
+            results: 0,
+        };
+        watched.begin(world)?;
+        if created_at > world.now {
+            watched.monitor = None;
+        }
+        Ok(watched)
+    }
+
+    /// Makes the monitor and looks back over what is remembered since the condition's beginning.
+    pub(super) fn begin(&mut self, world: &World) -> Result<(), EvaluationError> {
+        let window = Window::from(self.created_at);
+        let monitor = monitoring::create_keeping(&self.condition, window, Keep::Every, world)?;
+        self.interests = monitoring::interests(&monitor);
+        self.changing = self.interests.iter().any(|each| matches!(each, Interest::Task(_) | Interest::AnyTask));
+        self.monitor = Some(monitor);
+        Ok(())
+    }
+
+    pub(super) fn notice(&mut self, stimulus: &Stimulus, world: &World) {
+        if let Some(monitor) = &mut self.monitor {
+            monitoring::notice(monitor, stimulus, world);
+        }
+    }
+
+    /// What is new, after everything of the instant was noticed.
+    pub(super) fn harvest(&mut self, lateness: Duration, world: &World) -> Vec<Telling> {
+        match &mut self.monitor {
+            Some(monitor) => monitoring::harvest(monitor, &mut self.told, lateness, world),
+            None => Vec::new(),
+        }
+    }
+
+    /// Results whose intervals still grew, as they stand at the end of everything.
+    pub(super) fn finish(&mut self, world: &World) -> Vec<Telling> {
+        match &self.monitor {
+            Some(monitor) => monitoring::finish(monitor, &mut self.told, world),
+            None => Vec::new(),
+        }
+    }
+
+    pub(super) fn next_wake(&self) -> Option<Time> {
+        match &self.monitor {
+            Some(monitor) => monitoring::next_wake(monitor).map(|(at, _)| at),
+            None => Some(self.created_at),
+        }
+    }
+
+    pub(super) fn file(&self, interests: &mut Interests, id: MonitorId) {
+        let narrowed = self.narrowed();
+        self.interests.iter().for_each(|interest| interests.insert(interest, narrowed, id));
+    }
+
+    pub(super) fn take_out(&self, interests: &mut Interests, id: MonitorId) {
+        let narrowed = self.narrowed();
+        self.interests.iter().for_each(|interest| interests.remove(interest, narrowed, id));
+    }
+
+    /// A single comparison need not see the samples that cannot satisfy it.
+    fn narrowed(&self) -> Narrowed<'static> {
+        let threshold = self.monitor.as_ref().and_then(monitoring::threshold);
+        Narrowed { second: None, threshold }
+    }
+
+    /// A verdict may have found out which task is meant: the monitor is filed for that one.
+    pub(super) fn refile(&mut self, interests: &mut Interests, id: MonitorId) {
+        let Some(monitor) = self.monitor.as_ref().filter(|_| self.changing) else { return };
+        let wanted = monitoring::interests(monitor);
+        if wanted != self.interests {
+            self.take_out(interests, id);
+            self.interests = wanted;
+            self.file(interests, id);
+        }
+    }
+}
