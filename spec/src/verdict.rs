@@ -1,4 +1,4 @@
-//! A whole page: every `trace`, `why` and `check` block against what really happens.
+//! A whole page: every `trace`, `why`, `check` and `memory` block against what really happens.
 
 use crate::diff;
 use crate::page::{self, Block};
@@ -32,7 +32,7 @@ pub fn judge(text: &str) -> Verdict {
         }
     }
     if compared == 0 {
-        differences.push_str("  the page compares nothing: it needs a `trace`, `why` or `check` block\n");
+        differences.push_str("  the page compares nothing: it needs a `trace`, `why`, `check` or `memory` block\n");
     }
     if differences.is_empty() { Verdict::Holds } else { Verdict::Differs(differences) }
 }
@@ -66,6 +66,7 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
             "trace" => scenario::run(&scenario).map(|told| told.text()),
             word @ ("why" | "why-not") => question::answer(&scenario, word, &block.argument),
             "check" => Ok(scenario::messages(&scenario::check(&scenario))),
+            "memory" => Ok(apex_executive::memory::report(&scenario::check(&scenario).library)),
             other => Err(format!("a page has no blocks of kind `{other}`")),
         };
         (block, actual)

@@ -59,7 +59,10 @@ pub struct CheckOptions {
     /// The files are pieces of a larger application: undefined names are notes.
     #[arg(long)]
     pub fragment: bool,
-    /// Print diagnostics as JSON, one object a line.
+    /// Print how far back the clauses look, what is kept because of them, and which have no bound.
+    #[arg(long, conflicts_with = "fix")]
+    pub memory: bool,
+    /// Print diagnostics (and with `--memory` what is kept) as JSON, one object a line.
     #[arg(long)]
     pub json: bool,
 }

@@ -43,6 +43,22 @@ fn json_names_every_part_of_a_diagnostic() {
 }
 
 #[test]
+fn memory_is_told_in_samples_and_clauses_without_bound_are_named() {
+    let desk = Desk::new();
+    let text = "(state-variable (roll ?a) :unit deg :rate 50)\n(procedure (index (do-domain))\n  (step a (print (mean-over 'roll 'uav P10S) (value-at 'pitch 'uav ?when)) (waitfor (asked ?when))))\n";
+    desk.write("a.pdl", text);
+    let said = desk.apex(&["check", "--memory", "a.pdl"]).well();
+    said.told(&[
+        "roll: the last P10S at 50 a second; at most 502 samples",
+        "without bound, up to the limit of 72000: a.pdl:3:46: (value-at pitch uav ?when)",
+        "write instead: a window such as `P10M`",
+    ]);
+    let lines = desk.apex(&["check", "--memory", "--json", "a.pdl"]).well().json_lines();
+    assert!(lines.iter().any(|line| line["keeps"] == "roll" && line["count_max"] == 502), "{lines:?}");
+    assert!(lines.iter().any(|line| line["keeps"] == "pitch" && line["bounded"] == false), "{lines:?}");
+}
+
+#[test]
 fn json_names_the_edits_of_a_fix_in_bytes() {
     let desk = Desk::new();
     desk.write("a.pdl", "; größe\n(primitive (index (a)) (on-start (prnt 1)))\n");

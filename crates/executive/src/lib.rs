@@ -17,6 +17,7 @@ mod test_support;
 mod view;
 
 pub mod explanation;
+pub mod memory;
 pub mod planted;
 
 pub use apex_model::agent::Agent;

@@ -4,6 +4,7 @@ use super::fix;
 use crate::options::CheckOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
+use apex_executive::memory;
 use apex_pdl::{Checked, Fix, Severity, TextEdit};
 use std::io::IsTerminal;
 
@@ -17,6 +18,9 @@ pub fn run(options: &CheckOptions) -> Outcome {
         let checked = sources::check_program(file, options.fragment)?;
         wrong |= checked.has_errors();
         print(&checked, options.json)?;
+        if options.memory {
+            memory(&checked, options.json)?;
+        }
         if !options.json {
             output::print_line(format_args!("{}: {}", sources::program_path(file).display(), summary(&checked)))?;
             if let Some(serious) = checked.diagnostics.iter().find(|each| each.severity != Severity::Note) {
@@ -34,6 +38,34 @@ pub fn print(checked: &Checked, json: bool) -> Outcome {
     }
     let color = std::io::stdout().is_terminal();
     output::print(apex_pdl::render(&checked.diagnostics, &checked.library.sources, color))
+}
+
+/// What is kept, and because of which clauses.
+fn memory(checked: &Checked, json: bool) -> Outcome {
+    let library = &checked.library;
+    if !json {
+        return output::print(memory::report(library));
+    }
+    for kept in memory::kept(library) {
+        output::print_line(serde_json::json!({
+            "keeps": kept.subject.to_string(),
+            "span_s": kept.span.map(|span| span.seconds()),
+            "count_max": kept.count,
+            "bytes_max": kept.bytes,
+            "rate_per_s": kept.rate_per_s,
+        }))?;
+    }
+    for demand in memory::demands(library) {
+        output::print_line(serde_json::json!({
+            "because_of": demand.text,
+            "place": library.describe_place(demand.place),
+            "keeps": demand.subject.to_string(),
+            "bounded": !demand.is_unbounded(),
+            "reason": demand.reason(),
+            "help": demand.help(),
+        }))?;
+    }
+    Ok(())
 }
 
 /// What was found, counted: `3 procedures, 1 primitive, 0 errors, 0 warnings, 0 notes`.

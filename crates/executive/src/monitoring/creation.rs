@@ -9,7 +9,7 @@
 
 use super::specificity::variables;
 use super::time_conditions::Kind;
-use super::{Troubles, episode, event, measurement, task_state, time_conditions};
+use super::{Troubles, episode, event, measurement, reach, task_state, time_conditions};
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
 use apex_model::expression::{Expr, ExprKind};
@@ -44,10 +44,16 @@ pub(super) fn tree(
 fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
     let mut window = role.window;
     let whole_past = Window { start: Time::BEGINNING, ..role.window };
+    // Where an earliest time is written out, older evidence cannot count, and need not be remembered.
+    let past = |limits: &mut dyn Iterator<Item = &Constraint>| {
+        let limits: Vec<Constraint> = limits.cloned().collect();
+        let span = reach::of_constraints(&limits, surroundings.library());
+        Window { start: span.map_or(Time::BEGINNING, |span| surroundings.now() - span), ..role.window }
+    };
     let kind = match &condition.kind {
         ConditionKind::Measurement(measurement) => {
             if !measurement.timestamp.is_empty() {
-                window = whole_past;
+                window = past(&mut measurement.timestamp.iter());
             }
             PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?))
         }
@@ -59,7 +65,7 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
         }
         ConditionKind::Event { pattern, timing } => {
             if !timing.start.is_empty() || !timing.end.is_empty() {
-                window = whole_past;
+                window = past(&mut timing.start.iter().chain(&timing.end));
             }
             let (pattern, timing) = (Arc::clone(pattern), Arc::clone(timing));
             PartKind::Event(Box::new(EventPart { pattern, timing, blind: false, settled: Vec::new() }))

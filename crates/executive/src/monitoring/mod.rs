@@ -14,6 +14,7 @@ mod measurement;
 pub(crate) mod pattern_matching;
 pub(crate) mod plain_episode;
 mod quick_runs;
+mod reach;
 mod retention;
 mod runs;
 mod samples;
@@ -26,7 +27,7 @@ mod unmet;
 
 pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
-pub(crate) use retention::{prepare, prepare_condition};
+pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
 
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::condition::Condition;

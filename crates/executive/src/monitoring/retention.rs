@@ -2,50 +2,120 @@
 //! What: how far back conditions and queries of a library look, so that histories are long enough by construction.
 //! Runs: once, when an agent is loaded.
 //! Reads: library.
-//! Writes: histories.
+//! Writes: histories, by the demands that `apex check --memory` prints.
 //! Bound: linear in the library.
 //! PDL: `:timestamp`, `:timing`, `value-at`, `mean-over`, .., `:lateness`.
 //! Paper: section IV, policies on logged data quantity.
 
+use super::reach;
+use crate::control::selection::head;
+use crate::explanation::words;
+use crate::expression::arithmetic::duration;
 use crate::expression::history_queries::QUERIES;
+use crate::memory::{Demand, Reach, Subject, Why};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::history::Histories;
 use apex_model::index::ProcedureIndex;
-use apex_model::library::Library;
+use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
-use apex_model::procedure::{Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions};
+use apex_model::procedure::{
+    Activity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions,
+};
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// Prepares `histories` for `library`: how far back its conditions and queries look, and how late samples may come.
+/// Prepares `histories` for `library`: how far back its conditions and queries look.
 pub(crate) fn prepare(histories: &mut Histories, library: &Library) {
-    for (attribute, declaration) in &library.state_variables {
-        let late = |value: &Value| !matches!(value, Value::Integer(0)) && *value != Value::Duration(Duration::ZERO);
-        // A late sample makes monitors look back over their whole window.
-        if declaration.lateness.as_ref().is_some_and(late) {
-            histories.require_lookback(attribute, Duration::MAX);
+    obey(histories, demands(library));
+}
+
+fn obey(histories: &mut Histories, demands: Vec<Demand>) {
+    for demand in demands {
+        let lookback = match demand.reach {
+            Reach::Span(span) => span,
+            Reach::Unbounded => Duration::MAX,
+            // A log is opened by its procedure, for as long as that is at work.
+            Reach::Log { .. } => continue,
+        };
+        match &demand.subject {
+            Subject::Attribute(attribute) => histories.require_lookback(attribute, lookback),
+            Subject::EveryAttribute => histories.require_lookback_of_all(lookback),
+            Subject::Messages => histories.require_event_lookback(lookback),
         }
     }
-    let mut survey = Survey { histories };
+}
+
+/// How late samples of the variable may come.
+pub(crate) fn lateness(declaration: &StateVariableDeclaration) -> Option<Duration> {
+    let late = declaration.lateness.as_ref().and_then(|value| duration(value).ok());
+    late.filter(|late| *late > Duration::ZERO)
+}
+
+/// What each clause of `library` needs of the past, in the order of definitions.
+pub(crate) fn demands(library: &Library) -> Vec<Demand> {
+    let mut survey = Survey { library, demands: Vec::new() };
+    for (attribute, declaration) in &library.state_variables {
+        if let Some(late) = lateness(declaration) {
+            let text = format!("(state-variable ({attribute} ..) :lateness {late})");
+            survey.demand(
+                Subject::Attribute(attribute.clone()),
+                Reach::Unbounded,
+                Why::Lateness,
+                text,
+                declaration.place,
+            );
+        }
+    }
     library.procedures.iter().for_each(|procedure| survey.procedure(procedure));
     library.primitives.iter().for_each(|primitive| survey.primitive(primitive));
     library.indexicals.values().for_each(|expr| survey.expr(expr));
     library.functions.values().for_each(|function| survey.exprs(&function.body));
+    survey.demands
 }
 
 /// Prepares `histories` for one more condition.
-pub(crate) fn prepare_condition(histories: &mut Histories, condition: &Condition) {
-    Survey { histories }.condition(condition);
+pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
+    let mut survey = Survey { library, demands: Vec::new() };
+    survey.condition(condition);
+    obey(histories, survey.demands);
 }
 
 /// Walks through definitions and notes what looks back.
 struct Survey<'a> {
-    histories: &'a mut Histories,
+    library: &'a Library,
+    demands: Vec<Demand>,
 }
 
 impl Survey<'_> {
+    fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: String, place: Place) {
+        self.demands.push(Demand { subject, reach, why, text, place });
+    }
+
+    /// The reach of constraints on time, which without an earliest time written out has no bound.
+    fn times(&mut self, subject: Subject, constraints: &[Constraint], why: Why, text: String, place: Place) {
+        match reach::of_constraints(constraints, self.library) {
+            Some(span) => self.demand(subject, Reach::Span(span), Why::Window, text, place),
+            None => self.demand(subject, Reach::Unbounded, why, text, place),
+        }
+    }
+
+    fn log(&mut self, policy: &LogPolicy, place: Place) {
+        let head = match &policy.variable {
+            Template::Constant(form) => head(form).cloned(),
+            Template::List(parts) => match parts.first() {
+                Some(Template::Constant(Value::Symbol(name))) => Some(name.clone()),
+                _ => None,
+            },
+            Template::Hole(_) | Template::Splice(_) => None,
+        };
+        let reach = Reach::Log { time: policy.time_limit, count: policy.count_limit };
+        let text = format!("(log {})", words::template(&policy.variable));
+        self.demand(head.map_or(Subject::EveryAttribute, Subject::Attribute), reach, Why::Log, text, place);
+    }
+
     fn procedure(&mut self, procedure: &Procedure) {
         self.pattern(&procedure.index);
         self.all(procedure.expected_duration.iter().chain(&procedure.interrupt_cost));
@@ -55,6 +125,7 @@ impl Survey<'_> {
             self.template(&need.resource);
             self.all(&need.amount);
         });
+        procedure.log.iter().for_each(|policy| self.log(policy, procedure.place));
         procedure.steps.iter().for_each(|step| self.step(step));
         let index = ProcedureIndex::new(procedure);
         for (step, known) in procedure.steps.iter().zip(&index.steps) {
@@ -68,12 +139,19 @@ impl Survey<'_> {
     /// everything that it could mean is kept.
     fn since_creation(&mut self, condition: &Condition) {
         match &condition.kind {
-            ConditionKind::Event { .. } => self.histories.require_event_lookback(Duration::MAX),
+            ConditionKind::Event { pattern, timing } => {
+                let text = words::event(pattern, timing);
+                self.demand(Subject::Messages, Reach::Unbounded, Why::SinceCreation, text, condition.place);
+            }
             ConditionKind::Measurement(measurement) => {
-                self.histories.require_lookback(&measurement.variable.attribute, Duration::MAX);
+                let subject = Subject::Attribute(measurement.variable.attribute.clone());
+                let text = words::measurement(measurement);
+                self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Episode(episode) => {
-                self.histories.require_lookback(&episode.variable.attribute, Duration::MAX);
+                let subject = Subject::Attribute(episode.variable.attribute.clone());
+                let text = words::episode(episode);
+                self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::And(parts, _)
             | ConditionKind::Or(parts, _)
@@ -152,7 +230,9 @@ impl Survey<'_> {
         match &condition.kind {
             ConditionKind::Measurement(measurement) => {
                 if !measurement.timestamp.is_empty() {
-                    self.histories.require_lookback(&measurement.variable.attribute, Duration::MAX);
+                    let subject = Subject::Attribute(measurement.variable.attribute.clone());
+                    let text = words::measurement(measurement);
+                    self.times(subject, &measurement.timestamp, Why::AnyTime, text, condition.place);
                 }
                 self.pattern(&measurement.variable.object);
                 [&measurement.value, &measurement.object, &measurement.timestamp]
@@ -166,7 +246,10 @@ impl Survey<'_> {
             }
             ConditionKind::Episode(episode) => {
                 if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
-                    self.histories.require_lookback(&episode.variable.attribute, Duration::MAX);
+                    let subject = Subject::Attribute(episode.variable.attribute.clone());
+                    let text = words::episode(episode);
+                    // A run is judged by its own start, which may lie before every limit.
+                    self.demand(subject, Reach::Unbounded, Why::EpisodeTimes, text, condition.place);
                 }
                 if let Quality::MaximumGap(gap) = &episode.quality {
                     self.expr(gap);
@@ -180,7 +263,9 @@ impl Survey<'_> {
             }
             ConditionKind::Event { pattern, timing } => {
                 if !timing.start.is_empty() || !timing.end.is_empty() {
-                    self.histories.require_event_lookback(Duration::MAX);
+                    let limits: Vec<Constraint> = timing.start.iter().chain(&timing.end).cloned().collect();
+                    let text = words::event(pattern, timing);
+                    self.times(Subject::Messages, &limits, Why::EventTimes, text, condition.place);
                 }
                 self.pattern(pattern);
                 self.timing(timing);
@@ -205,7 +290,9 @@ impl Survey<'_> {
             }
             ConditionKind::Function(expr) => self.expr(expr),
             ConditionKind::Cyclic { variable, options } => {
-                self.histories.require_lookback(&variable.attribute, Duration::MAX);
+                let subject = Subject::Attribute(variable.attribute.clone());
+                let text = format!("(:cyclic ({} ..))", variable.attribute);
+                self.demand(subject, Reach::Unbounded, Why::Cycles, text, condition.place);
                 options.iter().for_each(|(_, constraints)| self.constraints(constraints));
             }
         }
@@ -264,10 +351,10 @@ impl Survey<'_> {
     fn expr(&mut self, expr: &Expr) {
         match &expr.kind {
             ExprKind::Call { function, arguments } => {
-                self.query(function, arguments);
+                self.query(function, arguments, words::expression(expr), expr.place);
                 self.exprs(arguments);
             }
-            ExprKind::FunctionName(function) => self.query(function, &[]),
+            ExprKind::FunctionName(function) => self.query(function, &[], words::expression(expr), expr.place),
             ExprKind::If(test, then, otherwise) => self.all([&**test, &**then].into_iter().chain(otherwise.as_deref())),
             ExprKind::Cond(clauses) => clauses.iter().for_each(|(test, forms)| {
                 self.expr(test);
@@ -297,21 +384,31 @@ impl Survey<'_> {
     }
 
     /// A query of a history looks back as far as its window; as far as possible when that is not written out.
-    fn query(&mut self, function: &Symbol, arguments: &[Expr]) {
+    fn query(&mut self, function: &Symbol, arguments: &[Expr], text: String, place: Place) {
         if !QUERIES.contains(&function.folded()) {
             return;
         }
-        let constant = |index: usize| match arguments.get(index).map(|argument| &argument.kind) {
-            Some(ExprKind::Constant(value)) => Some(value),
+        let asked = match (function.folded(), arguments) {
+            ("most-recent-svvalue", [_, _]) => Some(Duration::ZERO),
+            ("most-recent-svvalue", [_, _, _, prior_to]) => reach::before_now(prior_to, self.library),
+            ("mean-over" | "min-over" | "max-over" | "samples-over", [_, _, window]) => {
+                reach::duration(window, self.library).or_else(|| reach::before_now(window, self.library))
+            }
+            (_, [_, _, instant] | [_, _, instant, _]) => reach::before_now(instant, self.library),
             _ => None,
         };
-        let lookback = match (constant(2), arguments.len()) {
-            (Some(Value::Duration(window)), 3) => *window,
-            _ => Duration::MAX,
+        let (reach, why) = match asked {
+            Some(span) => (Reach::Span(span), Why::Window),
+            None => (Reach::Unbounded, Why::QueryTime),
         };
-        match constant(0) {
-            Some(Value::Symbol(attribute)) => self.histories.require_lookback(attribute, lookback),
-            _ => self.histories.require_lookback_of_all(lookback),
+        match arguments.first().map(|argument| &argument.kind) {
+            Some(ExprKind::Constant(Value::Symbol(attribute))) => {
+                self.demand(Subject::Attribute(attribute.clone()), reach, why, text, place);
+            }
+            _ if reach == Reach::Unbounded => {
+                self.demand(Subject::EveryAttribute, reach, Why::QueryVariable, text, place)
+            }
+            _ => self.demand(Subject::EveryAttribute, reach, why, text, place),
         }
     }
 }

@@ -166,7 +166,8 @@ impl MonitorSession {
     /// What is wrong and where, when an expression that must be known now (a duration, a gap) has no value.
     pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionTrouble> {
         self.end_instant();
-        monitoring::prepare_condition(&mut self.world.histories, &condition);
+        let World { histories, library, .. } = &mut self.world;
+        monitoring::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
         let watched = Watched::new(condition, created_at, &self.world).map_err(|error| SessionTrouble {
             watch: None,
