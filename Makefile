@@ -18,8 +18,8 @@ FLIGHTS := $(TARGET)/flights
 RECORD ?= $(MISSION).apex
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web bench spec sim nightly clean
-.PHONY: rust-lints rust-tests web-checks web-tests flights page-tests chromium
+.PHONY: help build fly test check web python bench spec sim nightly clean
+.PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 18
@@ -32,12 +32,13 @@ fly: build ## Fly MISSION=western-states and record it; OPEN=1 then shows it in 
 	@if [ -n "$(OPEN)" ]; then $(APEX) serve $(RECORD) --open; \
 	else echo "Look at it: $(APEX) serve $(RECORD)   or ask: $(APEX) trace $(RECORD) --type transition"; fi
 
-check: rust-lints web-checks ## Format, lints, house rules; nothing is run.
+check: rust-lints web-checks python-checks ## Format, lints, house rules; nothing is run.
 
-test: ## Everything that CI runs: check, tests, spec pages, flights with replay, the page in a browser.
+test: ## Everything that CI runs: check, tests, spec pages, the Python package, flights with replay, the page in a browser.
 	$(MAKE) web
 	$(MAKE) --jobs=2 --output-sync=target rust-lints web-checks web-tests
 	$(MAKE) rust-tests
+	$(MAKE) python-checks python-tests
 	$(MAKE) flights
 	$(MAKE) page-tests
 
@@ -62,6 +63,8 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 
 web: web/dist/index.html ## Build the web page.
 
+python: .venv/.apex ## Build the Python package into .venv: .venv/bin/python -c "import apex_autonomy".
+
 clean: ## Remove everything that was built.
 	rm -rf $(TARGET) web/dist web/node_modules web/test-results
 
@@ -71,6 +74,23 @@ clean: ## Remove everything that was built.
 	python3 -m venv .venv
 	.venv/bin/pip install --quiet --requirement $<
 	touch $@
+
+.venv/.tools: python/requirements.txt
+	python3 -m venv .venv
+	.venv/bin/pip install --quiet --requirement $<
+	touch $@
+
+# Cargo knows whether anything has changed; maturin installs what is there.
+.PHONY: .venv/.apex
+.venv/.apex: .venv/.tools
+	.venv/bin/maturin develop --quiet --locked $(CI_PROFILE) --manifest-path python/Cargo.toml
+
+python-checks: .venv/.apex
+	cd python && ../.venv/bin/ruff format --check --quiet . && ../.venv/bin/ruff check --quiet .
+	cd python && ../.venv/bin/mypy apex_autonomy && ../.venv/bin/python -m mypy.stubtest apex_autonomy._apex
+
+python-tests: .venv/.apex
+	cd python && ../.venv/bin/pytest
 
 web/node_modules/.installed: web/package.json web/package-lock.json
 	cd web && npm ci --no-audit --no-fund --loglevel=error

@@ -101,15 +101,8 @@ pub fn run_observed(
 
 /// Checks a page's program; shipped libraries and the page's files are found.
 pub fn check(scenario: &Scenario) -> Checked {
-    let host: Vec<HostSignature> = apex_geo::functions::host_signatures()
-        .into_iter()
-        .map(|(name, parameters_min, parameters_max)| HostSignature {
-            name: name.to_string(),
-            parameters_min,
-            parameters_max,
-            pure: true,
-        })
-        .collect();
+    let host: Vec<HostSignature> =
+        apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect();
     let source = SourceText { name: PROGRAM_NAME.to_string(), text: scenario.pdl.clone() };
     let mut resolve = |requirement| resolve(requirement, &scenario.files);
     apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &host, resolve: &mut resolve })

@@ -22,15 +22,7 @@ struct Shipped;
 
 /// Signatures of the functions that the command registers for PDL.
 pub fn host_signatures() -> Vec<HostSignature> {
-    apex_geo::functions::host_signatures()
-        .into_iter()
-        .map(|(name, parameters_min, parameters_max)| HostSignature {
-            name: name.to_string(),
-            parameters_min,
-            parameters_max,
-            pure: true,
-        })
-        .collect()
+    apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect()
 }
 
 /// The functions that the command registers for PDL.

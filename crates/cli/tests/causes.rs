@@ -36,13 +36,8 @@ fn library(reader: &RecordReader) -> Library {
         name: source.name.to_string(),
         text: source.text.to_string(),
     };
-    let signature = |(name, parameters_min, parameters_max): (&str, _, _)| HostSignature {
-        name: name.to_string(),
-        parameters_min,
-        parameters_max,
-        pure: true,
-    };
-    let host: Vec<HostSignature> = apex_geo::functions::host_signatures().into_iter().map(signature).collect();
+    let host: Vec<HostSignature> =
+        apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect();
     let mut resolve = |requirement: Requirement| {
         let wanted = match requirement {
             Requirement::File { name, .. } => name,

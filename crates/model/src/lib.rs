@@ -22,6 +22,7 @@ pub mod estimate;
 pub mod event;
 pub mod evidence_list;
 pub mod expression;
+mod ground;
 pub mod history;
 mod history_table;
 pub mod host;

@@ -25,6 +25,13 @@ pub struct SourceText {
     pub text: String,
 }
 
+impl HostSignature {
+    /// A pure function called `name` of `parameters_min` to `parameters_max` arguments.
+    pub fn pure((name, parameters_min, parameters_max): (&str, usize, Option<usize>)) -> HostSignature {
+        HostSignature { name: name.to_string(), parameters_min, parameters_max, pure: true }
+    }
+}
+
 /// A text that another text needs.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Requirement {

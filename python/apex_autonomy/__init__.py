@@ -1,0 +1,47 @@
+"""Apex, the autonomy executive, for Python.
+
+A :class:`Monitor` watches one condition of PDL over samples and messages, and tells every way in which it comes true:
+
+>>> from apex_autonomy import Monitor
+>>> monitor = Monitor("(rssi modem < 20)")
+>>> monitor.push(12.5, 17)[0].start_s
+12.5
+
+Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing is decided here.
+"""
+
+from apex_autonomy._apex import (
+    ApexError,
+    ConditionError,
+    Evidence,
+    InputError,
+    Interval,
+    Judgement,
+    Quantity,
+    Reason,
+    Result,
+    Results,
+    Symbol,
+    Variable,
+    __version__,
+)
+from apex_autonomy.monitor import Monitor
+from apex_autonomy.tables import to_arrow
+
+__all__ = [
+    "ApexError",
+    "ConditionError",
+    "Evidence",
+    "InputError",
+    "Interval",
+    "Judgement",
+    "Monitor",
+    "Quantity",
+    "Reason",
+    "Result",
+    "Results",
+    "Symbol",
+    "Variable",
+    "__version__",
+    "to_arrow",
+]

@@ -1,0 +1,329 @@
+"""Monitors: conditions of PDL over samples and messages."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from apex_autonomy._apex import InputError, Judgement, Results, Session, Variable, instant_ns
+
+#: Seconds as a number, or a value with a unit of its own.
+Instant = float | int | np.timedelta64 | np.datetime64 | timedelta
+
+
+class Monitor:
+    """Watches one condition.
+
+    Samples and messages are handed over with their instants: seconds as a number, or ``numpy.timedelta64``,
+    ``numpy.datetime64`` or ``datetime.timedelta``, which are exact to the nanosecond. All that has one instant is one
+    step: what a call returns are the results of the instants that are over, so a result of the newest instant comes
+    with the next call, :meth:`advance` or :meth:`finish` - except from :meth:`push`, which takes its instant to be
+    complete.
+
+    Parameters
+    ----------
+    condition : str
+        A condition of PDL, for example ``"(altitude uav > 400ft)"``.
+    library : str or pathlib.Path, optional
+        Declarations of state variables, functions and constants that the condition is read with: PDL as text, or the
+        path of a file.
+    created : Instant, optional
+        The instant from which on evidence counts, as if the task that waits for the condition were created then. By
+        default everything counts.
+
+    Raises
+    ------
+    ConditionError
+        The condition or the library is wrong; the text says where, why and what to do.
+    OSError
+        The library's file cannot be read.
+
+    Warns
+    -----
+    UserWarning
+        For what ``apex check`` warns about.
+
+    Examples
+    --------
+    A roll angle that stays above 15 degrees for two seconds, in samples not more than one second apart:
+
+    >>> import numpy as np
+    >>> from apex_autonomy import Monitor
+    >>> monitor = Monitor(
+    ...     "(:episode (roll-angle uav) :quality (:max-gap 1s) :value (> 15) :timing (:duration (>= 2s)))"
+    ... )
+    >>> t = np.arange(0.0, 10.0, 0.5)
+    >>> results = monitor.extend(t, np.where((t >= 3) & (t < 7), 20.0, 0.0))
+    >>> [(result.start_s, result.recognised_at_s, result.open) for result in results]
+    [(3.0, 5.0, True), (3.0, 5.0, False)]
+    >>> results[1].end_s
+    6.5
+    >>> print(results[1])
+    (roll-angle uav) from 3s to 6.5s, 8 samples
+    """
+
+    def __init__(self, condition: str, *, library: str | Path | None = None, created: Instant | None = None) -> None:
+        source = folder = None
+        if isinstance(library, Path):
+            source, folder = (str(library), library.read_text(encoding="utf-8")), library.parent
+        elif library is not None:
+            source = ("the library", library)
+        created_ns = None if created is None else instant_ns(created)
+        self._session = Session(condition, library=source, folder=folder, created_ns=created_ns)
+        self._condition = condition
+        if self._session.warnings:
+            warnings.warn(self._session.warnings, UserWarning, stacklevel=2)
+
+    @property
+    def condition(self) -> str:
+        """The condition's text."""
+        return self._condition
+
+    @property
+    def variables(self) -> list[Variable]:
+        """The state variables that the condition names together with their objects.
+
+        Examples
+        --------
+        >>> Monitor("(:and (a x > 1) (b x > 2))").variables
+        [Variable("(a x)"), Variable("(b x)")]
+        """
+        return self._session.variables
+
+    @property
+    def now_ns(self) -> int | None:
+        """The newest instant, in nanoseconds; None before the first."""
+        return self._session.now_ns
+
+    def push(self, t: Instant, value: Any, *, variable: str | Variable | None = None) -> Results:
+        """Hand over one sample, the last of its instant.
+
+        Parameters
+        ----------
+        t : Instant
+            When it was measured. Earlier than others is late: it counts within the ``:lateness`` of its variable.
+        value : object
+            A number (in the declared unit, if one is declared), ``bool``, ``str``, :class:`Symbol`, :class:`Quantity`,
+            ``numpy.timedelta64`` or a list of such. None and not-a-number are missing measurements.
+        variable : str or Variable, optional
+            What was measured, ``"(altitude uav)"``. Not needed where the condition names one variable.
+
+        Returns
+        -------
+        Results
+            What has become known.
+
+        Raises
+        ------
+        InputError
+            The value, the instant or the variable cannot be used.
+
+        Examples
+        --------
+        >>> monitor = Monitor("(mode uav = auto)")
+        >>> from apex_autonomy import Symbol
+        >>> monitor.push(1, Symbol("manual"))
+        <0 results>
+        >>> monitor.push(2, Symbol("AUTO"))
+        <1 result>
+        """
+        self._session.sample(self._variable(variable), value, t)
+        self._session.advance(t)
+        return self._take()
+
+    def extend(self, t: npt.ArrayLike, values: npt.ArrayLike, *, variable: str | Variable | None = None) -> Results:
+        """Hand over many samples of one variable.
+
+        Parameters
+        ----------
+        t : array_like, shape (n,)
+            Instants: seconds as float64, or ``timedelta64`` / ``datetime64``.
+        values : array_like, shape (n,)
+            Numbers, in the declared unit if one is declared; not-a-number is a missing measurement.
+        variable : str or Variable, optional
+            As in :meth:`push`.
+
+        Returns
+        -------
+        Results
+            What has become known at the instants that are over. The interpreter's lock is released meanwhile.
+
+        Raises
+        ------
+        InputError
+            The arrays differ in length or have more than one dimension; an instant is not a number.
+
+        Examples
+        --------
+        >>> monitor = Monitor("(rssi modem < 20)")
+        >>> monitor.extend([0.0, 0.5, 1.0], [30.0, 18.0, 16.0]).column("start_ns")
+        array([500000000])
+        >>> monitor.finish().column("start_ns")
+        array([1000000000])
+        """
+        instants, numbers = _nanoseconds(np.asarray(t)), np.ascontiguousarray(values, dtype=np.float64)
+        if instants.ndim != 1 or numbers.ndim != 1:
+            raise InputError(f"instants have {instants.ndim} dimensions, values {numbers.ndim}; one each is expected")
+        self._session.samples(self._variable(variable), instants, numbers)
+        return self._take()
+
+    def event(self, t: Instant, form: str | Sequence[Any]) -> Results:
+        """Hand over a message, the last of its instant.
+
+        Parameters
+        ----------
+        t : Instant
+            When it came.
+        form : str or list
+            The message as PDL, ``"(ready camera-1)"``, or as a list of values.
+
+        Returns
+        -------
+        Results
+            What has become known.
+
+        Raises
+        ------
+        InputError
+            The form or the instant cannot be used.
+
+        Examples
+        --------
+        >>> results = Monitor("(ready ?who)").event(3, "(ready camera-1)")
+        >>> results[0].bindings
+        {'who': Symbol("camera-1")}
+        """
+        self._session.event(form, t)
+        self._session.advance(t)
+        return self._take()
+
+    def advance(self, t: Instant) -> Results:
+        """Let time come to ``t``; everything up to and with it was handed over.
+
+        Parameters
+        ----------
+        t : Instant
+            The instant.
+
+        Returns
+        -------
+        Results
+            What has become known, also by time alone.
+
+        Examples
+        --------
+        >>> monitor = Monitor("(:episode (a x) :quality (:max-gap 5s) :value (> 1) :timing (:duration (>= 2s)))")
+        >>> monitor.push(0, 7)
+        <0 results>
+        >>> monitor.advance(4)[0].recognised_at_s
+        2.0
+        """
+        self._session.advance(t)
+        return self._take()
+
+    def finish(self) -> Results:
+        """End the input: the newest instant is over, and runs that go on end here.
+
+        Returns
+        -------
+        Results
+            What has become known.
+        """
+        self._session.finish()
+        return self._take()
+
+    def judgement(self) -> Judgement:
+        """Say what is known about the condition at the newest instant that is over.
+
+        Returns
+        -------
+        Judgement
+            ``verdict``, and the parts that do not hold with the reason of each. ``str()`` puts it into words.
+
+        Examples
+        --------
+        >>> monitor = Monitor("(altitude uav > 100)")
+        >>> monitor.judgement().verdict
+        'not satisfied'
+        >>> monitor.push(1, 60)
+        <0 results>
+        >>> print(monitor.judgement().because[0].now)
+        (altitude uav) = 60, 40 off
+        """
+        return self._session.judgement()
+
+    def counts(self, variable: str | Variable | None = None) -> dict[str, int]:
+        """Count what became of the samples of a variable.
+
+        Parameters
+        ----------
+        variable : str or Variable, optional
+            As in :meth:`push`.
+
+        Returns
+        -------
+        dict
+            ``kept`` samples in the history now; ``late`` ones beyond the variable's ``:lateness``, kept aside;
+            ``replaced`` by another value of the same instant; ``missing`` ones (not a number).
+
+        Examples
+        --------
+        >>> monitor = Monitor("(rssi modem < 20)")
+        >>> _ = monitor.extend([1, 2, 2, 0, 3], [30, 30, 31, 30, float("nan")])
+        >>> counts = monitor.counts()
+        >>> counts["late"], counts["replaced"], counts["missing"]
+        (1, 1, 1)
+        """
+        names = ("kept", "late", "replaced", "missing")
+        return dict(zip(names, self._session.counts(self._variable(variable)), strict=True))
+
+    def troubles(self) -> list[str]:
+        """Take what went wrong since the last call: samples refused or too late, expressions that failed.
+
+        Returns
+        -------
+        list of str
+            A sentence each.
+        """
+        return self._session.take_troubles()
+
+    def __repr__(self) -> str:
+        """Show the condition."""
+        return f"Monitor({self._condition!r})"
+
+    def _take(self) -> Results:
+        return self._session.take_results()
+
+    def _variable(self, variable: str | Variable | None) -> Variable:
+        if isinstance(variable, Variable):
+            return variable
+        if variable is not None:
+            return Variable(variable)
+        known = self._session.variables
+        if len(known) == 1:
+            return known[0]
+        names = " ".join(str(each) for each in known) or "none with its object"
+        raise InputError(f"say which variable was measured: variable=...; the condition names {names}")
+
+
+def _nanoseconds(t: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+    """Convert instants to whole nanoseconds."""
+    if t.dtype.kind in "mM":
+        unit = "timedelta64[ns]" if t.dtype.kind == "m" else "datetime64[ns]"
+        if np.isnat(t).any():
+            raise InputError("an instant is not a time (NaT)")
+        return np.ascontiguousarray(t.astype(unit).astype(np.int64))
+    seconds = t.astype(np.float64)
+    if not np.isfinite(seconds).all():
+        raise InputError("an instant is not a finite number of seconds")
+    if np.abs(seconds).max(initial=0.0) > 9.2e9:
+        raise InputError(
+            "an instant is more than 292 years from the origin: are these nanoseconds? use timedelta64[ns]"
+        )
+    return np.ascontiguousarray(np.rint(seconds * 1e9).astype(np.int64))

@@ -1,0 +1,35 @@
+//! The native half of the Python package `apex_autonomy`: translation only. What is said about arguments and results to
+//! Python's users stands in the package; what a condition means is decided in the executive.
+
+mod errors;
+mod judgement;
+mod results;
+mod session;
+mod source;
+mod values;
+
+use pyo3::prelude::*;
+
+/// Native half of `apex_autonomy`.
+#[pymodule]
+fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<session::Session>()?;
+    module.add_class::<results::Results>()?;
+    module.add_class::<results::Result>()?;
+    module.add_class::<results::Evidence>()?;
+    module.add_class::<judgement::Judgement>()?;
+    module.add_class::<judgement::Reason>()?;
+    module.add_class::<values::Interval>()?;
+    module.add_class::<values::Quantity>()?;
+    module.add_class::<values::Symbol>()?;
+    module.add_class::<values::Variable>()?;
+    module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
+    errors::register(module)
+}
+
+/// Whole nanoseconds of an instant, by the rules of `Monitor`.
+#[pyfunction]
+fn instant_ns(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
+    values::nanoseconds_of(instant)
+}

@@ -1,0 +1,141 @@
+//! One watched condition.
+
+use crate::errors::{ConditionError, input};
+use crate::judgement::Judgement;
+use crate::results::Results;
+use crate::source::{Ready, read};
+use crate::values::{Variable, from_python, nanoseconds_of};
+use apex_executive::MonitorSession;
+use apex_model::clause::MonitorId;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// A condition with the samples and messages that it has seen. `apex_autonomy.Monitor` stands before it.
+#[pyclass(module = "apex_autonomy")]
+pub(crate) struct Session {
+    session: MonitorSession,
+    watch: MonitorId,
+    #[pyo3(get)]
+    warnings: String,
+    /// The state variables that the condition names with their objects.
+    #[pyo3(get)]
+    variables: Vec<Variable>,
+    created_at: Option<Time>,
+}
+
+#[pymethods]
+impl Session {
+    #[new]
+    #[pyo3(signature = (condition, *, library=None, folder=None, created_ns=None))]
+    fn new(
+        condition: &str,
+        library: Option<(String, String)>,
+        folder: Option<PathBuf>,
+        created_ns: Option<i64>,
+    ) -> PyResult<Session> {
+        let Ready { condition, library, host, warnings } = read(condition, library, folder)?;
+        let variables = condition.ground_variables().into_iter().map(Variable).collect();
+        let mut session = MonitorSession::new(library, host).map_err(ConditionError::new_err)?;
+        let created_at = created_ns.map(Time);
+        let watch = session
+            .watch(condition, created_at.unwrap_or(Time::BEGINNING))
+            .map_err(|trouble| ConditionError::new_err(trouble.message))?;
+        Ok(Session { session, watch, warnings, variables, created_at })
+    }
+
+    fn sample(&mut self, variable: &Variable, value: &Bound<'_, PyAny>, at: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (value, at) = (from_python(value)?, nanoseconds_of(at)?);
+        self.session.sample(&variable.0, value, Time(at));
+        Ok(())
+    }
+
+    fn samples(
+        &mut self,
+        python: Python<'_>,
+        variable: &Variable,
+        instants_ns: PyReadonlyArray1<'_, i64>,
+        values: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<()> {
+        let (instants_ns, values) = (instants_ns.as_array(), values.as_array());
+        if instants_ns.len() != values.len() {
+            let message = format!("there are {} instants for {} values", instants_ns.len(), values.len());
+            return Err(input(message));
+        }
+        let session = &mut self.session;
+        python.detach(|| {
+            let instants: Vec<Time> = instants_ns.iter().copied().map(Time).collect();
+            match values.as_slice() {
+                Some(values) => session.samples(&variable.0, &instants, values),
+                None => session.samples(&variable.0, &instants, &values.to_vec()),
+            }
+        });
+        Ok(())
+    }
+
+    fn event(&mut self, form: &Bound<'_, PyAny>, at: &Bound<'_, PyAny>) -> PyResult<()> {
+        // A message is written as PDL: as a string it would be a value that no pattern waits for.
+        let form: Value = match form.extract::<String>() {
+            Ok(text) => apex_pdl::read_value(&text).map_err(|diagnostic| {
+                input(format!("{text:?} is no message: {}; write (WORD ..)", diagnostic.message))
+            })?,
+            Err(_) => from_python(form)?,
+        };
+        self.session.event(form, Time(nanoseconds_of(at)?));
+        Ok(())
+    }
+
+    fn advance(&mut self, python: Python<'_>, now: &Bound<'_, PyAny>) -> PyResult<()> {
+        let now = Time(nanoseconds_of(now)?);
+        let session = &mut self.session;
+        python.detach(|| session.advance(now));
+        Ok(())
+    }
+
+    fn finish(&mut self, python: Python<'_>) {
+        let session = &mut self.session;
+        python.detach(|| session.finish());
+    }
+
+    fn take_results(&mut self) -> Results {
+        Results::new(self.session.take_results())
+    }
+
+    fn take_troubles(&mut self) -> Vec<String> {
+        self.session
+            .take_troubles()
+            .into_iter()
+            .map(|trouble| format!("at {}: {}", trouble.at, trouble.message))
+            .collect()
+    }
+
+    fn judgement(&self) -> PyResult<Judgement> {
+        match self.session.verdict(self.watch) {
+            Some(told) => Ok(Judgement::new(told)),
+            None => Err(ConditionError::new_err("the condition could not be watched; see the troubles")),
+        }
+    }
+
+    /// Samples kept, late, replaced and missing, of one variable.
+    fn counts(&self, variable: &Variable) -> (usize, u64, u64, u64) {
+        match self.session.histories().get(&variable.0) {
+            Some(history) => {
+                (history.samples().len(), history.late_count, history.replaced_count, history.missing_count)
+            }
+            None => (0, 0, 0, 0),
+        }
+    }
+
+    #[getter]
+    fn now_ns(&self) -> Option<i64> {
+        let now = self.session.now();
+        (now != Time::BEGINNING).then_some(now.0)
+    }
+
+    #[getter]
+    fn created_ns(&self) -> Option<i64> {
+        self.created_at.map(|created_at| created_at.0)
+    }
+}

@@ -1,0 +1,301 @@
+//! Values of PDL as values of Python, and back.
+
+use crate::errors::input;
+use apex_model::event::StateVariable;
+use apex_model::quantity::{self, UNITS, unit_named};
+use apex_model::symbol;
+use apex_model::time::{Duration, NANOSECONDS_PER_SECOND, Time};
+use apex_model::value::Value;
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyString, PyTuple};
+
+/// A name of PDL, as against a string: ``Symbol("auto")`` is ``auto``, ``"auto"`` is ``"auto"``.
+///
+/// Symbols are equal in any case.
+///
+/// Parameters
+/// ----------
+/// name : str
+///     The name.
+#[pyclass(frozen, eq, hash, from_py_object, module = "apex_autonomy")]
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Symbol(symbol::Symbol);
+
+#[pymethods]
+impl Symbol {
+    #[new]
+    fn new(name: &str) -> Symbol {
+        Symbol(symbol::Symbol::new(name))
+    }
+
+    /// str: The name as it was written.
+    #[getter]
+    fn name(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Symbol({:?})", self.0.to_string())
+    }
+}
+
+/// A number with its unit.
+///
+/// Parameters
+/// ----------
+/// value : float
+///     The number.
+/// unit : str
+///     A unit of PDL, for example ``"deg"``, ``"kt"``, ``"ft"``.
+///
+/// Raises
+/// ------
+/// InputError
+///     There is no such unit, or it is one of time: use ``numpy.timedelta64``.
+#[pyclass(frozen, from_py_object, module = "apex_autonomy")]
+#[derive(Clone)]
+pub(crate) struct Quantity(quantity::Quantity);
+
+#[pymethods]
+impl Quantity {
+    #[new]
+    fn new(value: f64, unit: &str) -> PyResult<Quantity> {
+        match unit_named(unit) {
+            Some(found) if found.dimension == quantity::Dimension::TIME => {
+                Err(input(format!("{unit} is a unit of time: hand over a numpy.timedelta64 instead")))
+            }
+            Some(found) => Ok(Quantity(quantity::Quantity::of(value, found))),
+            None => {
+                let known: Vec<&str> = UNITS.iter().map(|unit| unit.name).collect();
+                Err(input(format!("there is no unit called {unit:?}; there are: {}", known.join(" "))))
+            }
+        }
+    }
+
+    /// float: The number, in :attr:`unit`.
+    #[getter]
+    fn value(&self) -> f64 {
+        self.0.unit().map_or(self.0.si, |unit| self.0.in_unit(unit))
+    }
+
+    /// str: The unit; SI base units where there is no unit of that dimension.
+    #[getter]
+    fn unit(&self) -> String {
+        self.0.unit().map_or_else(|| self.0.dimension.to_string(), |unit| unit.name.to_string())
+    }
+
+    /// float: The number in SI units.
+    #[getter]
+    fn si(&self) -> f64 {
+        self.0.si
+    }
+
+    fn __eq__(&self, other: &Quantity) -> bool {
+        self.0 == other.0
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.0.si.to_bits()
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Quantity({}, {:?})", self.value(), self.unit())
+    }
+}
+
+/// A closed interval of time, for example the interval of a condition's part, by its tag.
+#[pyclass(frozen, eq, hash, from_py_object, module = "apex_autonomy")]
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Interval {
+    start: Time,
+    end: Time,
+}
+
+#[pymethods]
+impl Interval {
+    /// int: First instant, in nanoseconds.
+    #[getter]
+    fn start_ns(&self) -> i64 {
+        self.start.0
+    }
+
+    /// int: Last instant, in nanoseconds.
+    #[getter]
+    fn end_ns(&self) -> i64 {
+        self.end.0
+    }
+
+    /// float: First instant, in seconds.
+    #[getter]
+    fn start_s(&self) -> f64 {
+        self.start.seconds()
+    }
+
+    /// float: Last instant, in seconds.
+    #[getter]
+    fn end_s(&self) -> f64 {
+        self.end.seconds()
+    }
+
+    /// float: Last minus first instant, in seconds.
+    #[getter]
+    fn duration_s(&self) -> f64 {
+        (self.end - self.start).seconds()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Interval({} to {})", self.start, self.end)
+    }
+}
+
+/// A state variable: what is measured, of what.
+///
+/// Parameters
+/// ----------
+/// text : str
+///     ``"(roll-angle aircraft-1)"``, or an attribute without object, ``"rssi"``.
+///
+/// Raises
+/// ------
+/// InputError
+///     The text names no state variable.
+#[pyclass(frozen, eq, hash, from_py_object, module = "apex_autonomy")]
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Variable(pub(crate) StateVariable);
+
+#[pymethods]
+impl Variable {
+    #[new]
+    fn new(text: &str) -> PyResult<Variable> {
+        let wrong = |why: &str| input(format!("{text:?} is no state variable: {why}; write (ATTRIBUTE OBJECT)"));
+        let value = apex_pdl::read_value(text).map_err(|diagnostic| wrong(&diagnostic.message))?;
+        let variable = match &value {
+            Value::Symbol(attribute) => Some(StateVariable::new(attribute.clone(), Value::nil())),
+            Value::List(items) => match &**items {
+                [Value::Symbol(attribute)] => Some(StateVariable::new(attribute.clone(), Value::nil())),
+                [Value::Symbol(attribute), object] => Some(StateVariable::new(attribute.clone(), object.clone())),
+                [Value::Symbol(attribute), objects @ ..] => {
+                    Some(StateVariable::new(attribute.clone(), Value::list(objects.iter().cloned())))
+                }
+                _ => None,
+            },
+            _ => None,
+        };
+        variable.map(Variable).ok_or_else(|| wrong("it does not begin with the name of an attribute"))
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Variable({:?})", self.0.to_string())
+    }
+}
+
+/// As Python knows it: numbers, strings and lists as they are, durations and instants as ``numpy.timedelta64``.
+pub(crate) fn to_python<'py>(python: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    match value {
+        Value::Integer(integer) => integer.into_bound_py_any(python),
+        Value::Real(real) => real.into_bound_py_any(python),
+        Value::Quantity(quantity) => Quantity(*quantity).into_bound_py_any(python),
+        Value::Duration(Duration(nanoseconds)) | Value::Time(Time(nanoseconds)) => {
+            python.import("numpy")?.getattr("timedelta64")?.call1((*nanoseconds, "ns"))
+        }
+        Value::Symbol(symbol) => Symbol(symbol.clone()).into_bound_py_any(python),
+        Value::Text(text) => text.into_bound_py_any(python),
+        Value::List(items) => {
+            let items = items.iter().map(|item| to_python(python, item)).collect::<PyResult<Vec<_>>>()?;
+            Ok(PyList::new(python, items)?.into_any())
+        }
+        Value::Interval(start, end) => Interval { start: *start, end: *end }.into_bound_py_any(python),
+        Value::Task(_) | Value::Closure(_) => value.to_string().into_bound_py_any(python),
+    }
+}
+
+/// As PDL knows it.
+///
+/// # Errors
+/// `InputError` when there is nothing like it in PDL.
+pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if value.is_none() {
+        // A missing measurement.
+        return Ok(Value::Real(f64::NAN));
+    }
+    if let Ok(truth) = value.cast::<PyBool>() {
+        return Ok(Value::truth(truth.is_true()));
+    }
+    if value.cast::<PyInt>().is_ok() {
+        return value.extract().map(Value::Integer).map_err(|_| input(format!("{value} is beyond 64 bits")));
+    }
+    if let Ok(real) = value.cast::<PyFloat>() {
+        return Ok(Value::Real(real.value()));
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Value::text(&text.to_cow()?));
+    }
+    if let Ok(symbol) = value.extract::<Symbol>() {
+        return Ok(Value::Symbol(symbol.0));
+    }
+    if let Ok(quantity) = value.extract::<Quantity>() {
+        return Ok(Value::Quantity(quantity.0));
+    }
+    if value.cast::<PyList>().is_ok() || value.cast::<PyTuple>().is_ok() {
+        let items = value.try_iter()?.map(|item| from_python(&item?)).collect::<PyResult<Vec<_>>>()?;
+        return Ok(Value::list(items));
+    }
+    if value.get_type().name()?.to_cow()? == "timedelta64" {
+        return nanoseconds_of(value).map(|nanoseconds| Value::Duration(Duration(nanoseconds)));
+    }
+    // Numbers of other libraries, NumPy's scalars among them.
+    if value.hasattr("__index__")? {
+        return value.call_method0("__index__")?.extract().map(Value::Integer);
+    }
+    if value.hasattr("__float__")? {
+        return value.extract().map(Value::Real);
+    }
+    let kind = value.get_type().name()?;
+    Err(input(format!(
+        "PDL has no value like {value} of type {kind}: hand over a number, str, Symbol, Quantity, bool or list"
+    )))
+}
+
+/// Whole nanoseconds of seconds as a number, or of a ``numpy.timedelta64``, ``numpy.datetime64`` or ``datetime.timedelta``.
+///
+/// # Errors
+/// `InputError` when it is none of these, not a time, or further from zero than 292 years.
+pub(crate) fn nanoseconds_of(instant: &Bound<'_, PyAny>) -> PyResult<i64> {
+    let wrong = |why: &str| input(format!("{instant} is no instant: {why}"));
+    let name = instant.get_type().name()?.to_cow()?.into_owned();
+    if name == "timedelta64" || name == "datetime64" {
+        let unit = if name == "timedelta64" { "timedelta64[ns]" } else { "datetime64[ns]" };
+        let nanoseconds: i64 =
+            instant.call_method1("astype", (unit,))?.call_method1("astype", ("int64",))?.extract()?;
+        return if nanoseconds == i64::MIN { Err(wrong("not a time")) } else { Ok(nanoseconds) };
+    }
+    if name == "timedelta" {
+        let [days, seconds, microseconds] = ["days", "seconds", "microseconds"];
+        let part = |name: &str| instant.getattr(name)?.extract::<i128>();
+        let total = ((part(days)? * 86_400 + part(seconds)?) * 1_000_000 + part(microseconds)?) * 1_000;
+        return i64::try_from(total).map_err(|_| wrong("too far away"));
+    }
+    if let Ok(whole) = instant.extract::<i64>() {
+        return whole.checked_mul(NANOSECONDS_PER_SECOND).ok_or_else(|| wrong("too far away"));
+    }
+    let seconds: f64 = instant.extract().map_err(|_| wrong("seconds as a number, or a numpy.timedelta64"))?;
+    let nanoseconds = (seconds * NANOSECONDS_PER_SECOND as f64).round();
+    if nanoseconds.is_finite() && nanoseconds.abs() < i64::MAX as f64 {
+        Ok(nanoseconds as i64)
+    } else {
+        Err(wrong(if seconds.is_nan() { "not a number" } else { "too far away" }))
+    }
+}

@@ -1,0 +1,175 @@
+"""Stories of monitors, as their users meet them."""
+
+from datetime import timedelta
+
+import numpy as np
+import pytest
+
+import apex_autonomy
+from apex_autonomy import ConditionError, InputError, Monitor, Quantity, Symbol, Variable, to_arrow
+
+WINGS = "(:episode (roll-angle uav) :quality (:max-gap 1s) :value (> 15) :timing (:duration (>= 2s)))"
+
+
+def runs_above(t, values, limit, gap, least):
+    """Maximal runs by the definition: first and last instant of those that last long enough by their samples."""
+    runs, start, last = [], None, None
+    for at, value in zip(t, values, strict=True):
+        if start is not None and (value <= limit or at - last > gap):
+            runs.append((start, last))
+            start = None
+        if value > limit:
+            start, last = (at, at) if start is None else (start, at)
+    if start is not None:
+        runs.append((start, last))
+    return [(start, last) for start, last in runs if last - start >= least]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_arrays_samples_and_pieces_tell_the_same_as_the_definition(seed):
+    random = np.random.default_rng(seed)
+    t_ns = np.cumsum(random.integers(1, 4, 400)) * 400_000_000
+    values = np.where(np.cumsum(random.integers(0, 8, 400) == 0) % 2, 20.0, 10.0)
+    stamps = t_ns.astype("timedelta64[ns]")
+
+    whole = Monitor(WINGS)
+    closed = [*whole.extend(stamps, values), *whole.finish()]
+    final = [(result.start_ns, result.end_ns) for result in closed if not result.open]
+
+    pieces, told = Monitor(WINGS), []
+    for part in np.array_split(np.arange(400), 23):
+        told += pieces.extend(stamps[part], values[part])
+    told += pieces.finish()
+    assert [(r.start_ns, r.end_ns, r.recognised_at_ns) for r in told] == [
+        (r.start_ns, r.end_ns, r.recognised_at_ns) for r in closed
+    ]
+
+    single, told = Monitor(WINGS), []
+    for at, value in zip(stamps, values, strict=True):
+        told += single.push(at, value)
+    told += single.finish()
+    assert [(r.start_ns, r.end_ns) for r in told if not r.open] == final
+
+    # Runs that are recognised by time alone, within the gap, are longer than their samples.
+    expected = runs_above(t_ns, values, 15, 10**9, 2 * 10**9)
+    assert [run for run in final if run[1] - run[0] >= 2 * 10**9] == expected
+
+
+def test_instants_with_units_are_exact():
+    monitor = Monitor("(rssi modem < 20)")
+    at = np.timedelta64(1_234_567_890_123_456_789, "ns")
+    assert monitor.push(at, 3)[0].start_ns == 1_234_567_890_123_456_789
+    assert monitor.now_ns == 1_234_567_890_123_456_789
+    stamp = np.datetime64("2038-01-19T03:14:08.000000001")
+    assert monitor.push(stamp, 3)[0].start_ns == 2_147_483_648_000_000_001
+    assert Monitor("(rssi modem < 20)").push(timedelta(minutes=1), 3)[0].start_s == 60.0
+
+
+def test_created_hides_what_came_before():
+    t, values = [0.0, 1.0, 2.0, 3.0], [5.0, 30.0, 7.0, 30.0]
+    assert [r.start_s for r in Monitor("(rssi modem < 20)").extend(t, values)] == [0.0, 2.0]
+    assert [r.start_s for r in Monitor("(rssi modem < 20)", created=1).extend(t, values)] == [2.0]
+
+
+def test_units_come_from_the_library(tmp_path):
+    path = tmp_path / "terms.pdl"
+    path.write_text("(state-variable (altitude ?) :unit ft)\n")
+    monitor = Monitor("(altitude uav > 400ft)", library=path)
+    assert len(monitor.push(1, 399)) == 0
+    assert len(monitor.push(2, Quantity(125, "m"))) == 1
+    (fact,) = monitor.push(3, 500)[0].evidence
+    assert (fact.kind, fact.variable, fact.value.unit, round(fact.value.value)) == (
+        "sample",
+        "(altitude uav)",
+        "ft",
+        500,
+    )
+
+
+def test_tags_and_variables_are_bindings():
+    monitor = Monitor("(:and (:measurement ?low (rssi ?who) :value (< 20)) (ready ?who))")
+    monitor.push(1, 10, variable="(rssi modem-2)")
+    assert len(monitor.event(2, "(ready modem-1)")) == 0
+    (result,) = monitor.event(3, ["ready", "modem-2"]) or monitor.event(3, "(ready modem-2)")
+    assert result.bindings["who"] == Symbol("modem-2")
+    assert result.bindings["low"].start_s == 1.0
+
+
+def test_results_are_an_arrow_table():
+    monitor = Monitor("(rssi modem < 20)")
+    table = to_arrow(monitor.extend(np.arange(5.0), [1, 30, 2, 30, 30]))
+    assert table.num_rows == 2
+    assert str(table.schema.field("start").type) == "duration[ns]"
+    assert table.column("start").cast("int64").to_pylist() == [0, 2_000_000_000]
+    assert table.column("evidence").to_pylist()[1] == "(rssi modem) = 2.0 at 2s"
+
+
+def test_what_is_unknown_says_why():
+    monitor = Monitor(WINGS)
+    assert monitor.judgement().verdict == "unknown"
+    monitor.push(0, 20)
+    monitor.push(5, 20)
+    judgement = monitor.judgement()
+    assert judgement.verdict == "unknown"
+    assert "gap" in str(judgement)
+
+
+def test_late_samples_are_counted_and_told():
+    monitor = Monitor("(rssi modem < 20)")
+    monitor.push(5, 30)
+    assert len(monitor.push(4, 3)) == 0
+    assert monitor.counts()["late"] == 1
+    (trouble,) = monitor.troubles()
+    assert "too late" in trouble and monitor.troubles() == []
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        ("(altitude uav >", "1:1"),
+        ("(:episode (a x) :value (> 1))", ":quality"),
+        ("", "no condition"),
+        ("(a x > 1) (b x > 1)", "several"),
+        ("(a x > 3 furlongs)", "furlongs"),
+    ],
+)
+def test_wrong_conditions_say_what_and_where(condition, words):
+    with pytest.raises(ConditionError, match="(?s).*" + words):
+        Monitor(condition)
+
+
+def test_wrong_input_is_refused_and_changes_nothing():
+    monitor = Monitor("(:and (a x > 1) (b x > 1))")
+    with pytest.raises(InputError, match=r"say which variable .* \(a x\) \(b x\)"):
+        monitor.push(1, 2)
+    with pytest.raises(InputError, match="no state variable"):
+        monitor.push(1, 2, variable="(((")
+    with pytest.raises(InputError, match="PDL has no value like"):
+        monitor.push(1, object(), variable="(a x)")
+    with pytest.raises(InputError, match="not a number"):
+        monitor.push(float("nan"), 2, variable="(a x)")
+    with pytest.raises(InputError, match="2 instants for 3 values"):
+        monitor.extend([1, 2], [1, 2, 3], variable="(a x)")
+    with pytest.raises(InputError, match="nanoseconds"):
+        monitor.extend([1.7e18], [1], variable="(a x)")
+    with pytest.raises(InputError, match="there is no unit"):
+        Quantity(1, "furlong")
+    assert monitor.now_ns is None
+
+
+def test_strided_arrays_and_integers_are_taken():
+    monitor = Monitor("(a x > 1)")
+    values = np.arange(20)[::2]
+    assert len(monitor.extend(np.arange(20)[::2], values)) + len(monitor.finish()) == 9
+
+
+def test_variables_and_symbols_are_values():
+    assert Variable("(a x)") == Variable("(A X)")
+    assert len({Symbol("a"), Symbol("A")}) == 1
+    assert Symbol("a") != "a"
+
+
+def test_every_public_thing_says_what_it_is():
+    for name in apex_autonomy.__all__:
+        if name != "__version__":
+            assert getattr(apex_autonomy, name).__doc__, name
