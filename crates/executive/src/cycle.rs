@@ -73,8 +73,6 @@ pub(crate) struct Work {
     pub(crate) priorities_changed: bool,
     /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn anew.
     pub(crate) inheritance_changed: bool,
-    /// Contend: how often tasks lost resources at this instant.
-    pub(crate) losses: BTreeMap<TaskId, u32>,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,
     /// Act, a round later: resumed tasks that may rather start over.

@@ -117,6 +117,11 @@ pub enum ConflictRule {
     CreationOrder,
     /// Not enough units are left.
     Capacity,
+    /// Higher priority, which is that of a task that the winner goes before by its rank.
+    GoesBefore {
+        /// That task.
+        whom: TaskId,
+    },
 }
 
 /// What a task brings to a conflict: its priority (or rank), and its interrupt cost where it defends what it holds.

@@ -81,8 +81,6 @@ pub(crate) struct Agent<'p> {
     pub(crate) ended: VecDeque<usize>,
     /// Why suspended tasks go on, if they do in this round.
     pub(crate) resumed: BTreeMap<usize, String>,
-    /// Who lost a resource at this instant, as often as that happened.
-    pub(crate) losses: Vec<usize>,
     /// Numbers alarms and watches.
     pub(crate) serial: u64,
     pub(crate) lines: Vec<Line>,
@@ -111,7 +109,6 @@ pub fn run(program: &Program, inputs: &[Input], until: Time) -> Run {
         resuming: BTreeSet::new(),
         ended: VecDeque::new(),
         resumed: BTreeMap::new(),
-        losses: Vec::new(),
         serial: 0,
         lines: Vec::new(),
         changed: false,
@@ -167,7 +164,6 @@ impl Agent<'_> {
     }
 
     fn come_to_rest(&mut self) {
-        self.losses.clear();
         for _ in 0..ROUNDS_MAX {
             self.changed = false;
             for said in std::mem::take(&mut self.said) {

@@ -1,7 +1,7 @@
 //! Who gets which resources: all claimants of all resources stand before the arbiter in every round.
 
 use crate::agent::Agent;
-use crate::program::Time;
+use crate::program::{Span, Time};
 use crate::task::State;
 use std::cmp::Ordering;
 
@@ -38,10 +38,9 @@ struct Field {
     displaced: Vec<Loss>,
     granted: Vec<usize>,
     impossible: Vec<usize>,
+    /// All who compete, in the order in which they come before the arbiter if they claim.
+    order: Vec<usize>,
 }
-
-/// Who lost so often at one instant takes nothing from anybody before the next: rings of ranks and priorities end.
-const LOSSES_MAX: usize = 2;
 
 impl Agent<'_> {
     /// May the task work at all? Not under a suspended ancestor; and nothing begins below a task that does not work.
@@ -84,7 +83,9 @@ impl Agent<'_> {
         }
         let eligible = (0..self.tasks.len()).filter(|id| self.is_eligible(*id) && !orphans.contains(id));
         let mut claimants: Vec<usize> = eligible.collect();
-        while let Some(next) = self.first(&claimants) {
+        let holders = self.ids(|task| task.state == State::Ongoing);
+        field.order = self.order(claimants.iter().copied().chain(holders).collect());
+        while let Some(next) = field.order.iter().copied().find(|id| claimants.contains(id)) {
             claimants.retain(|id| *id != next);
             let lost = self.place(&mut field, next);
             claimants.extend(lost);
@@ -96,7 +97,6 @@ impl Agent<'_> {
         // Ancestors stop before their descendants, as in a suspension.
         field.displaced.sort_by_key(|loss| (self.line(loss.loser).len(), loss.loser));
         for loss in &field.displaced {
-            self.losses.push(loss.loser);
             self.stop(loss.loser, format!("outranked by T{} on {}", loss.winner, loss.resource));
         }
         for id in field.impossible {
@@ -132,25 +132,43 @@ impl Agent<'_> {
         second.total_cmp(&first).then(order(a).cmp(&order(b)))
     }
 
-    /// Who comes before the arbiter next: the first that no other claimant of something that it needs beats; where they
-    /// beat one another in a ring, the one with the highest priority.
-    fn first(&self, claimants: &[usize]) -> Option<usize> {
-        let mut sorted = claimants.to_vec();
-        sorted.sort_by(|a, b| self.by_priority(*a, *b));
-        let share = |a: usize, b: usize| {
-            let other = self.tasks[b].needs();
-            self.tasks[a].needs().iter().any(|(name, _)| other.iter().any(|(each, _)| each == name))
-        };
-        let beats = |a: usize, b: usize| match self.ranks(a, b) {
-            Some((first, second)) => first < second,
-            None => self.by_priority(a, b) == Ordering::Less,
-        };
-        let beaten = |id: usize| {
-            sorted
-                .iter()
-                .any(|other| *other != id && share(*other, id) && !self.are_related(*other, id) && beats(*other, id))
-        };
-        sorted.iter().find(|id| !beaten(**id)).or(sorted.first()).copied()
+    /// Does one go before the other by its rank? Only where both need the same.
+    fn goes_before(&self, a: usize, b: usize) -> bool {
+        let other = self.tasks[b].needs();
+        let share = self.tasks[a].needs().iter().any(|(name, _)| other.iter().any(|(each, _)| each == name));
+        share && !self.are_related(a, b) && self.ranks(a, b).is_some_and(|(first, second)| first < second)
+    }
+
+    /// The best by priority first, but before each one comes who goes before it by rank.
+    fn order(&self, mut competitors: Vec<usize>) -> Vec<usize> {
+        competitors.sort_by(|a, b| self.by_priority(*a, *b));
+        let mut order = Vec::new();
+        for each in &competitors {
+            self.put_in_order(*each, &competitors, &mut order);
+        }
+        order
+    }
+
+    fn put_in_order(&self, id: usize, competitors: &[usize], order: &mut Vec<usize>) {
+        for other in competitors {
+            if !order.contains(&id) && !order.contains(other) && self.goes_before(*other, id) {
+                self.put_in_order(*other, competitors, order);
+            }
+        }
+        if !order.contains(&id) {
+            order.push(id);
+        }
+    }
+
+    /// Who goes before others is as important as they are.
+    fn weight(&self, field: &Field, id: usize) -> f64 {
+        let behind = field.order.iter().filter(|other| self.goes_before(id, **other));
+        behind.map(|other| self.weight(field, *other)).fold(self.priority(id, self.now), f64::max)
+    }
+
+    /// What an ongoing task defends its resources with.
+    fn defence(&self, field: &Field, id: usize) -> f64 {
+        self.weight(field, id) + self.interrupt_cost(id)
     }
 
     /// Gives the claimant all it needs, or nothing. Gives the holders that lost: as few as possible, and stronger ones
@@ -179,8 +197,9 @@ impl Agent<'_> {
         if right == Right::Granted {
             for index in (0..losses.len()).rev() {
                 let spared = losses.remove(index);
-                if lacking(&losses).is_some() {
-                    losses.insert(index, spared);
+                if let Some((resource, _)) = lacking(&losses) {
+                    // It is about what would be missing without it.
+                    losses.insert(index, Loss { resource: resource.clone(), ..spared });
                 }
             }
             let lost = |share: &Share| share.right == Right::Held && losses.iter().any(|loss| loss.loser == share.task);
@@ -202,7 +221,10 @@ impl Agent<'_> {
         let counts = |share: &&Share| match share.right {
             Right::Held => losses.iter().all(|loss| loss.loser != share.task),
             Right::Granted => true,
-            Right::Awaited(_) => !self.are_related(share.task, id) && !self.leaves_a_gap(id, share),
+            // Nobody yields for the sake of a gap.
+            Right::Awaited(_) => {
+                !self.are_related(share.task, id) && !(losses.is_empty() && self.leaves_a_gap(id, share))
+            }
         };
         field.shares.iter().filter(|share| share.resource == resource).filter(counts).collect()
     }
@@ -237,20 +259,17 @@ impl Agent<'_> {
     /// been at work for the shorter time.
     fn beaten(&self, field: &Field, id: usize) -> Vec<Loss> {
         let mut found: Vec<Loss> = Vec::new();
-        if self.losses.iter().filter(|loser| **loser == id).count() >= LOSSES_MAX {
-            return found;
-        }
         for (resource, _) in self.tasks[id].needs() {
             for share in field.shares.iter().filter(|share| share.resource == resource && share.right == Right::Held) {
                 let known = found.iter().any(|loss| loss.loser == share.task);
-                if !known && !self.are_related(share.task, id) && self.wins(id, share.task) {
+                if !known && !self.are_related(share.task, id) && self.wins(field, id, share.task) {
                     found.push(Loss { loser: share.task, winner: id, resource: resource.clone() });
                 }
             }
         }
         let since = |id: usize| self.moves.iter().rev().find(|each| each.task == id).map_or(0, |each| each.at);
         found.sort_by(|a, b| {
-            let (first, second) = (self.defence(a.loser, self.now), self.defence(b.loser, self.now));
+            let (first, second) = (self.defence(field, a.loser), self.defence(field, b.loser));
             first.total_cmp(&second).then((since(b.loser), b.loser).cmp(&(since(a.loser), a.loser)))
         });
         let mut ordered = Vec::new();
@@ -263,14 +282,15 @@ impl Agent<'_> {
     }
 
     /// Does a claimant beat a holder?
-    fn wins(&self, id: usize, holder: usize) -> bool {
+    fn wins(&self, field: &Field, id: usize, holder: usize) -> bool {
         match self.ranks(id, holder) {
             Some((own, other)) => own < other,
-            None => self.priority(id, self.now) > self.defence(holder, self.now),
+            None => self.weight(field, id) > self.defence(field, holder),
         }
     }
 
-    /// When one who is refused can begin at the earliest: when the weakest who has the resource is done, if that is known.
+    /// When one who is refused can begin at the earliest: when the first of those in its way is done, if that is known of
+    /// all of them.
     fn earliest(&self, field: &Field, id: usize, resource: &str, losses: &[Loss]) -> Option<Time> {
         let present = self.present(field, id, resource, losses);
         let amounts = |shares: &[&Share]| shares.iter().map(|share| (share.task, share.amount)).collect::<Vec<_>>();
@@ -283,21 +303,27 @@ impl Agent<'_> {
             present.iter().copied().filter(|share| !self.are_related(share.task, id)).collect();
         let mattering: Vec<&Share> = strangers.iter().filter(matters).copied().collect();
         let rivals = if mattering.is_empty() { strangers } else { mattering };
-        let unbeaten = rivals.into_iter().filter(|share| share.right != Right::Held || !self.wins(id, share.task));
-        let strength = |share: &Share| match self.ranks(id, share.task) {
-            Some((_, other)) => other,
-            None if share.right == Right::Held => self.defence(share.task, self.now),
-            None => self.priority(share.task, self.now),
+        let done = |share: &Share| match share.right {
+            Right::Awaited(earliest) => earliest,
+            Right::Held | Right::Granted => {
+                let expected = self.tasks[share.task].choice.as_ref()?.expected?;
+                Some(self.now + expected - self.worked(share.task))
+            }
         };
-        let has = |share: &Share| !matches!(share.right, Right::Awaited(_));
-        let told = unbeaten.reduce(|a, b| match (has(a), has(b)) {
-            (true, true) if strength(b) < strength(a) => b,
-            (false, true) => b,
-            _ => a,
-        });
-        let winner = &self.tasks[told.filter(|share| has(share))?.task];
-        let expected = winner.choice.as_ref()?.expected?;
-        Some(winner.started_at.unwrap_or(self.now) + expected)
+        let ends: Option<Vec<Time>> = rivals.into_iter().map(done).collect();
+        ends?.into_iter().min()
+    }
+
+    /// How long the task has been ongoing since it started.
+    fn worked(&self, id: usize) -> Span {
+        let Some(started) = self.tasks[id].started_at else { return 0 };
+        let mut worked = 0;
+        let mut since = None;
+        for each in self.moves.iter().filter(|each| each.task == id && each.at >= started) {
+            worked += since.take().map_or(0, |since| each.at - since);
+            since = (each.to == State::Ongoing).then_some(each.at);
+        }
+        worked + since.map_or(0, |since| self.now - since)
     }
 
     /// One who was refused and cannot begin before this one is done leaves a gap for it.

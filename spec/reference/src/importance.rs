@@ -2,7 +2,7 @@
 
 use crate::agent::Agent;
 use crate::program::{Kind, Priority, SECOND, Time};
-use crate::task::{Level, Origin, State};
+use crate::task::{Level, Origin, State, Task};
 use crate::value::Value;
 
 /// Workload of the agent.
@@ -43,9 +43,9 @@ impl Agent<'_> {
         Some(recovered * greatest)
     }
 
-    /// What an ongoing task defends its resources with.
-    pub(crate) fn defence(&self, id: usize, at: Time) -> f64 {
-        self.priority(id, at) + self.tasks[id].choice.as_ref().map_or(0.1, |choice| choice.interrupt_cost)
+    /// What is added in the defence of what an ongoing task holds; never less than nothing.
+    pub(crate) fn interrupt_cost(&self, id: usize) -> f64 {
+        self.tasks[id].choice.as_ref().map_or(0.1, |choice| choice.interrupt_cost).max(0.0)
     }
 
     pub(crate) fn rank(&self, id: usize) -> Option<f64> {
@@ -83,22 +83,35 @@ impl Agent<'_> {
         Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
     }
 
-    /// When the order of two priorities changes by itself. It is looked for by halving between here and a far instant,
-    /// at many places: priorities rise, and stop rising.
+    /// When the order of two priorities changes by itself, also against what is added in the defence of something. It is
+    /// looked for at many places between here and a far instant, and by halving: priorities rise, and stop rising.
     pub(crate) fn priorities_cross(&self) -> Option<Time> {
-        let wants = |state| matches!(state, State::Enabled | State::Interrupted);
-        let claimants = self.ids(|task| wants(task.state) && !task.needs().is_empty());
-        let rivals = self.ids(|task| task.state != State::Pending && task.state != State::Terminated);
+        const PLACES: i64 = 64;
+        let competes = |task: &Task| !matches!(task.state, State::Pending | State::Terminated);
+        let competitors = self.ids(|task| competes(task) && !task.needs().is_empty());
         let until = self.rise_ends().into_iter().filter(|at| *at > self.now).max()?;
+        let holders = competitors.iter().filter(|id| self.tasks[**id].state == State::Ongoing);
+        let mut costs: Vec<f64> = holders.map(|id| self.interrupt_cost(*id)).collect();
+        costs.push(0.0);
+        let place = |number: i64| self.now + (until - self.now) / PLACES * number;
+        let places: Vec<Time> = (0..PLACES).map(place).chain([until]).collect();
+        let all: Vec<Vec<f64>> =
+            places.iter().map(|at| competitors.iter().map(|id| self.priority(*id, *at)).collect()).collect();
+        let order = |own: f64, other: f64| {
+            let beats: Vec<bool> = costs.iter().map(|cost| own > other + cost).collect();
+            (beats, own.total_cmp(&other))
+        };
         let mut first: Option<Time> = None;
-        for (claimant, rival) in claimants.iter().flat_map(|a| rivals.iter().map(move |b| (*a, *b))) {
-            let order = |at: Time| {
-                let own = self.priority(claimant, at);
-                (own > self.defence(rival, at), own.total_cmp(&self.priority(rival, at)))
-            };
-            if let Some(at) = first_change(self.now, until, &order) {
-                first = Some(first.map_or(at, |before| before.min(at)));
+        for (a, b) in (0..competitors.len()).flat_map(|a| (0..competitors.len()).map(move |b| (a, b))) {
+            let now = order(all[0][a], all[0][b]);
+            let Some(changed) = (1..places.len()).find(|at| order(all[*at][a], all[*at][b]) != now) else { continue };
+            let (mut low, mut high) = (places[changed - 1], places[changed]);
+            while high - low > 1 {
+                let middle = low + (high - low) / 2;
+                let (own, other) = (self.priority(competitors[a], middle), self.priority(competitors[b], middle));
+                if order(own, other) == now { low = middle } else { high = middle }
             }
+            first = Some(first.map_or(high, |before| before.min(high)));
         }
         first
     }
@@ -140,25 +153,4 @@ fn combined(urgency: f64, importance: f64) -> f64 {
     (importance * WORKLOAD * (1.0 - 1.0 / (1.0 + urgency))
         + urgency * (10.0 - WORKLOAD) * (1.0 - 1.0 / (1.0 + importance)))
         / 9.0
-}
-
-/// The first instant after `from` at which `order` is another one.
-fn first_change<T: PartialEq>(from: Time, until: Time, order: &dyn Fn(Time) -> T) -> Option<Time> {
-    const PLACES: i64 = 64;
-    let now = order(from);
-    let mut low = from;
-    for place in 1..=PLACES {
-        let mut high =
-            from + (until - from) / PLACES * place + if place == PLACES { (until - from) % PLACES } else { 0 };
-        if high == low || order(high) == now {
-            low = high;
-            continue;
-        }
-        while high - low > 1 {
-            let middle = low + (high - low) / 2;
-            if order(middle) == now { low = middle } else { high = middle }
-        }
-        return Some(high);
-    }
-    None
 }

@@ -275,7 +275,7 @@ impl Scene<'_> {
         let (w, l) = (winner.total(), loser.total());
         let wins = match rule {
             ConflictRule::Rank => winner.priority < loser.priority,
-            ConflictRule::Priority => w > l,
+            ConflictRule::Priority | ConflictRule::GoesBefore { .. } => w > l,
             ConflictRule::Incumbent => w >= l,
             ConflictRule::WrittenOrder | ConflictRule::CreationOrder => winner.priority == loser.priority,
             ConflictRule::Capacity | ConflictRule::Begun => true,

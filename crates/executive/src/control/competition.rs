@@ -1,7 +1,7 @@
 //! Competition (TC)
 //! What: says who claims what, who is related to whom, and in which order claimants come before the arbiter.
 //! Runs: contend phase.  Reads: Task, priorities, ranks.  Writes: nothing.
-//! Bound: O(depth) per claimant; O(c^2) comparisons for c claimants where ranks are stated.
+//! Bound: O(depth) per claimant.
 //! PDL: `rank`, `priority`, section 9.  Paper: section III, highest priority competitor.
 
 use crate::control::{priority, resources};
@@ -12,21 +12,22 @@ use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{Origin, TaskId, TaskState};
 use apex_model::time::Time;
 use std::cmp::Ordering;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
 /// A task that wants to be ongoing.
+#[derive(Clone)]
 pub(crate) struct Claimant {
     /// Its number.
     pub(crate) id: TaskId,
     /// What it needs.
     pub(crate) needs: Vec<Need>,
-    /// Its priority now.
+    /// Its priority now; where ranks count, not less than that of anybody it goes before.
     pub(crate) priority: f64,
     /// It has begun, and goes before its equals that have not.
     begun: bool,
     order: (TaskId, u32, TaskId),
-    /// The task and its ancestors from the root down, with their ranks; empty where nobody has one.
-    pub(crate) path: Vec<(TaskId, Option<f64>)>,
+    /// Its place among all competitors where ranks count too; the same for all where nobody has one.
+    pub(crate) turn: usize,
 }
 
 /// Are the tasks the same, or one the ancestor of the other?
@@ -81,24 +82,45 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     starts
 }
 
-/// Eligible claimants of the resources in `dirty` and of all resources that these need besides, best first.
-pub(crate) fn claimants(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Vec<Claimant> {
+/// Who competes for some resources and for all that those need who do.
+#[derive(Default)]
+pub(crate) struct Competitors {
+    /// Eligible claimants, best first.
+    pub(crate) claimants: Vec<Claimant>,
+    /// Who has one of the resources.
+    pub(crate) holders: BTreeSet<TaskId>,
+}
+
+/// Everybody who competes for the resources in `dirty` and for all that claimants need besides, and holders too if
+/// `through_holders`; without `orphans`.
+pub(crate) fn competitors(
+    cycle: &Cycle<'_>,
+    dirty: &BTreeSet<ResourceId>,
+    orphans: &BTreeSet<TaskId>,
+    through_holders: bool,
+) -> Competitors {
     let mut resources: Vec<ResourceId> = dirty.iter().copied().collect();
     let mut seen: BTreeSet<ResourceId> = dirty.clone();
-    let mut tasks = BTreeSet::new();
-    let mut list = Vec::new();
+    let mut tasks = orphans.clone();
+    let mut found = Competitors::default();
     while let Some(id) = resources.pop() {
         let Some(resource) = cycle.agent.resources.get(id) else { continue };
         for task in resource.waiting.tasks() {
             if tasks.insert(task) && is_eligible(cycle.agent, task) {
                 let claimant = as_claimant(cycle, task);
                 resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
-                list.push(claimant);
+                found.claimants.push(claimant);
+            }
+        }
+        for holding in &resource.holders {
+            if found.holders.insert(holding.task) && through_holders {
+                let needs = resources::needs_of(cycle, holding.task);
+                resources.extend(needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
             }
         }
     }
-    list.sort_by(compare);
-    list
+    found.claimants.sort_by(compare);
+    found
 }
 
 /// What the task claims, and with what priority.
@@ -106,7 +128,7 @@ pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
     let priority = priority::priority(cycle.agent, id, cycle.now);
     let begun = has_begun(cycle.agent, id);
     let (needs, order) = (resources::needs_of(cycle, id), order_of(cycle.agent, id));
-    Claimant { id, needs, priority, begun, order, path: Vec::new() }
+    Claimant { id, needs, priority, begun, order, turn: 0 }
 }
 
 /// Is the task at work, or was it interrupted there?
@@ -124,57 +146,18 @@ pub(crate) fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
     (task.parent.unwrap_or(id), step, id)
 }
 
-fn compare(a: &Claimant, b: &Claimant) -> Ordering {
+/// Who comes first.
+pub(crate) fn compare(a: &Claimant, b: &Claimant) -> Ordering {
+    a.turn.cmp(&b.turn).then_with(|| by_priority(a, b))
+}
+
+/// Who comes first where ranks do not count.
+pub(crate) fn by_priority(a: &Claimant, b: &Claimant) -> Ordering {
     b.priority.total_cmp(&a.priority).then(b.begun.cmp(&a.begun)).then(a.order.cmp(&b.order))
 }
 
 /// Puts a claimant in its place.
-pub(crate) fn insert_in_order(list: &mut Vec<Claimant>, claimant: Claimant) {
+pub(crate) fn insert_in_order(list: &mut VecDeque<Claimant>, claimant: Claimant) {
     let index = list.partition_point(|each| compare(each, &claimant) == Ordering::Less);
     list.insert(index, claimant);
-}
-
-/// Notes the ranks of all claimants. False when nobody has one.
-pub(crate) fn rank_all(cycle: &Cycle<'_>, claimants: &mut [Claimant]) -> bool {
-    let mut ranked = false;
-    for claimant in claimants.iter_mut() {
-        claimant.path = rank_path(cycle, claimant.id);
-        ranked |= claimant.path.iter().any(|(_, rank)| rank.is_some());
-    }
-    ranked
-}
-
-/// The task and its ancestors from the root down, with their ranks.
-pub(crate) fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f64>)> {
-    let mut path = Vec::new();
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| cycle.task(id)) {
-        path.push((task.id, priority::rank(cycle.agent, task.id, cycle.now)));
-        next = task.parent;
-    }
-    path.reverse();
-    path
-}
-
-/// The first in order that no other claimant beats; none where rank and priority beat one another in a ring.
-pub(crate) fn first_unbeaten(remaining: &[Claimant]) -> Option<usize> {
-    let unbeaten = |claimant: &Claimant| {
-        let mut others = remaining.iter().filter(|other| shares(&claimant.needs, &other.needs));
-        !others.any(|other| beats(other, claimant))
-    };
-    remaining.iter().position(unbeaten)
-}
-
-/// Does `a` come before `b`, both claimants? Tasks of one line do not compete.
-fn beats(a: &Claimant, b: &Claimant) -> bool {
-    let pair = a.path.iter().zip(&b.path).find(|(first, second)| first.0 != second.0);
-    match pair {
-        None => false,
-        Some(((_, Some(first)), (_, Some(second)))) if first != second => first < second,
-        Some(_) => compare(a, b) == Ordering::Less,
-    }
-}
-
-fn shares(a: &[Need], b: &[Need]) -> bool {
-    a.iter().any(|need| b.iter().any(|other| other.resource == need.resource))
 }

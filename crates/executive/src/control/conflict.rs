@@ -1,15 +1,15 @@
 //! Resource conflict resolution (TC)
 //! What: decides which claimants get their resources, who loses them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
-//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated, O(c^3) where they clash;
-//! O(h^2) besides for a claimant that has to displace some of h holders.
+//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; O(h^2) besides for a
+//! claimant that has to displace some of h holders.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{
-    Claimant, as_claimant, claimants, first_unbeaten, has_begun, insert_in_order, order_of, rank_all, rank_order,
-    rank_path, related,
+    Claimant, as_claimant, compare, competitors, has_begun, insert_in_order, order_of, rank_order, related,
 };
 use crate::control::line;
+use crate::control::precedence::Precedence;
 use crate::control::priority;
 use crate::control::sharing::{Use, UseKind, any_related, has_room, matters};
 use crate::cycle::Cycle;
@@ -22,7 +22,7 @@ use apex_model::resource::{Need, ResourceId};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// What arbitration decides.
 #[derive(Default)]
@@ -35,18 +35,15 @@ pub(crate) struct Arbitration {
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
-    /// Claimants beat one another in a ring: what was decided may decide differently now.
-    pub(crate) unsettled: bool,
 }
 
 impl Arbitration {
     fn absorb(&mut self, part: Arbitration) {
-        let Arbitration { granted, displaced, refused, impossible, unsettled } = part;
+        let Arbitration { granted, displaced, refused, impossible } = part;
         self.granted.extend(granted);
         self.displaced.extend(displaced);
         self.refused.extend(refused);
         self.impossible.extend(impossible);
-        self.unsettled |= unsettled;
     }
 }
 
@@ -74,12 +71,22 @@ pub(crate) struct Loss {
 pub(crate) struct Refusal {
     /// The conflict that is told.
     pub(crate) loss: Loss,
-    /// All who stand in its way, and whether they have the resource: at least one of them would have to yield.
-    pub(crate) rivals: Vec<(TaskId, bool)>,
+    /// Whose priorities count for the loser: its own, and those of whom it goes before.
+    pub(crate) stands_for: Vec<TaskId>,
+    /// All who stand in its way: at least one of them would have to yield.
+    pub(crate) rivals: Vec<Rival>,
 }
 
-/// A task that lost so often at one instant takes nothing from anybody before the next: rings of ranks and priorities end.
-pub(crate) const LOSSES_MAX: u32 = 2;
+/// One that stands in the way of a claimant.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rival {
+    /// Its number.
+    pub(crate) task: TaskId,
+    /// It has the resource, and does not only claim it.
+    pub(crate) holds: bool,
+    /// Whose priorities count for it.
+    pub(crate) stands_for: Vec<TaskId>,
+}
 
 /// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
 /// all, nobody else is looked at.
@@ -143,22 +150,14 @@ fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration
 }
 
 fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
-    let mut remaining = claimants(cycle, dirty);
-    remaining.retain(|claimant| !orphans.contains(&claimant.id));
-    let ranked = remaining.len() > 1 && rank_all(cycle, &mut remaining);
-    let mut field = Field::empty(cycle);
+    let (mut remaining, precedence) = in_order(cycle, dirty, orphans);
+    let mut field = Field { precedence, ..Field::empty(cycle) };
     let mut result = Arbitration::default();
-    while !remaining.is_empty() {
-        let unbeaten = if ranked { first_unbeaten(&remaining) } else { Some(0) };
-        result.unsettled |= unbeaten.is_none();
-        let claimant = remaining.remove(unbeaten.unwrap_or(0));
+    while let Some(claimant) = remaining.pop_front() {
         match field.place(&claimant) {
             Placement::Granted(losses) => {
                 for loss in losses {
-                    let mut loser = as_claimant(cycle, loss.loser);
-                    if ranked {
-                        loser.path = rank_path(cycle, loser.id);
-                    }
+                    let loser = field.as_claimant(loss.loser);
                     insert_in_order(&mut remaining, loser);
                     result.displaced.push(loss);
                 }
@@ -173,6 +172,31 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
     result
 }
 
+/// All claimants, the first first, and what makes their order where ranks are stated.
+fn in_order(
+    cycle: &Cycle<'_>,
+    dirty: &BTreeSet<ResourceId>,
+    orphans: &BTreeSet<TaskId>,
+) -> (VecDeque<Claimant>, Option<Precedence>) {
+    let precedence = |through_holders| {
+        let found = competitors(cycle, dirty, orphans, through_holders);
+        let holders = found.holders.iter().filter(|id| found.claimants.iter().all(|each| each.id != **id));
+        let all = found.claimants.iter().cloned().chain(holders.map(|id| as_claimant(cycle, *id)));
+        let precedence = Precedence::of(cycle, all.collect());
+        (found.claimants, precedence)
+    };
+    let (mut claimants, mut order) = precedence(false);
+    if order.is_some() {
+        // Whom a holder goes before may claim something else that it holds.
+        (claimants, order) = precedence(true);
+    }
+    if let Some(order) = &order {
+        claimants.iter_mut().for_each(|claimant| order.apply(claimant));
+        claimants.sort_by(compare);
+    }
+    (claimants.into(), order)
+}
+
 /// What becomes of one claimant.
 enum Placement {
     Granted(Vec<Loss>),
@@ -184,12 +208,43 @@ enum Placement {
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
+    /// None where nobody has a rank.
+    precedence: Option<Precedence>,
 }
 
 impl<'a, 'c> Field<'a, 'c> {
     /// Nothing has been looked at.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
-        Field { cycle, uses: BTreeMap::new() }
+        Field { cycle, uses: BTreeMap::new(), precedence: None }
+    }
+
+    /// A task that claims, in its turn and with the priority that counts for it.
+    fn as_claimant(&self, id: TaskId) -> Claimant {
+        let mut claimant = as_claimant(self.cycle, id);
+        if let Some(precedence) = &self.precedence {
+            precedence.apply(&mut claimant);
+        }
+        claimant
+    }
+
+    fn lifted(&self, id: TaskId, own: Strength) -> Strength {
+        let lifted = |precedence: &Precedence| precedence.lifted(id, own.priority);
+        Strength { priority: self.precedence.as_ref().map_or(own.priority, lifted), ..own }
+    }
+
+    /// What a holder defends its resources with.
+    fn defence(&self, id: TaskId) -> Strength {
+        self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
+    }
+
+    fn stands_for(&self, id: TaskId) -> Vec<TaskId> {
+        self.precedence.as_ref().map_or_else(|| vec![id], |precedence| precedence.stands_for(id))
+    }
+
+    /// The rule by which the greater priority of `winner` decides.
+    fn by_priority(&self, winner: TaskId) -> ConflictRule {
+        let whom = self.precedence.as_ref().and_then(|precedence| precedence.instead_of_own(winner));
+        whom.map_or(ConflictRule::Priority, |whom| ConflictRule::GoesBefore { whom })
     }
 
     fn load(&mut self, id: ResourceId) {
@@ -251,7 +306,10 @@ impl<'a, 'c> Field<'a, 'c> {
         let counts = |each: &&Use| match each.kind {
             UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
             UseKind::Granted => true,
-            UseKind::Awaited(_) => !related(agent, each.task, claimant.id) && !self.leaves_a_gap(claimant, each),
+            // Nobody is displaced for the sake of a gap.
+            UseKind::Awaited(_) => {
+                !related(agent, each.task, claimant.id) && !(losses.is_empty() && self.leaves_a_gap(claimant, each))
+            }
         };
         uses.iter().filter(counts).collect()
     }
@@ -270,9 +328,6 @@ impl<'a, 'c> Field<'a, 'c> {
     fn beaten(&self, claimant: &Claimant) -> Vec<Loss> {
         let agent = &*self.cycle.agent;
         let mut found: Vec<Loss> = Vec::new();
-        if self.cycle.work.losses.get(&claimant.id).is_some_and(|losses| *losses >= LOSSES_MAX) {
-            return found;
-        }
         for need in &claimant.needs {
             for rival in self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default().iter().rev() {
                 let known = found.iter().any(|loss| loss.loser == rival.task);
@@ -286,7 +341,7 @@ impl<'a, 'c> Field<'a, 'c> {
         }
         let now = self.cycle.now;
         let mut keyed: Vec<(f64, Loss)> =
-            found.into_iter().map(|loss| (priority::defence(agent, loss.loser, now).total(), loss)).collect();
+            found.into_iter().map(|loss| (self.defence(loss.loser).total(), loss)).collect();
         keyed.sort_by(|a, b| {
             a.0.total_cmp(&b.0).then(at_work_since(agent, b.1.loser).cmp(&at_work_since(agent, a.1.loser)))
         });
@@ -314,7 +369,11 @@ impl<'a, 'c> Field<'a, 'c> {
         if rivals.is_empty() {
             rivals = strangers().collect();
         }
-        let all = rivals.iter().map(|each| (each.task, !matches!(each.kind, UseKind::Awaited(_)))).collect();
+        let rival = |each: &&&Use| {
+            let holds = !matches!(each.kind, UseKind::Awaited(_));
+            Rival { task: each.task, holds, stands_for: self.stands_for(each.task) }
+        };
+        let all = rivals.iter().map(rival).collect();
         let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
         // Told is who would have to yield first: the weakest who has it, or else the best who claims it.
         let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
@@ -331,7 +390,8 @@ impl<'a, 'c> Field<'a, 'c> {
             loser_strength: Strength::claiming(claimant.priority),
             winner_holds: false,
         };
-        let refusal = Refusal { loss: told.unwrap_or_else(nobody), rivals: all };
+        let stands_for = self.stands_for(claimant.id);
+        let refusal = Refusal { loss: told.unwrap_or_else(nobody), stands_for, rivals: all };
         // It begins when one of those in its way is done, if all of them said when that is.
         let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
         let earliest = ends.and_then(|ends| ends.into_iter().min());
@@ -393,18 +453,19 @@ impl<'a, 'c> Field<'a, 'c> {
         }
         let own = Strength::claiming(claimant.priority);
         if holds {
-            let defence = priority::defence(agent, rival.task, now);
+            let defence = self.defence(rival.task);
             let equal = planted::is(Bug::EqualNewcomerWins) && own.total() >= defence.priority;
             if own.total() > defence.total() || equal {
-                return Ok(win(ConflictRule::Priority, own, defence));
+                return Ok(win(self.by_priority(claimant.id), own, defence));
             }
-            let rule = if defence.priority > own.priority { ConflictRule::Priority } else { ConflictRule::Incumbent };
+            let outranks = defence.priority > own.priority;
+            let rule = if outranks { self.by_priority(rival.task) } else { ConflictRule::Incumbent };
             return Err(loss(rule, defence, own));
         }
-        let other = Strength::claiming(priority::priority(agent, rival.task, now));
+        let other = self.lifted(rival.task, Strength::claiming(priority::priority(agent, rival.task, now)));
         let siblings = order_of(agent, claimant.id).0 == order_of(agent, rival.task).0;
         let rule = match other.priority.total_cmp(&own.priority) {
-            Ordering::Greater => ConflictRule::Priority,
+            Ordering::Greater => self.by_priority(rival.task),
             Ordering::Equal if has_begun(agent, rival.task) && !has_begun(agent, claimant.id) => ConflictRule::Begun,
             Ordering::Equal if siblings => ConflictRule::WrittenOrder,
             Ordering::Equal => ConflictRule::CreationOrder,

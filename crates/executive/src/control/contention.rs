@@ -5,7 +5,8 @@
 
 use crate::control::conflict::{self, Arbitration, Loss, Refusal};
 use crate::control::transition::{Trigger, transition};
-use crate::control::{competition, crossing, line, resources};
+use crate::control::crossing::Contest;
+use crate::control::{competition, line, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use crate::planted::{self, Bug};
@@ -91,13 +92,7 @@ fn look_again(cycle: &mut Cycle<'_>) {
 
 /// The commit phase: states change as arbitrated.
 pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
-    if arbitration.unsettled {
-        let granted = arbitration.granted.iter().flat_map(|id| resources::needs_of(cycle, *id));
-        let contested: Vec<ResourceId> = granted.map(|need| need.resource).collect();
-        cycle.work.dirty.extend(contested);
-    }
     for loss in &arbitration.displaced {
-        *cycle.work.losses.entry(loss.loser).or_default() += 1;
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         interruption::outrank(cycle, loss.loser, because);
         // Being refused now is the loss itself, not another one to tell.
@@ -195,13 +190,19 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     let loser = refusal.loss.loser;
-    let mut moved = priority::reads_inputs(cycle.agent, loser);
+    let mut moved = refusal.stands_for.iter().any(|each| priority::reads_inputs(cycle.agent, *each));
     let mut at: Option<Time> = None;
-    for (rival, holds) in &refusal.rivals {
-        moved |= priority::reads_inputs(cycle.agent, *rival);
-        let holds = *holds || cycle.state(*rival) == TaskState::Ongoing;
-        let crossing = crossing::next_look(cycle.agent, loser, *rival, holds, cycle.now);
-        at = [at, crossing].into_iter().flatten().min();
+    for rival in &refusal.rivals {
+        let holds = rival.holds || cycle.state(rival.task) == TaskState::Ongoing;
+        for other in &rival.stands_for {
+            moved |= priority::reads_inputs(cycle.agent, *other);
+            let ranked = competition::rank_order(cycle.agent, loser, rival.task, cycle.now).is_some();
+            for own in refusal.stands_for.iter().filter(|_| !ranked) {
+                let holder = holds.then_some(rival.task);
+                let contest = Contest { agent: cycle.agent, challenger: *own, rival: *other, holder };
+                at = [at, contest.next_look(cycle.now)].into_iter().flatten().min();
+            }
+        }
     }
     if moved {
         cycle.agent.unsteady.insert(loser);

@@ -6,7 +6,7 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{as_claimant, has_begun, is_eligible, order_of};
-use crate::control::conflict::{Arbitration, Field, LOSSES_MAX, Refusal};
+use crate::control::conflict::{Arbitration, Field, Refusal, Rival};
 use crate::control::priority;
 use crate::control::sharing::{Use, UseKind};
 use crate::cycle::Cycle;
@@ -97,8 +97,7 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
     let Some(first) = waiting.line().map(Turn::task).find(|task| is_eligible(agent, *task)) else {
         return Some(result);
     };
-    if holder.into_iter().chain([first]).any(|task| family_waits(agent, waiting, task)) || loses_too_often(cycle, first)
-    {
+    if holder.into_iter().chain([first]).any(|task| family_waits(agent, waiting, task)) {
         return None;
     }
     let field = Field::empty(cycle);
@@ -112,7 +111,8 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
                 result.granted.push(first);
             }
             Err(loss) => {
-                result.refused.push(Refusal { loss, rivals: vec![(holder.task, true)] });
+                let in_the_way = Rival { task: holder.task, holds: true, stands_for: vec![holder.task] };
+                result.refused.push(Refusal { loss, stands_for: vec![first], rivals: vec![in_the_way] });
                 winner = holder;
             }
         },
@@ -120,17 +120,13 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
     for task in fresh.iter().filter(|task| **task != first) {
         let loss = field.confront(&as_claimant(cycle, *task), id, &winner).err()?;
         // Nobody behind the first can overtake the holder before the first does.
-        result.refused.push(Refusal { loss, rivals: Vec::new() });
+        result.refused.push(Refusal { loss, stands_for: vec![*task], rivals: Vec::new() });
     }
     Some(result)
 }
 
 fn holds_only_this(cycle: &Cycle<'_>, id: TaskId) -> bool {
     crate::control::resources::needs_of(cycle, id).len() == 1
-}
-
-fn loses_too_often(cycle: &Cycle<'_>, id: TaskId) -> bool {
-    cycle.work.losses.get(&id).is_some_and(|losses| *losses >= LOSSES_MAX)
 }
 
 /// Does an ancestor or a descendant of the task wait for the same? Families share, which is no matter of turns.

@@ -19,6 +19,7 @@ pub(crate) mod monitoring_clauses;
 pub(crate) mod moving;
 pub(crate) mod plain_episodes;
 pub(crate) mod primitive;
+pub(crate) mod precedence;
 pub(crate) mod priority;
 pub(crate) mod procedure;
 pub(crate) mod question;

@@ -41,6 +41,11 @@ impl Bounds {
         Bounds { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
 
+    /// The bounds of the sum of two values.
+    pub(crate) fn plus(self, other: Bounds) -> Bounds {
+        Bounds { low: self.low + other.low, high: self.high + other.high }
+    }
+
     fn both(self, other: Bounds) -> Bounds {
         Bounds { low: self.low.min(other.low), high: self.high.max(other.high) }
     }

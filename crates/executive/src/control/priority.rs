@@ -39,15 +39,20 @@ pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
 
 /// What an ongoing task defends its resources with.
 pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
+    Strength { priority: priority(agent, id, at), interrupt_cost: interrupt_cost_at(agent, id, at) }
+}
+
+/// What it costs to interrupt the task. Less than nothing counts as nothing: two equals would interrupt one another for ever.
+pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let selection = agent.task(id).and_then(|task| task.selection.as_ref());
     let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
-    let interrupt_cost = match cost_clause(agent, id) {
+    let cost = match cost_clause(agent, id) {
         Some((expr, level)) if !matches!(expr.kind, ExprKind::Constant(_)) => {
             number(expr, &View { agent, task: id, level, now: at }).unwrap_or(at_choice)
         }
         _ => at_choice,
     };
-    Strength { priority: priority(agent, id, at), interrupt_cost }
+    cost.max(0.0)
 }
 
 fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
@@ -184,19 +189,18 @@ pub(crate) fn bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds 
     all.reduce(Bounds::greater).unwrap_or(Bounds { low: 0.0, high: 0.0 })
 }
 
-/// Between which values stays what the task defends with.
-pub(crate) fn defence_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
-    let priority = bounds(agent, id, from, to);
+/// Between which values stays what it costs to interrupt the task.
+pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
     let cost = match cost_clause(agent, id) {
         Some((expr, level)) if moving::moves(expr, &agent.library) => {
-            moving::bounds(expr, &View { agent, task: id, level, now: from }, to).unwrap_or(Bounds::ANY)
+            moving::bounds(expr, &View { agent, task: id, level, now: from }, to)
         }
         _ => {
-            let cost = defence(agent, id, from).interrupt_cost;
-            Bounds { low: cost, high: cost }
+            let cost = interrupt_cost_at(agent, id, from);
+            Some(Bounds { low: cost, high: cost })
         }
     };
-    Bounds { low: priority.low + cost.low, high: priority.high + cost.high }
+    cost.map_or(Bounds::ANY, |cost| cost.greater(Bounds { low: 0.0, high: 0.0 }))
 }
 
 /// Urgency, recovery and what is made of them only rise, so their ends are their bounds.

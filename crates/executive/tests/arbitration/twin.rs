@@ -1,5 +1,5 @@
-//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010 and 0013, one by one, with every set of
-//! holders tried. It shares nothing with the executive.
+//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013 and 0023, one by one, with every set
+//! of holders tried. It shares nothing with the executive.
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
 
@@ -29,10 +29,6 @@ pub struct Twin {
     births: u32,
     /// What has come at this instant: tasks created now see it too.
     present: Option<Moment>,
-    /// How often each task lost at this instant.
-    losses: Vec<u32>,
-    /// Rank and priority have contradicted one another in a ring: what comes of that depends on what else happens.
-    pub is_ring: bool,
 }
 
 impl Twin {
@@ -52,8 +48,6 @@ impl Twin {
             now: 0,
             births: 0,
             present: None,
-            losses: vec![0; count],
-            is_ring: false,
         };
         twin.create_children(None);
         twin.settle();
@@ -64,7 +58,6 @@ impl Twin {
     pub fn happen(&mut self, moment: &Moment) {
         self.now += 1;
         self.present = Some(moment.clone());
-        self.losses.fill(0);
         match moment {
             Moment::Changes(go, stop) => {
                 let mut stop = stop.clone();
@@ -200,8 +193,6 @@ impl Twin {
         };
         let changed = !(granted.is_empty() && impossible.is_empty());
         for task in displaced {
-            self.losses[task] += 1;
-            self.is_ring |= self.losses[task] > 1;
             self.change(task, State::Interrupted);
         }
         for task in impossible {
@@ -231,8 +222,8 @@ impl Twin {
         clauses.reduce(f64::max).unwrap_or(0.0)
     }
 
-    fn defence(&self, task: usize) -> f64 {
-        self.priority(task) + self.nodes[task].cost.unwrap_or(0.1)
+    fn cost(&self, task: usize) -> f64 {
+        self.nodes[task].cost.unwrap_or(0.1)
     }
 
     fn rank(&self, task: usize) -> Option<i32> {
@@ -273,7 +264,11 @@ impl Twin {
         let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();
         let (mut granted, mut awaited) = (Vec::new(), Vec::new());
         let (mut displaced, mut impossible) = (Vec::new(), Vec::new());
-        while let Some(best) = self.best(&remaining) {
+        let order = self.order(claimants.iter().chain(&held).copied().collect());
+        let first = |remaining: &[usize]| order.iter().copied().find(|task| remaining.contains(task));
+        let weight = |task: usize| self.weight(task, &order);
+        let defence = |task: usize| weight(task) + self.cost(task);
+        while let Some(best) = first(&remaining) {
             remaining.retain(|each| *each != best);
             if (0..4).any(|which| self.needs[best][which] > self.totals[which]) {
                 impossible.push(best);
@@ -281,12 +276,11 @@ impl Twin {
             }
             let loses = |holder: &usize| {
                 let by_rank = self.before_by_rank(best, *holder);
-                self.losses[best] < 2
-                    && !self.related(best, *holder)
+                !self.related(best, *holder)
                     && self.share(best, *holder)
-                    && by_rank.unwrap_or(self.priority(best) > self.defence(*holder))
+                    && by_rank.unwrap_or(weight(best) > defence(*holder))
             };
-            let weakest_first = self.weakest_first(held.iter().copied().filter(loses).collect());
+            let weakest_first = self.weakest_first(held.iter().copied().filter(loses).collect(), &defence);
             // A set of holders is a number: the stronger its strongest member, the greater.
             let sets = 0..1_u32 << weakest_first.len();
             let members = |set: u32| {
@@ -313,23 +307,42 @@ impl Twin {
         (granted, displaced, impossible)
     }
 
-    /// The best claimant that nobody beats, or the best where they beat one another in a ring.
-    fn best(&self, remaining: &[usize]) -> Option<usize> {
-        let better = |a: usize, b: usize| self.key(a) < self.key(b);
-        let beats =
-            |a: usize, b: usize| !self.related(a, b) && self.before_by_rank(a, b).unwrap_or_else(|| better(a, b));
-        let beaten = |task: usize| remaining.iter().any(|other| self.share(*other, task) && beats(*other, task));
-        let first = |list: Vec<usize>| list.into_iter().reduce(|a, b| if better(b, a) { b } else { a });
-        let unbeaten = first(remaining.iter().copied().filter(|task| !beaten(*task)).collect());
-        unbeaten.or_else(|| first(remaining.to_vec()))
+    /// Does `a` go before `b` by its rank?
+    fn goes_before(&self, a: usize, b: usize) -> bool {
+        !self.related(a, b) && self.share(a, b) && self.before_by_rank(a, b) == Some(true)
+    }
+
+    /// The greatest priority of the task and of all that wait behind it.
+    fn weight(&self, task: usize, all: &[usize]) -> f64 {
+        let mut behind = vec![task];
+        while let Some(more) = all.iter().find(|each| {
+            !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each))
+        }) {
+            behind.push(*more);
+        }
+        behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)
+    }
+
+    /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
+    fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
+        let better = |a: usize, b: usize| if self.key(b) < self.key(a) { b } else { a };
+        let mut order = Vec::new();
+        while let Some(mut next) = left.iter().copied().reduce(better) {
+            while let Some(ahead) = left.iter().copied().filter(|each| self.goes_before(*each, next)).reduce(better) {
+                next = ahead;
+            }
+            left.retain(|each| *each != next);
+            order.push(next);
+        }
+        order
     }
 
     /// Who yields first: who beats none of the others by rank; of these the least defence; of these the latest at work.
-    fn weakest_first(&self, mut holders: Vec<usize>) -> Vec<usize> {
+    fn weakest_first(&self, mut holders: Vec<usize>, defence: &impl Fn(usize) -> f64) -> Vec<usize> {
         let mut ordered = Vec::new();
         while !holders.is_empty() {
             let weaker = |a: usize, b: usize| {
-                let order = self.defence(a).total_cmp(&self.defence(b));
+                let order = defence(a).total_cmp(&defence(b));
                 order.then((self.since[b], self.born[b]).cmp(&(self.since[a], self.born[a]))).is_lt()
             };
             let beats_none =

@@ -1,0 +1,146 @@
+//! Precedence (TC)
+//! What: puts competitors into one order that keeps to ranks and to priorities. Who goes before another one by its rank is
+//! as important as that one, so ranks and priorities never contradict one another in a ring.
+//! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
+//! Bound: O(c^2 * depth) for c competitors.
+//! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::competition::{Claimant, by_priority};
+use crate::control::priority;
+use crate::cycle::Cycle;
+use apex_model::task::TaskId;
+use std::collections::BTreeMap;
+
+/// The order of all competitors for some resources.
+pub(crate) struct Precedence {
+    competitors: Vec<Competitor>,
+    places: BTreeMap<TaskId, Place>,
+    /// Priorities of some of them can change without anybody claiming or giving up.
+    varies: bool,
+}
+
+/// One that claims or holds, with the ranks on its way from the root down.
+struct Competitor {
+    claimant: Claimant,
+    path: Vec<(TaskId, Option<f64>)>,
+}
+
+#[derive(Clone, Copy)]
+struct Place {
+    turn: usize,
+    /// The most important one that it goes before, itself if there is none.
+    whom: TaskId,
+    /// The priority of that one.
+    priority: f64,
+}
+
+impl Precedence {
+    /// The order of `claimants`, holders among them; none where nobody has a rank.
+    pub(crate) fn of(cycle: &Cycle<'_>, mut claimants: Vec<Claimant>) -> Option<Precedence> {
+        claimants.sort_by(by_priority);
+        let with_path = |claimant: Claimant| {
+            let path = rank_path(cycle, claimant.id);
+            Competitor { claimant, path }
+        };
+        let competitors: Vec<Competitor> = claimants.into_iter().map(with_path).collect();
+        if competitors.len() < 2 || !competitors.iter().any(Competitor::is_ranked) {
+            return None;
+        }
+        let varies = competitors.iter().any(|each| {
+            let id = each.claimant.id;
+            priority::moves(cycle.agent, id, true) || priority::reads_inputs(cycle.agent, id)
+        });
+        let mut precedence = Precedence { competitors, places: BTreeMap::new(), varies };
+        precedence.place_all();
+        Some(precedence)
+    }
+
+    /// The best by priority comes first, but before each one comes who goes before it by rank, and before that one likewise.
+    fn place_all(&mut self) {
+        let count = self.competitors.len();
+        // How far each one has looked for others that go before it.
+        let mut looked = vec![0_usize; count];
+        for (root, whom) in self.competitors.iter().enumerate() {
+            let mut open = vec![root];
+            while let Some((&index, competitor)) = open.last().and_then(|index| Some((index, self.competitors.get(*index)?))) {
+                let from = looked.get(index).copied().unwrap_or(count);
+                let next = self.next_before(competitor, from);
+                if let Some(looked) = looked.get_mut(index) {
+                    *looked = next.map_or(count, |next| next + 1);
+                }
+                match next {
+                    Some(next) => open.push(next),
+                    None => {
+                        open.pop();
+                        let (turn, whom) = (self.places.len(), &whom.claimant);
+                        let place = Place { turn, whom: whom.id, priority: whom.priority };
+                        self.places.entry(competitor.claimant.id).or_insert(place);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The first from `from` on that goes before `competitor` and has no place yet.
+    fn next_before(&self, competitor: &Competitor, from: usize) -> Option<usize> {
+        let open = |other: &Competitor| !self.places.contains_key(&other.claimant.id) && other.goes_before(competitor);
+        self.competitors.iter().skip(from).position(open).map(|index| index + from)
+    }
+
+    /// Gives the competitor its turn and its strength.
+    pub(crate) fn apply(&self, claimant: &mut Claimant) {
+        if let Some(place) = self.places.get(&claimant.id) {
+            claimant.turn = place.turn;
+            claimant.priority = claimant.priority.max(place.priority);
+        }
+    }
+
+    /// The priority that counts for a task whose own one is `own`.
+    pub(crate) fn lifted(&self, id: TaskId, own: f64) -> f64 {
+        self.places.get(&id).map_or(own, |place| own.max(place.priority))
+    }
+
+    /// Whose priority counts for the task, if it is not its own.
+    pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
+        let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
+        self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
+    }
+
+    /// All whose priorities may count for the task: itself, those that it goes before, those that they go before.
+    pub(crate) fn stands_for(&self, id: TaskId) -> Vec<TaskId> {
+        let mut found = vec![id];
+        let mut next = 0;
+        while let Some(id) = found.get(next).copied().filter(|_| self.varies) {
+            next += 1;
+            let Some(competitor) = self.competitors.iter().find(|each| each.claimant.id == id) else { continue };
+            for other in self.competitors.iter().filter(|other| competitor.goes_before(other)) {
+                if !found.contains(&other.claimant.id) {
+                    found.push(other.claimant.id);
+                }
+            }
+        }
+        found
+    }
+}
+
+impl Competitor {
+    fn is_ranked(&self) -> bool {
+        self.path.iter().any(|(_, rank)| rank.is_some())
+    }
+
+    /// By rank, where both want the same. Tasks of one line do not compete.
+    fn goes_before(&self, other: &Competitor) -> bool {
+        let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
+        let Some(((_, Some(own)), (_, Some(others)))) = pair else { return false };
+        let mut needs = self.claimant.needs.iter();
+        own < others && needs.any(|need| other.claimant.needs.iter().any(|each| each.resource == need.resource))
+    }
+}
+
+/// The task and its ancestors from the root down, with their ranks.
+fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f64>)> {
+    let family = std::iter::successors(cycle.task(id), |task| cycle.task(task.parent?));
+    let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(cycle.agent, task.id, cycle.now))).collect();
+    path.reverse();
+    path
+}
