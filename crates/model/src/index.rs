@@ -2,12 +2,14 @@
 //! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
 
 use crate::condition::{Condition, ConditionKind};
+use crate::expression::{Expr, ExprKind};
 use crate::library::Library;
 use crate::pattern::Pattern;
-use crate::procedure::{Procedure, ProcedureKind, Repetition, Step};
+use crate::procedure::{Hooks, Procedure, ProcedureKind, Repetition, Step};
 use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::variables;
+use crate::walk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -93,6 +95,8 @@ pub struct ProcedureIndex {
     pub tags: BTreeMap<Symbol, u32>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
+    /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
+    pub changing: BTreeSet<Symbol>,
 }
 
 /// What is known about a library beforehand.
@@ -156,8 +160,29 @@ impl ProcedureIndex {
         ProcedureIndex {
             tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
             steps: steps.collect(),
+            changing: changing(procedure, results),
         }
     }
+}
+
+/// Results of steps, and variables that are assigned by hooks, activities and `select`.
+fn changing(procedure: &Procedure, results: Vec<BTreeSet<Symbol>>) -> BTreeSet<Symbol> {
+    let mut names: BTreeSet<Symbol> = results.into_iter().flatten().collect();
+    let mut see = |expr: &Expr| {
+        if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
+            names.insert(name.clone());
+        }
+    };
+    let hooks = procedure.steps.iter().map(|step| &step.hooks).chain([&procedure.hooks]);
+    let forms = hooks.flat_map(|Hooks { on_start, on_end, on_suspend, on_resume }| {
+        [on_start, on_end, on_suspend, on_resume].into_iter().flatten()
+    });
+    forms.for_each(|form| walk::each(form, &mut see));
+    for step in &procedure.steps {
+        step.select.iter().for_each(|(_, expr)| walk::each(expr, &mut see));
+        walk::each_in_activity(&step.activity, &mut see);
+    }
+    names
 }
 
 /// A step that repeats without bound, or responds again and again, never ends by itself.

@@ -24,9 +24,8 @@ use std::sync::Arc;
 pub struct Window {
     /// The first instant that counts; closed.
     pub start: Time,
-    /// Samples and messages with an arrival number up to this do not count, even at the start, and neither do states
-    /// and ends of tasks from before: set for a repeated task to the newest arrival it has already answered. With none
-    /// everything counts, and a task that has ended or is in the wanted state already satisfies.
+    /// Samples and messages with an arrival number up to this do not count, even at the start: set for a repeated task
+    /// to the newest arrival it has already answered. With none everything counts.
     pub after_sequence: Option<u64>,
 }
 
@@ -416,6 +415,8 @@ pub struct EventPart {
 pub struct TaskEndedPart {
     /// The step's tag.
     pub variable: Symbol,
+    /// That it has ended before this is watched counts too.
+    pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
     /// When it ended.
@@ -429,6 +430,8 @@ pub struct TaskStatePart {
     pub expression: Expr,
     /// The state's name.
     pub state: Pattern,
+    /// The state in which it is as this begins to be watched counts too.
+    pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
     /// What was found.

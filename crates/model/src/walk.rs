@@ -1,6 +1,7 @@
 //! Expressions, part by part: every expression inside of another one, the outer one first.
 
 use crate::expression::{Expr, ExprKind, Template};
+use crate::procedure::Activity;
 
 /// Shows `see` the expression and all its parts.
 pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
@@ -39,6 +40,17 @@ pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
         }
         ExprKind::Assign { value, .. } => each(value, see),
         ExprKind::Template(template) => of_template(template, see),
+    }
+}
+
+/// The same for every expression of an activity.
+pub fn each_in_activity(activity: &Activity, see: &mut dyn FnMut(&Expr)) {
+    match activity {
+        Activity::Goal(template) => of_template(template, see),
+        Activity::Terminate { task, outcome, value } => {
+            [task, outcome, value].into_iter().flatten().for_each(|part| each(part, see));
+        }
+        Activity::BuiltIn(_, arguments) => all(arguments, see),
     }
 }
 

@@ -58,6 +58,18 @@ pub(crate) struct Move {
     pub(crate) at: Time,
 }
 
+/// A remembered change of a variable that had a value.
+pub(crate) struct Change {
+    /// Whose variable.
+    pub(crate) task: usize,
+    pub(crate) name: String,
+    pub(crate) before: Value,
+    /// In the order of what is watched.
+    pub(crate) number: u64,
+    /// Messages and samples before this one had been noticed.
+    pub(crate) noticed: u64,
+}
+
 pub(crate) struct Agent<'p> {
     pub(crate) program: &'p Program,
     pub(crate) now: Time,
@@ -67,6 +79,9 @@ pub(crate) struct Agent<'p> {
     pub(crate) messages: Vec<Message>,
     pub(crate) samples: Vec<Sample>,
     pub(crate) moves: Vec<Move>,
+    pub(crate) changes: Vec<Change>,
+    /// The number of the first message or sample that nobody has noticed.
+    pub(crate) noticed: u64,
     /// The number of the next message or sample.
     pub(crate) arrivals: u64,
     /// What the agent said to itself: recorded in the next round.
@@ -102,6 +117,8 @@ pub fn run(program: &Program, inputs: &[Input], until: Time) -> Run {
         messages: Vec::new(),
         samples: Vec::new(),
         moves: Vec::new(),
+        changes: Vec::new(),
+        noticed: 0,
         arrivals: 0,
         said: Vec::new(),
         totals: totals.collect(),
@@ -170,6 +187,7 @@ impl Agent<'_> {
                 self.changed = true;
                 self.record(said, self.now);
             }
+            self.noticed = self.arrivals;
             self.notice_and_enable();
             self.choose();
             self.contend_and_commit();

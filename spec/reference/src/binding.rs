@@ -1,6 +1,6 @@
 //! Variables: who sees which, and who changes them.
 
-use crate::agent::Agent;
+use crate::agent::{Agent, Change};
 use crate::task::{Level, State, Work};
 use crate::value::Value;
 
@@ -46,6 +46,26 @@ impl Agent<'_> {
         }
     }
 
+    /// Whose variable that is.
+    pub(crate) fn owner(&self, task: usize, level: Level, name: &str) -> Option<usize> {
+        if level == Level::Procedure || self.tasks[task].bound.contains_key(name) {
+            return Some(task);
+        }
+        let parent = self.tasks[task].parent?;
+        match self.tasks[parent].work.as_ref()? {
+            Work::Procedure { .. } => Some(parent),
+            _ => self.owner(parent, Level::Step, name),
+        }
+    }
+
+    /// Remembers what a variable was before it changes.
+    fn note_change(&mut self, task: usize, name: &str, before: Option<Value>) {
+        if let Some(before) = before {
+            let (number, noticed) = (self.next_serial(), self.noticed);
+            self.changes.push(Change { task, name: name.to_string(), before, number, noticed });
+        }
+    }
+
     /// The nearest task above that runs a procedure.
     pub(crate) fn procedure_above(&self, task: usize) -> Option<usize> {
         let parent = self.tasks[task].parent?;
@@ -57,12 +77,13 @@ impl Agent<'_> {
 
     /// Gives a variable of the procedure or primitive that `task` runs its value, and lets steps go on that wait for it.
     pub(crate) fn bind_result(&mut self, task: usize, name: &str, value: Value) {
-        match &mut self.tasks[task].work {
+        let before = match &mut self.tasks[task].work {
             Some(Work::Procedure { context, .. } | Work::Primitive { context, .. }) => {
-                context.insert(name.to_string(), value);
+                context.insert(name.to_string(), value)
             }
             _ => return,
-        }
+        };
+        self.note_change(task, name, before);
         let Some(Work::Procedure { current, .. }) = &self.tasks[task].work else { return };
         for child in current.clone().into_iter().flatten() {
             let waits = self.tasks[child].waits_for_result && self.tasks[child].state == State::Pending;

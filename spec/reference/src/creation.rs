@@ -73,6 +73,7 @@ impl<'p> Agent<'p> {
             children.insert(child);
             if let Some(step) = step {
                 current[step] = Some(child);
+                self.tasks[child].tagged = self.moves.len();
             }
         }
     }
@@ -108,7 +109,10 @@ impl<'p> Agent<'p> {
     pub(crate) fn watch(&mut self, id: usize, clause: Clause, level: Level, condition: &Condition, window: Window) {
         let number = self.next_serial();
         let made = self.moves.len();
-        let watch = Watch { number, clause, level, condition: condition.clone(), window, made, at_once: false };
+        // Work that begins in a state that would start it over has not begun before that.
+        let standing = clause != Clause::RestartWhen;
+        let condition = condition.clone();
+        let watch = Watch { number, clause, level, condition, window, made, standing, at_once: false };
         self.tasks[id].watches.push(watch);
         self.changed = true;
     }

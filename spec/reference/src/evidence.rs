@@ -1,6 +1,6 @@
 //! What conditions mean: all the ways in which one is true, from everything that was ever heard, measured and done.
 
-use crate::agent::Agent;
+use crate::agent::{Agent, Change};
 use crate::expression::compare;
 use crate::program::{Condition, Span, Term, Time};
 use crate::task::{Level, State, Watch};
@@ -61,20 +61,34 @@ impl Agent<'_> {
         self.variable(place.task, place.watch.level, name)
     }
 
+    /// A message or a sample is judged when it is noticed, or when the watching begins if that is later: what the variable
+    /// was then counts.
+    fn saw(&self, place: Place<'_>, name: &str, arrival: u64) -> Option<Value> {
+        let owner = self.owner(place.task, place.watch.level, name);
+        let later = |change: &&Change| {
+            Some(change.task) == owner
+                && change.name == name
+                && change.number > place.watch.number
+                && change.noticed > arrival
+        };
+        let changed = self.changes.iter().find(later);
+        changed.map_or_else(|| self.sees(place, name), |change| Some(change.before.clone()))
+    }
+
     /// All the ways, earliest known first.
     fn proofs(&self, condition: &Condition, place: Place<'_>) -> Vec<Proof> {
         let mut proofs = match condition {
             Condition::Event(pattern) => self.messages_like(pattern, place),
             Condition::Measurement(attribute, object, relation, number) => {
-                let fits = |value: &Value, _: &mut Bindings| {
+                let fits = |value: &Value, _: u64, _: &mut Bindings| {
                     matches!(compare(*relation, value, &Value::Number(*number)), Ok(true))
                 };
                 self.samples_of(attribute, object, place, &fits)
             }
             Condition::Sample(attribute, object, name) => {
                 let pattern = [Term::Variable(name.clone())];
-                let fits = |value: &Value, bound: &mut Bindings| {
-                    matches(&pattern, std::slice::from_ref(value), &|name| self.sees(place, name), bound)
+                let fits = |value: &Value, arrival: u64, bound: &mut Bindings| {
+                    matches(&pattern, std::slice::from_ref(value), &|name| self.saw(place, name, arrival), bound)
                 };
                 self.samples_of(attribute, object, place, &fits)
             }
@@ -106,7 +120,7 @@ impl Agent<'_> {
         let mut proofs = Vec::new();
         for message in self.messages.iter().filter(|message| counts(message.at, message.arrival)) {
             let mut proof = Proof::at(message.at, Some(Evidence::Message(message.arrival)));
-            if matches(pattern, &message.words, &|name| self.sees(place, name), &mut proof.bound) {
+            if matches(pattern, &message.words, &|name| self.saw(place, name, message.arrival), &mut proof.bound) {
                 proofs.push(proof);
             }
         }
@@ -119,7 +133,7 @@ impl Agent<'_> {
         attribute: &str,
         object: &Term,
         place: Place<'_>,
-        fits: &dyn Fn(&Value, &mut Bindings) -> bool,
+        fits: &dyn Fn(&Value, u64, &mut Bindings) -> bool,
     ) -> Vec<Proof> {
         let window = place.watch.window;
         let counts = |at: Time, arrival: u64| at >= window.start && window.after.is_none_or(|after| arrival > after);
@@ -130,9 +144,9 @@ impl Agent<'_> {
             let replaced = seen[index + 1..].iter().any(|later| later.object == sample.object && later.at == sample.at);
             let mut proof = Proof::at(sample.at, Some(Evidence::Sample(sample.at)));
             let named = Value::Word(sample.object.clone());
-            let known = |name: &str| self.sees(place, name);
+            let known = |name: &str| self.saw(place, name, sample.arrival);
             let concerns = matches(std::slice::from_ref(object), &[named], &known, &mut proof.bound);
-            if !replaced && concerns && fits(&sample.value, &mut proof.bound) {
+            if !replaced && concerns && fits(&sample.value, sample.arrival, &mut proof.bound) {
                 proofs.push(proof);
             }
         }
@@ -142,16 +156,14 @@ impl Agent<'_> {
     /// When the task of the step ended: it has, or it did since the clause is watched.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
-        let since = self.moves.iter().skip(place.watch.made);
-        let mut ends = since.filter(|each| each.task == other && each.to == State::Terminated);
-        let ended = ends.next().map(|each| each.at);
-        // A repeated task waits for an end that comes after.
-        let has = self.tasks[other].state == State::Terminated && place.watch.window.after.is_none();
-        let last = || self.moves.iter().rev().find(|each| each.task == other && each.to == State::Terminated);
-        ended.or_else(|| last().filter(|_| has).map(|each| each.at))
+        let ends = || self.moves.iter().enumerate().filter(|(_, each)| each.task == other && each.to == State::Terminated);
+        let since = ends().find(|(number, _)| *number >= place.watch.made);
+        let stands = place.watch.standing && self.tasks[other].state == State::Terminated;
+        since.or_else(|| ends().last().filter(|_| stands)).map(|(_, each)| each.at)
     }
 
-    /// States that the task of the step was in: as the clause began to be watched, and after every change since.
+    /// States that the task of the step was in: as the clause began to be watched or the tag to stand for it, and after
+    /// every change since.
     fn states_of(&self, tag: Option<&str>, word: &str, place: Place<'_>) -> Vec<Proof> {
         let other = match tag {
             None => place.task,
@@ -160,11 +172,12 @@ impl Agent<'_> {
                 _ => return Vec::new(),
             },
         };
-        let (before, since) = self.moves.split_at(place.watch.made);
+        let (made, tagged) = (place.watch.made, self.tasks[other].tagged);
+        let (before, since) = self.moves.split_at(made.max(tagged));
         let mut proofs = Vec::new();
         let state = before.iter().rev().find(|each| each.task == other).map_or(State::Pending, |each| each.to);
-        let began = if place.watch.window.after.is_none() && state.word() == word { Some(self.now) } else { None };
-        proofs.extend(began.map(|at| Proof::at(at, None)));
+        let stands = (place.watch.standing || tagged > made) && state.word() == word;
+        proofs.extend(stands.then(|| Proof::at(self.now, None)));
         for each in since.iter().filter(|each| each.task == other) {
             let resumed = each.from == State::Interrupted && each.to == State::Ongoing && word == "resumed";
             if each.to.word() == word || resumed {
@@ -222,7 +235,9 @@ impl Agent<'_> {
         let mut delay: Option<(Span, Span)> = None;
         for part in parts {
             if let Condition::Delay(least, most) = part {
-                delay = Some((*least, most.unwrap_or(Span::MAX)));
+                // One after the other they add up.
+                let (before, before_most) = delay.unwrap_or((0, 0));
+                delay = Some((before + least, most.map_or(Span::MAX, |most| most.saturating_add(before_most))));
                 continue;
             }
             let follows = |before: &Proof, next: &Proof| {
@@ -238,7 +253,10 @@ impl Agent<'_> {
         }
         if let Some((least, _)) = delay {
             for proof in &mut proofs {
-                proof.known = proof.known.max(proof.hull.map_or(start, |hull| hull.1) + least);
+                let over = proof.hull.map_or(start, |hull| hull.1) + least;
+                proof.known = proof.known.max(over);
+                // Where nothing but time has to pass, that is an instant.
+                proof.hull = proof.hull.or(Some((over, over)));
             }
         }
         proofs

@@ -67,6 +67,9 @@ impl<'p> Agent<'p> {
                 self.watch(id, Clause::ResumeWhen, level, condition, window);
             }
         }
+        // What still stands has had its suspension.
+        let anew = self.tasks[id].watches.iter_mut().filter(|watch| about(watch.clause));
+        anew.for_each(|watch| watch.standing = false);
     }
 
     /// The task stops working; its clock stands still.

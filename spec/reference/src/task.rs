@@ -167,6 +167,8 @@ pub(crate) struct Watch {
     pub(crate) window: Window,
     /// How many changes of state there had been when it was made.
     pub(crate) made: usize,
+    /// Ends and states of tasks count that were there already.
+    pub(crate) standing: bool,
     /// It must be judged at once, not only in the next round.
     pub(crate) at_once: bool,
 }
@@ -201,6 +203,8 @@ pub(crate) struct Task {
     pub(crate) known: BTreeSet<String>,
     /// Its parent has taken note of its end.
     pub(crate) over: bool,
+    /// How many changes of state there had been when the tag of its step began to stand for it.
+    pub(crate) tagged: usize,
     /// Nobody can refer to it any more.
     pub(crate) forgotten: bool,
 }
@@ -230,6 +234,7 @@ impl Task {
             repeats_no_more: false,
             known: BTreeSet::new(),
             over: false,
+            tagged: 0,
             forgotten: false,
         }
     }

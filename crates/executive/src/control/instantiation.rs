@@ -213,7 +213,7 @@ fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String,
     if let Some(task) = cycle.agent.task_mut(id) {
         task.held_back.by_condition = true;
     }
-    monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window)
+    monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true)
         .map(|_| ())
         .map_err(|error| (error.message, error.place))
 }
@@ -223,7 +223,7 @@ fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
     let Some(window) = cycle.task(id).map(window) else { return Ok(()) };
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(condition) = handle.get().and_then(|step| step.transitions.end_when.as_ref()) else { return Ok(()) };
-    monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window)
+    monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window, true)
         .map(|_| ())
         .map_err(|error| (error.message, error.place))
 }

@@ -274,7 +274,9 @@ fn watch(
         Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => task.after_sequence,
     };
     let window = Window { start, after_sequence };
-    monitoring_clauses::watch(cycle, id, clause, level, condition, window)
+    // Work that begins in a state that would start it over has not begun before that.
+    let standing = clause != Clause::RestartWhen;
+    monitoring_clauses::watch(cycle, id, clause, level, condition, window, standing)
         .map(Some)
         .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
 }
@@ -331,7 +333,8 @@ pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, 
     let Some(clauses) = clauses(cycle, id, level) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
     let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
-    watch_again(cycle, id, level, wanted, window);
+    // Where that holds already for which it is to wait, there is nothing to wait for.
+    watch_again(cycle, id, level, wanted, window, true);
 }
 
 /// Watches clauses in the middle of a task's life. A task with a clause that cannot be watched has failed: it would be
@@ -342,10 +345,11 @@ fn watch_again(
     level: Level,
     wanted: [(Clause, Option<Box<Condition>>); 2],
     window: Window,
+    standing: bool,
 ) {
     for (clause, condition) in wanted {
         if let Some(condition) = condition
-            && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window)
+            && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window, standing)
         {
             let cause = Cause::ExpressionFailed { message: error.message };
             return termination::fail(cycle, id, Because::new(cause, Some(error.place)));
@@ -361,6 +365,7 @@ pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window
     for level in [Level::Step, Level::Procedure] {
         let Some(clauses) = clauses(cycle, id, level) else { continue };
         let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
-        watch_again(cycle, id, level, wanted, window);
+        // What still stands has had its suspension.
+        watch_again(cycle, id, level, wanted, window, false);
     }
 }

@@ -13,17 +13,20 @@ use crate::view::View;
 use apex_model::because::Evidence;
 use apex_model::clause::{Clause, Filing, Level, MonitorId, Watch};
 use apex_model::condition::Condition;
+use apex_model::controller::Controller;
 use apex_model::expression::ExprKind;
 use apex_model::interests::{Interests, Narrowed};
 use apex_model::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
 use apex_model::monitor_set::Found;
 use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
 use smallvec::SmallVec;
 
-/// Makes the monitor of a clause; it is judged in the next notice phase.
+/// Makes the monitor of a clause; it is judged in the next notice phase. Messages and samples count from `window` on. The
+/// ends and states of tasks are facts: those that stand already count if `standing`, changes count from here on.
 ///
 /// # Errors
 /// When an expression of the condition that must be known now cannot be evaluated.
@@ -34,10 +37,12 @@ pub(crate) fn watch(
     level: Level,
     condition: &Condition,
     window: Window,
+    standing: bool,
 ) -> Result<MonitorId, EvaluationError> {
     let (monitor, second) = {
         let view = cycle.view(task, level);
-        let monitor = monitoring::create(condition, window, &view)?;
+        let create = if standing { monitoring::create } else { monitoring::create_for_changes };
+        let monitor = create(condition, window, &view)?;
         let second = second_word(&monitor, &view);
         (monitor, second)
     };
@@ -83,8 +88,22 @@ fn take_out(interests: &mut Interests, watch: &Watch, id: MonitorId) {
     for_each_interest(watch, |interest, narrowed| interests.remove(interest, narrowed, id));
 }
 
+/// Can the variable of the clause get another value than it has?
+fn may_change(view: &View<'_>, name: &Symbol) -> bool {
+    let Some(task) = view.agent.task(view.task) else { return false };
+    let procedure = match view.level {
+        Level::Step => task.step().map(|step| step.procedure),
+        Level::Procedure => task.controller.as_deref().and_then(|controller| match controller {
+            Controller::Procedure(state) => Some(state.procedure),
+            _ => None,
+        }),
+    };
+    let index = procedure.and_then(|procedure| view.agent.procedure_index(procedure));
+    index.is_some_and(|index| index.changing.contains(name))
+}
+
 /// The second word of the only message that the monitor waits for, where it cannot change: a literal, or a variable
-/// that is bound already.
+/// that is bound already and stays as it is.
 fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
     let PartKind::Event(event) = &monitor.root.kind else { return None };
     match event.pattern.as_ref() {
@@ -92,7 +111,9 @@ fn second_word(monitor: &Monitor, view: &View<'_>) -> Option<Value> {
         Pattern::List(parts) => match (parts.first()?, parts.get(1)?) {
             (Pattern::Segment { .. }, _) => None,
             (_, Pattern::Literal(value)) => Some(value.clone()),
-            (_, Pattern::Variable(name) | Pattern::BoundVariable(name)) => view.variable(name),
+            (_, Pattern::Variable(name) | Pattern::BoundVariable(name)) => {
+                view.variable(name).filter(|_| !may_change(view, name))
+            }
             (_, Pattern::Computed(expr)) => match &expr.kind {
                 ExprKind::Indexical(name) if name.is("self") => Some(Value::Symbol(view.agent_name().clone())),
                 _ => None,
@@ -143,8 +164,9 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
                 cycle.work.priorities_changed |= !cycle.agent.unsteady.is_empty();
             }
             Stimulus::Event { form, .. } => cycle.agent.interests.of_event(form, &mut found),
-            Stimulus::TaskEnded { task, .. } | Stimulus::TaskState { task, .. } => {
+            Stimulus::TaskEnded { task, before, .. } | Stimulus::TaskState { task, before, .. } => {
                 cycle.agent.interests.of_task(*task, &mut found);
+                found.retain(|id| *id < *before);
             }
         }
         plain_episodes::notice(cycle, stimulus, &mut found);
@@ -184,9 +206,18 @@ fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
     }
 }
 
-/// The tag of a step stands for another task than `before` now: whoever watches it looks again.
+/// The tag of a step stands for another task than `before` now: whoever watches it looks again, before that one changes.
 pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
-    cycle.agent.interests.of_task(before, &mut cycle.work.touched);
+    let mut found = Found::new();
+    cycle.agent.interests.of_task(before, &mut found);
+    for id in found {
+        let Some(mut watch) = cycle.agent.watches.lift(id.0) else { continue };
+        let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
+        monitoring::look_for_tasks(&mut watch.monitor, &view);
+        refile(&mut cycle.agent.interests, &mut watch, id);
+        cycle.agent.watches.put(id.0, watch);
+        cycle.work.touched.push(id);
+    }
 }
 
 /// Asks the monitor for its verdict; one that is satisfied joins the firings.

@@ -204,7 +204,7 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
     let index = cycle.agent.procedure_index(step.procedure).cloned();
     let condition = index.and_then(|index| index.steps.get(step.step as usize)?.waitfor.clone());
     if let Some(condition) = condition
-        && let Err(error) = monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window)
+        && let Err(error) = monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true)
     {
         let cause = Cause::ExpressionFailed { message: error.message };
         termination::fail(cycle, id, Because::new(cause, Some(error.place)));

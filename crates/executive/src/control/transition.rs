@@ -6,6 +6,7 @@
 use crate::cycle::Cycle;
 use crate::monitoring::Stimulus;
 use apex_model::because::{Because, Cause};
+use apex_model::clause::MonitorId;
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Duration;
@@ -110,9 +111,10 @@ pub(crate) fn transition(
     cycle.work.balance.ends |= to == TaskState::Terminated;
     cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);
     if !cycle.agent.interests.ignore_task(id) {
-        cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now });
+        let before = MonitorId(cycle.agent.next.monitor);
+        cycle.work.stimuli.push(Stimulus::TaskState { task: id, from, state: to, at: now, before });
         if to == TaskState::Terminated {
-            cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: now });
+            cycle.work.stimuli.push(Stimulus::TaskEnded { task: id, at: now, before });
         }
     }
     true

@@ -26,19 +26,21 @@ struct Role {
     window: Window,
     keep: Keep,
     any_pair: bool,
+    /// Ends and states of tasks count that stand already.
+    standing: bool,
 }
 
-/// The tree for `condition`, not yet looked back.
+/// The tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
 ///
 /// # Errors
 /// When an expression that must be known now cannot be evaluated, or the construct is not supported.
 pub(super) fn tree(
     condition: &Condition,
     window: Window,
-    keep: Keep,
+    (keep, standing): (Keep, bool),
     surroundings: &dyn Surroundings,
 ) -> Result<Part, EvaluationError> {
-    part(condition, Role { window, keep, any_pair: false }, surroundings)
+    part(condition, Role { window, keep, any_pair: false, standing }, surroundings)
 }
 
 fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
@@ -71,11 +73,13 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             PartKind::Event(Box::new(EventPart { pattern, timing, blind: false, settled: Vec::new() }))
         }
         ConditionKind::TaskEnded(variable) => {
-            PartKind::TaskEnded(Box::new(TaskEndedPart { variable: variable.clone(), task: None, ended: None }))
+            let (variable, standing) = (variable.clone(), role.standing);
+            PartKind::TaskEnded(Box::new(TaskEndedPart { variable, standing, task: None, ended: None }))
         }
         ConditionKind::TaskState { task, state } => PartKind::TaskState(Box::new(TaskStatePart {
             expression: task.clone(),
             state: state.clone(),
+            standing: role.standing,
             task: None,
             settled: Vec::new(),
         })),
@@ -213,7 +217,7 @@ pub(super) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubl
         PartKind::Measurement(leaf) => measurement::look_back(leaf, site, surroundings, troubles),
         PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
         PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
-        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, site, surroundings),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
         PartKind::Timestamp(leaf) => {
             time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, surroundings)

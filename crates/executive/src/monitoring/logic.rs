@@ -194,7 +194,11 @@ impl<'a> Combination<'a> {
         for part in &self.composite.parts {
             match &part.kind {
                 PartKind::Delay(leaf) if self.ordered => match delays(leaf, asking.surroundings) {
-                    Ok(span) => delay = Some(span),
+                    // One after the other they add up.
+                    Ok((least, most)) => {
+                        let (before, before_most) = delay.unwrap_or((Duration::ZERO, Duration::ZERO));
+                        delay = Some((before + least, before_most + most));
+                    }
                     Err(error) => {
                         asking.troubles.add(error);
                         return Vec::new();
@@ -283,7 +287,9 @@ impl<'a> Combination<'a> {
         asking: &mut Asking<'_>,
     ) {
         let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
-        let interval = partial.hull.unwrap_or((asking.now, asking.now));
+        // Where nothing but time has to pass, that is an instant.
+        let instant = last_delay.map_or(asking.now, |(least, _)| partial.end + least);
+        let interval = partial.hull.unwrap_or((instant, instant));
         if excluded
             || !constraints_hold(
                 self.part.tag.as_ref(),
@@ -295,7 +301,7 @@ impl<'a> Combination<'a> {
         {
             return;
         }
-        if !nots.is_empty() || partial.hull.is_none() {
+        if !nots.is_empty() || partial.hull.is_none() && last_delay.is_none() {
             partial.recognised_at = asking.now;
         }
         if let Some((least, _)) = last_delay {

@@ -30,6 +30,7 @@ pub(crate) use histories::{record_event, record_sample};
 pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
 
 use crate::expression::{EvaluationError, Surroundings};
+use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
 use apex_model::limits::MONITOR_RESULTS_MAX;
@@ -74,6 +75,8 @@ pub(crate) enum Stimulus {
         task: TaskId,
         /// When.
         at: Time,
+        /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
+        before: MonitorId,
     },
     /// A task changed state (`TaskEnded` comes separately when it ended).
     TaskState {
@@ -85,6 +88,8 @@ pub(crate) enum Stimulus {
         state: TaskState,
         /// When.
         at: Time,
+        /// As above.
+        before: MonitorId,
     },
 }
 
@@ -217,7 +222,8 @@ fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction) {
     settled.push(result);
 }
 
-/// Makes the monitor of `condition` and looks back over what is remembered since the window's start.
+/// Makes the monitor of `condition` and looks back over what is remembered since the window's start. That a task has
+/// ended, or the state in which it is, counts also where it did so before.
 ///
 /// # Errors
 /// When an expression that must be known now (a duration, a gap) cannot be evaluated.
@@ -226,7 +232,19 @@ pub(crate) fn create(
     window: Window,
     surroundings: &dyn Surroundings,
 ) -> Result<Monitor, EvaluationError> {
-    create_keeping(condition, window, Keep::First, surroundings)
+    made(condition, window, (Keep::First, true), surroundings)
+}
+
+/// As [`create`], for a monitor of which only changes of tasks' states count from now on, not those that stand.
+///
+/// # Errors
+/// As [`create`].
+pub(crate) fn create_for_changes(
+    condition: &Condition,
+    window: Window,
+    surroundings: &dyn Surroundings,
+) -> Result<Monitor, EvaluationError> {
+    made(condition, window, (Keep::First, false), surroundings)
 }
 
 /// As [`create`], for a monitor that remembers what `keep` says until it is harvested.
@@ -239,7 +257,16 @@ pub(crate) fn create_keeping(
     keep: Keep,
     surroundings: &dyn Surroundings,
 ) -> Result<Monitor, EvaluationError> {
-    let mut root = creation::tree(condition, window, keep, surroundings)?;
+    made(condition, window, (keep, true), surroundings)
+}
+
+fn made(
+    condition: &Condition,
+    window: Window,
+    manner: (Keep, bool),
+    surroundings: &dyn Surroundings,
+) -> Result<Monitor, EvaluationError> {
+    let mut root = creation::tree(condition, window, manner, surroundings)?;
     let mut troubles = Troubles::default();
     creation::look_back(&mut root, surroundings, &mut troubles);
     let mut monitor =
@@ -323,8 +350,8 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
         (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
             event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
         }
-        (PartKind::TaskEnded(leaf), Stimulus::TaskEnded { task, at }) => task_state::notice_ended(leaf, *task, *at),
-        (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at }) => {
+        (PartKind::TaskEnded(leaf), Stimulus::TaskEnded { task, at, .. }) => task_state::notice_ended(leaf, *task, *at),
+        (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at, .. }) => {
             task_state::notice_state(leaf, site, (*task, *from, *state, *at), surroundings, troubles);
         }
         (PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite), _) => {
@@ -339,7 +366,7 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
 fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let site = site(part);
     match &mut part.kind {
-        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, site, surroundings),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
         PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, surroundings),
         PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, surroundings),
@@ -349,6 +376,13 @@ fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Trou
         PartKind::Not(inner) => advance(inner, surroundings, troubles),
         PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {}
     }
+}
+
+/// Finds out anew which tasks the monitor is about: a tag stands for another one now.
+pub(crate) fn look_for_tasks(monitor: &mut Monitor, surroundings: &dyn Surroundings) {
+    let mut troubles = Troubles::default();
+    advance(&mut monitor.root, surroundings, &mut troubles);
+    troubles.tell(monitor);
 }
 
 /// Is the condition true at `surroundings.now()`? Asked after all stimuli of the instant were noticed.

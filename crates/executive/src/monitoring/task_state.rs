@@ -19,14 +19,14 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-/// Learns which task is meant, and whether it has ended already. A repeated task waits for an end that comes after.
-pub(super) fn advance_ended(part: &mut TaskEndedPart, site: Site, surroundings: &dyn Surroundings) {
+/// Learns which task is meant, and whether it has ended already.
+pub(super) fn advance_ended(part: &mut TaskEndedPart, surroundings: &dyn Surroundings) {
     if let Some(Value::Task(task)) = surroundings.variable(&part.variable) {
         if part.task != Some(task) {
             part.task = Some(task);
             part.ended = None;
         }
-        if part.ended.is_none() && site.window.after_sequence.is_none() {
+        if part.ended.is_none() && part.standing {
             part.ended = surroundings.task_end(task);
         }
     }
@@ -46,19 +46,20 @@ pub(super) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
     Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
 }
 
-/// Learns which task is meant; at the first time its present state counts, unless the task is repeated.
+/// Learns which task is meant; its present state counts if the part says so, and where a tag stands for another task now.
 pub(super) fn advance_state(
     part: &mut TaskStatePart,
     site: Site,
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
-    if part.task.is_some() {
+    let Ok(Value::Task(task)) = evaluate(&part.expression, surroundings) else { return };
+    if part.task == Some(task) {
         return;
     }
-    let Ok(Value::Task(task)) = evaluate(&part.expression, surroundings) else { return };
-    part.task = Some(task);
-    if site.window.after_sequence.is_none()
+    let another = part.task.replace(task).is_some();
+    part.settled.clear();
+    if (part.standing || another)
         && let Some(state) = surroundings.task_state(task)
     {
         note(part, site, task, state.word(), surroundings.now(), surroundings, troubles);

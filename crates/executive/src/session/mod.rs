@@ -235,9 +235,11 @@ impl MonitorSession {
         let known = self.world.tasks.entry(task).or_insert(first);
         let from = known.state;
         known.enter(state, at);
-        self.stimuli.push(Stimulus::TaskState { task, from, state, at });
+        // Who begins to watch at this instant hears of it too.
+        let before = MonitorId(u64::MAX);
+        self.stimuli.push(Stimulus::TaskState { task, from, state, at, before });
         if state == TaskState::Terminated {
-            self.stimuli.push(Stimulus::TaskEnded { task, at });
+            self.stimuli.push(Stimulus::TaskEnded { task, at, before });
         }
     }
 

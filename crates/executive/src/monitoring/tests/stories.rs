@@ -204,7 +204,7 @@ fn bare_numbers_are_in_the_declared_unit_and_other_dimensions_are_told() {
 }
 
 #[test]
-fn tasks_that_have_ended_satisfy_at_once_unless_the_wait_is_a_repetition() {
+fn tasks_that_have_ended_satisfy_at_once_unless_only_changes_count() {
     let mut view = View::default();
     view.variables.set(Symbol::new("s1"), Value::Task(TaskId(4)));
     let ended =
@@ -215,10 +215,9 @@ fn tasks_that_have_ended_satisfy_at_once_unless_the_wait_is_a_repetition() {
     let mut world = World::in_view(&wanted, view);
     assert_eq!(world.answer(5), Some((3, 3, 5)));
     assert_eq!(interests(&world.monitor), [Interest::Task(TaskId(4))]);
-    let repeated = Window { start: Time(5), after_sequence: Some(0) };
-    world.watch(&wanted, repeated);
+    world.monitor = create_for_changes(&wanted, Window::from(Time(5)), &world.view).unwrap();
     assert_eq!(world.ask(5), Verdict::NotSatisfied);
-    notice(&mut world.monitor, &Stimulus::TaskEnded { task: TaskId(4), at: Time(6) }, &world.view);
+    notice(&mut world.monitor, &Stimulus::TaskEnded { task: TaskId(4), at: Time(6), before: MonitorId(9) }, &world.view);
     assert_eq!(world.answer(6), Some((6, 6, 6)));
 }
 
@@ -229,7 +228,7 @@ fn resumed_is_the_change_from_interrupted_to_ongoing() {
     let mut view = View::default();
     view.tasks.insert(TaskId(1), crate::test_support::TestTask { state: TaskState::Ongoing, ..Default::default() });
     let mut world = World::in_view(&wanted, view);
-    let change = |from, state, at| Stimulus::TaskState { task: TaskId(1), from, state, at: Time(at) };
+    let change = |from, state, at| Stimulus::TaskState { task: TaskId(1), from, state, at: Time(at), before: MonitorId(9) };
     notice(&mut world.monitor, &change(TaskState::Ongoing, TaskState::Interrupted, 1), &world.view);
     assert_eq!(world.ask(1), Verdict::NotSatisfied);
     notice(&mut world.monitor, &change(TaskState::Interrupted, TaskState::Ongoing, 2), &world.view);
