@@ -4,6 +4,7 @@
 //! Bound: O(depth) per claimant.
 //! PDL: `rank`, `priority`, section 9.  Paper: section III, highest priority competitor.
 
+use crate::control::precedence::Precedence;
 use crate::control::{priority, resources};
 use crate::cycle::Cycle;
 use crate::planted::{self, Bug};
@@ -82,19 +83,44 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
     starts
 }
 
+/// All claimants, best first, and what makes their order where ranks are stated.
+pub(crate) fn in_order(
+    agent: &Agent,
+    now: Time,
+    dirty: &BTreeSet<ResourceId>,
+    orphans: &BTreeSet<TaskId>,
+) -> (VecDeque<Claimant>, Option<Precedence>) {
+    let mut found = competitors(agent, now, dirty, orphans, false);
+    let mut precedence = None;
+    let mut everybody = found.claimants.iter().map(|each| each.id).chain(found.holders.iter().copied());
+    if everybody.any(|id| priority::is_ranked(agent, id)) {
+        // Whom a holder goes before, or went before until now, may not claim what others wait for that the holder has.
+        found = competitors(agent, now, dirty, orphans, true);
+        let holders = found.holders.iter().map(|id| claimant_in(agent, *id, now));
+        precedence = Some(Precedence::of(agent, now, found.claimants.iter().cloned().chain(holders).collect()));
+    }
+    let mut claimants = found.claimants;
+    if let Some(precedence) = &precedence {
+        claimants.iter_mut().for_each(|claimant| precedence.apply(claimant));
+        claimants.sort_by(compare);
+    }
+    (claimants.into(), precedence)
+}
+
 /// Who competes for some resources and for all that those need who do.
 #[derive(Default)]
-pub(crate) struct Competitors {
+struct Competitors {
     /// Eligible claimants, best first.
-    pub(crate) claimants: Vec<Claimant>,
+    claimants: Vec<Claimant>,
     /// Who has one of the resources.
-    pub(crate) holders: BTreeSet<TaskId>,
+    holders: BTreeSet<TaskId>,
 }
 
 /// Everybody who competes for the resources in `dirty` and for all that claimants need besides, and holders too if
 /// `through_holders`; without `orphans`.
-pub(crate) fn competitors(
-    cycle: &Cycle<'_>,
+fn competitors(
+    agent: &Agent,
+    now: Time,
     dirty: &BTreeSet<ResourceId>,
     orphans: &BTreeSet<TaskId>,
     through_holders: bool,
@@ -104,17 +130,17 @@ pub(crate) fn competitors(
     let mut tasks = orphans.clone();
     let mut found = Competitors::default();
     while let Some(id) = resources.pop() {
-        let Some(resource) = cycle.agent.resources.get(id) else { continue };
+        let Some(resource) = agent.resources.get(id) else { continue };
         for task in resource.waiting.tasks() {
-            if tasks.insert(task) && is_eligible(cycle.agent, task) {
-                let claimant = as_claimant(cycle, task);
+            if tasks.insert(task) && is_eligible(agent, task) {
+                let claimant = claimant_in(agent, task, now);
                 resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
                 found.claimants.push(claimant);
             }
         }
         for holding in &resource.holders {
             if found.holders.insert(holding.task) && through_holders {
-                let needs = resources::needs_of(cycle, holding.task);
+                let needs = resources::needs_in(agent, holding.task);
                 resources.extend(needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
             }
         }
@@ -125,9 +151,14 @@ pub(crate) fn competitors(
 
 /// What the task claims, and with what priority.
 pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
-    let priority = priority::priority(cycle.agent, id, cycle.now);
-    let begun = has_begun(cycle.agent, id);
-    let (needs, order) = (resources::needs_of(cycle, id), order_of(cycle.agent, id));
+    claimant_in(cycle.agent, id, cycle.now)
+}
+
+/// The same outside of a cycle.
+fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
+    let priority = priority::priority(agent, id, now);
+    let begun = has_begun(agent, id);
+    let (needs, order) = (resources::needs_in(agent, id), order_of(agent, id));
     Claimant { id, needs, priority, begun, order, turn: 0 }
 }
 

@@ -6,7 +6,7 @@
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{
-    Claimant, as_claimant, compare, competitors, has_begun, insert_in_order, order_of, rank_order, related,
+    Claimant, as_claimant, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
 use crate::control::line;
 use crate::control::precedence::Precedence;
@@ -22,7 +22,7 @@ use apex_model::resource::{Need, ResourceId};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What arbitration decides.
 #[derive(Default)]
@@ -150,7 +150,7 @@ fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration
 }
 
 fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
-    let (mut remaining, precedence) = in_order(cycle, dirty, orphans);
+    let (mut remaining, precedence) = in_order(cycle.agent, cycle.now, dirty, orphans);
     let mut field = Field { precedence, ..Field::empty(cycle) };
     let mut result = Arbitration::default();
     while let Some(claimant) = remaining.pop_front() {
@@ -170,31 +170,6 @@ fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &
         }
     }
     result
-}
-
-/// All claimants, the first first, and what makes their order where ranks are stated.
-fn in_order(
-    cycle: &Cycle<'_>,
-    dirty: &BTreeSet<ResourceId>,
-    orphans: &BTreeSet<TaskId>,
-) -> (VecDeque<Claimant>, Option<Precedence>) {
-    let precedence = |through_holders| {
-        let found = competitors(cycle, dirty, orphans, through_holders);
-        let holders = found.holders.iter().filter(|id| found.claimants.iter().all(|each| each.id != **id));
-        let all = found.claimants.iter().cloned().chain(holders.map(|id| as_claimant(cycle, *id)));
-        let precedence = Precedence::of(cycle, all.collect());
-        (found.claimants, precedence)
-    };
-    let (mut claimants, mut order) = precedence(false);
-    if order.is_some() {
-        // Whom a holder goes before may claim something else that it holds.
-        (claimants, order) = precedence(true);
-    }
-    if let Some(order) = &order {
-        claimants.iter_mut().for_each(|claimant| order.apply(claimant));
-        claimants.sort_by(compare);
-    }
-    (claimants.into(), order)
 }
 
 /// What becomes of one claimant.

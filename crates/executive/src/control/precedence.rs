@@ -7,8 +7,9 @@
 
 use crate::control::competition::{Claimant, by_priority};
 use crate::control::priority;
-use crate::cycle::Cycle;
+use apex_model::agent::Agent;
 use apex_model::task::TaskId;
+use apex_model::time::Time;
 use std::collections::BTreeMap;
 
 /// The order of all competitors for some resources.
@@ -35,24 +36,21 @@ struct Place {
 }
 
 impl Precedence {
-    /// The order of `claimants`, holders among them; none where nobody has a rank.
-    pub(crate) fn of(cycle: &Cycle<'_>, mut claimants: Vec<Claimant>) -> Option<Precedence> {
+    /// The order of `claimants`, holders among them.
+    pub(crate) fn of(agent: &Agent, now: Time, mut claimants: Vec<Claimant>) -> Precedence {
         claimants.sort_by(by_priority);
         let with_path = |claimant: Claimant| {
-            let path = rank_path(cycle, claimant.id);
+            let path = rank_path(agent, claimant.id, now);
             Competitor { claimant, path }
         };
         let competitors: Vec<Competitor> = claimants.into_iter().map(with_path).collect();
-        if competitors.len() < 2 || !competitors.iter().any(Competitor::is_ranked) {
-            return None;
-        }
         let varies = competitors.iter().any(|each| {
             let id = each.claimant.id;
-            priority::moves(cycle.agent, id, true) || priority::reads_inputs(cycle.agent, id)
+            priority::moves(agent, id, true) || priority::reads_inputs(agent, id)
         });
         let mut precedence = Precedence { competitors, places: BTreeMap::new(), varies };
         precedence.place_all();
-        Some(precedence)
+        precedence
     }
 
     /// The best by priority comes first, but before each one comes who goes before it by rank, and before that one likewise.
@@ -124,10 +122,6 @@ impl Precedence {
 }
 
 impl Competitor {
-    fn is_ranked(&self) -> bool {
-        self.path.iter().any(|(_, rank)| rank.is_some())
-    }
-
     /// By rank, where both want the same. Tasks of one line do not compete.
     fn goes_before(&self, other: &Competitor) -> bool {
         let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
@@ -138,9 +132,9 @@ impl Competitor {
 }
 
 /// The task and its ancestors from the root down, with their ranks.
-fn rank_path(cycle: &Cycle<'_>, id: TaskId) -> Vec<(TaskId, Option<f64>)> {
-    let family = std::iter::successors(cycle.task(id), |task| cycle.task(task.parent?));
-    let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(cycle.agent, task.id, cycle.now))).collect();
+fn rank_path(agent: &Agent, id: TaskId, now: Time) -> Vec<(TaskId, Option<f64>)> {
+    let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(agent, task.id, now))).collect();
     path.reverse();
     path
 }

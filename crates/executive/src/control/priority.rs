@@ -258,6 +258,12 @@ pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
     }
 }
 
+/// Does the task have a rank, or one of those above it?
+pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
+    let mut family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    family.any(|task| rank(agent, task.id, agent.now).is_some())
+}
+
 /// The value of an `interrupt-cost` clause.
 ///
 /// # Errors

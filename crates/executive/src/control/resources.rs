@@ -6,6 +6,7 @@
 
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate, instantiate};
+use apex_model::agent::Agent;
 use apex_model::library::ResourceKind;
 use apex_model::procedure::ResourceNeed;
 use apex_model::quantity::Dimension;
@@ -162,7 +163,12 @@ fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
 
 /// What the task must have to be ongoing: its profile and what it holds for its steps.
 pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
-    let Some(task) = cycle.task(id) else { return Vec::new() };
+    needs_in(cycle.agent, id)
+}
+
+/// The same outside of a cycle.
+pub(crate) fn needs_in(agent: &Agent, id: TaskId) -> Vec<Need> {
+    let Some(task) = agent.task(id) else { return Vec::new() };
     let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
     if let Some(extras) = &task.extras {
         extras.held.iter().for_each(|need| add(&mut needs, *need));

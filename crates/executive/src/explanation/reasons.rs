@@ -1,5 +1,6 @@
 //! What a task waits for, part by part.
 
+use crate::control::competition::in_order;
 use crate::control::plain_episodes;
 use crate::control::priority::{defence, priority};
 use crate::monitoring;
@@ -14,6 +15,7 @@ use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Kinds of reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -209,7 +211,13 @@ fn resources(agent: &Agent, task: &Task) -> Vec<Reason> {
 /// Everybody who keeps the task from this resource: its holders, or the claimant it was refused to.
 fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let Some(resource) = agent.resources.get(need.resource) else { return Vec::new() };
-    let own = priority(agent, task.id, agent.now);
+    let (_, precedence) = in_order(agent, agent.now, &BTreeSet::from([need.resource]), &BTreeSet::new());
+    let lifted = |id: TaskId, own: f64| precedence.as_ref().map_or(own, |precedence| precedence.lifted(id, own));
+    let instead = |id: TaskId| {
+        let whom = precedence.as_ref().and_then(|precedence| precedence.instead_of_own(id));
+        whom.map_or_else(String::new, |whom| format!(" of {}, which it goes before by rank", name(agent, whom)))
+    };
+    let own = format!("{}{}", lifted(task.id, priority(agent, task.id, agent.now)), instead(task.id));
     let refused = task.extras.as_ref().and_then(|extras| extras.refused);
     let claimant = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner);
     let holders = resource.holders.iter().map(|holding| holding.task);
@@ -223,8 +231,9 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
         } else {
             ("claims it too with", Strength::claiming(priority(agent, rival, agent.now)))
         };
+        let strength = Strength { priority: lifted(rival, strength.priority), ..strength };
         Reason {
-            now: Some(format!("{} {word} priority {strength}, against {own}", name(agent, rival))),
+            now: Some(format!("{} {word} priority {strength}{}, against {own}", name(agent, rival), instead(rival))),
             since: agent.task(rival).map(|task| task.since),
             task: Some(rival),
             place: place(agent, task),
