@@ -20,6 +20,8 @@ use apex_model::time::Time;
 
 /// Room for what a small step decides, so that its list does not grow bit by bit.
 const EFFECTS_EXPECTED: usize = 8;
+/// Rounds until the next task is ended, once an instant has been found to be restless.
+const RESTLESS_ROUNDS_MAX: u32 = 100;
 /// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
 const RESTLESS_TASKS_MAX: u32 = 100;
 
@@ -73,7 +75,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     let mut rounds = 0;
     while !cycle.work.is_done() && !cycle.agent.is_finished() {
         rounds += u32::from(!cycle.work.came_closer(cycle.agent.next.task));
-        if rounds > CASCADE_ROUNDS_MAX {
+        if rounds > if restless == 0 { CASCADE_ROUNDS_MAX } else { RESTLESS_ROUNDS_MAX } {
             rounds = 0;
             restless += 1;
             end_restless(cycle, restless > RESTLESS_TASKS_MAX);

@@ -132,7 +132,9 @@ fn outranked_text(by: TaskId, resource: &Value, rule: ConflictRule, winner: Stre
         ConflictRule::WrittenOrder => format!("{by} is written first and takes {resource} (both priority {winner})"),
         ConflictRule::CreationOrder => format!("{by} is older and takes {resource} (both priority {winner})"),
         ConflictRule::GoesBefore { whom } => {
-            format!("{by} outranks it on {resource} (priority {winner} of {whom}, which it goes before by rank, > {loser})")
+            format!(
+                "{by} outranks it on {resource} (priority {winner} of {whom}, which it goes before by rank, > {loser})"
+            )
         }
         ConflictRule::Capacity => format!("not enough of {resource} is left, {by} has it"),
     }

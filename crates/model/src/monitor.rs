@@ -24,8 +24,7 @@ use std::sync::Arc;
 pub struct Window {
     /// The first instant that counts; closed.
     pub start: Time,
-    /// Samples and messages with an arrival number up to this do not count, even at the start: set for a repeated task
-    /// to the newest arrival it has already answered. With none everything counts.
+    /// Samples and messages with an arrival number up to this do not count: a repeated task has answered them.
     pub after_sequence: Option<u64>,
 }
 
@@ -415,7 +414,7 @@ pub struct EventPart {
 pub struct TaskEndedPart {
     /// The step's tag.
     pub variable: Symbol,
-    /// That it has ended before this is watched counts too.
+    /// An end from before counts too.
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,
@@ -430,7 +429,7 @@ pub struct TaskStatePart {
     pub expression: Expr,
     /// The state's name.
     pub state: Pattern,
-    /// The state in which it is as this begins to be watched counts too.
+    /// The state at the beginning counts too.
     pub standing: bool,
     /// The task, as soon as it is known.
     pub task: Option<TaskId>,

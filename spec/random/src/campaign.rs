@@ -3,8 +3,10 @@
 use crate::compare::{Verdict, judge};
 use crate::coverage::Coverage;
 use crate::generate::{self, Case};
+use apex_reference::Cut;
 use std::ops::Range;
 use std::thread;
+use std::time::{Duration, Instant};
 
 /// What came of many programs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,8 +15,12 @@ pub struct Outcome {
     pub same: u64,
     /// Programs that the checker refused.
     pub refused: u64,
-    /// Programs of which an instant did not come to rest: not compared.
+    /// Programs of which an instant did not come to rest, as both said: compared up to there.
     pub restless: u64,
+    /// Programs with more tasks than the reference follows: compared up to there.
+    pub long: u64,
+    /// The seed that took longest, and how long.
+    pub slowest: (Duration, u64),
     /// Seeds of programs that they ran differently.
     pub different: Vec<u64>,
     /// What was in them.
@@ -29,7 +35,8 @@ impl Outcome {
                 self.coverage.add(case, run);
             }
             Verdict::Refused(_) => self.refused += 1,
-            Verdict::Restless => self.restless += 1,
+            Verdict::Cut(Cut::Restless) => self.restless += 1,
+            Verdict::Cut(Cut::Long) => self.long += 1,
             Verdict::Different(_) => self.different.push(seed),
         }
     }
@@ -39,13 +46,15 @@ impl Outcome {
         self.same += other.same;
         self.refused += other.refused;
         self.restless += other.restless;
+        self.long += other.long;
+        self.slowest = self.slowest.max(other.slowest);
         self.different.extend(&other.different);
         self.coverage.join(&other.coverage);
     }
 
     /// How many programs that is.
     pub fn count(&self) -> u64 {
-        self.same + self.refused + self.restless + self.different.len() as u64
+        self.same + self.refused + self.restless + self.long + self.different.len() as u64
     }
 }
 
@@ -60,8 +69,10 @@ pub fn run(seeds: Range<u64>) -> Outcome {
                 scope.spawn(move || {
                     let mut part = Outcome::default();
                     for seed in seeds.filter(|seed| seed % threads == worker) {
+                        let begun = Instant::now();
                         let case = generate::case(seed);
                         part.add(seed, &case, &judge(&case));
+                        part.slowest = part.slowest.max((begun.elapsed(), seed));
                     }
                     part
                 })

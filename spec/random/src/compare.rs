@@ -2,7 +2,7 @@
 
 use crate::generate::{Case, UNTIL};
 use crate::{executive, print};
-use apex_reference::Run;
+use apex_reference::{Cut, Run};
 
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +11,9 @@ pub enum Verdict {
     Same(Box<Run>),
     /// The checker refused the program.
     Refused(String),
-    /// An instant did not come to rest: nothing is compared.
-    Restless,
+    /// Both did the same as far as the reference follows it; an instant does not come to rest, as both say, or there are
+    /// more tasks than the reference follows.
+    Cut(Cut),
     /// They differ.
     Different(String),
 }
@@ -24,16 +25,13 @@ pub fn judge(case: &Case) -> Verdict {
         Err(messages) => return Verdict::Refused(messages),
     };
     let theirs = apex_reference::run(&case.program, &case.inputs, UNTIL);
-    if theirs.restless {
-        return Verdict::Restless;
-    }
     let mut again = agent.clone();
     let ours = executive::run(&mut agent, &case.inputs, UNTIL, false);
-    if ours.restless {
-        return Verdict::Restless;
-    }
     if let Some(difference) = difference(&theirs, &ours) {
         return Verdict::Different(difference);
+    }
+    if let Some(cut) = theirs.cut {
+        return Verdict::Cut(cut);
     }
     // How events are divided into batches must not matter, unless some come late: then it says how late they are.
     if case.inputs.iter().any(|input| input.at < input.arrives) {
@@ -48,9 +46,15 @@ pub fn judge(case: &Case) -> Verdict {
 }
 
 fn difference(theirs: &Run, ours: &Run) -> Option<String> {
+    if theirs.cut != Some(Cut::Long) && theirs.cut != ours.cut {
+        return Some(format!("who gives up\n  reference: {:?}\n  executive: {:?}\n", theirs.cut, ours.cut));
+    }
     let mut text = String::new();
     let mut told = 0;
-    let length = theirs.lines.len().max(ours.lines.len());
+    let length = match theirs.cut {
+        None => theirs.lines.len().max(ours.lines.len()),
+        Some(_) => theirs.lines.len(),
+    };
     let pair = |index: usize| (theirs.lines.get(index), ours.lines.get(index));
     let first = (0..length).find(|index| pair(*index).0 != pair(*index).1);
     if let Some(first) = first {
@@ -66,6 +70,9 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
             }
         }
         return Some(text);
+    }
+    if theirs.cut.is_some() {
+        return None;
     }
     if theirs.states != ours.states {
         return Some(format!("states at the end\n  reference: {:?}\n  executive: {:?}\n", theirs.states, ours.states));

@@ -13,7 +13,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, SourceText};
 use apex_reference::trace::State;
-use apex_reference::{Input, Line, Run, Said, What};
+use apex_reference::{Cut, Input, Line, Run, Said, What};
 use std::sync::Arc;
 
 /// Checks and loads a text.
@@ -64,8 +64,10 @@ pub fn run(agent: &mut Agent, inputs: &[Input], until: i64, together: bool) -> R
         let batch = Batch { now: Time(last), events: batch.iter().map(|(_, event)| event.clone()).collect() };
         let effects = step(agent, &batch);
         run.lines.extend(effects.iter().filter_map(|effect| line_of(last, effect)));
-        run.restless |= effects.iter().any(is_restless);
-        if agent.is_finished() || run.restless {
+        if effects.iter().any(is_restless) {
+            run.cut = Some(Cut::Restless);
+        }
+        if agent.is_finished() || run.cut.is_some() {
             break;
         }
     }
@@ -83,7 +85,7 @@ fn tell_end(agent: &Agent, run: &mut Run) {
     }
 }
 
-/// The executive gave up on an instant, or the reference does because of it.
+/// The executive gave up on an instant.
 fn is_restless(effect: &Effect) -> bool {
     let Effect::Decided(decision) = effect else { return false };
     matches!(decision.because.cause, Cause::LimitReached { .. })

@@ -56,14 +56,17 @@ fn many(first: u64, count: u64) -> ExitCode {
         next = end;
         let rate = whole.count() as f64 / begun.elapsed().as_secs_f64();
         eprintln!(
-            "{} of {count} programs, {rate:.0}/s: {} the same, {} refused, {} restless, {} different",
+            "{} of {count} programs, {rate:.0}/s: {} the same, {} refused, {} restless, {} long, {} different",
             whole.count(),
             whole.same,
             whole.refused,
             whole.restless,
+            whole.long,
             whole.different.len()
         );
     }
+    let (time, seed) = whole.slowest;
+    println!("slowest: {:.2} s for seed {seed}", time.as_secs_f64());
     print!("{}", whole.coverage.text());
     if whole.different.is_empty() {
         return ExitCode::SUCCESS;

@@ -5,13 +5,13 @@
 
 use crate::program::{Program, Time};
 use crate::task::{Alarm, Outcome, State, Task, Work};
-use crate::trace::{Line, Run, What};
+use crate::trace::{Cut, Line, Run, What};
 use crate::value::Value;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Rounds of one instant before it is called restless.
 const ROUNDS_MAX: u32 = 120;
-/// Tasks of one run before it is called restless.
+/// Tasks of one run before it is not followed any more.
 const TASKS_MAX: usize = 300;
 
 /// What can be heard or measured.
@@ -102,7 +102,7 @@ pub(crate) struct Agent<'p> {
     /// Something was done in this round.
     pub(crate) changed: bool,
     pub(crate) finished: bool,
-    pub(crate) restless: bool,
+    pub(crate) cut: Option<Cut>,
 }
 
 /// Runs `program` with `inputs`, in order of arrival, up to `until`.
@@ -130,7 +130,7 @@ pub fn run(program: &Program, inputs: &[Input], until: Time) -> Run {
         lines: Vec::new(),
         changed: false,
         finished: false,
-        restless: false,
+        cut: None,
     };
     agent.live(inputs, until);
     agent.told()
@@ -152,7 +152,7 @@ impl Agent<'_> {
             inputs = later;
             self.pass(batch, next, begun);
             begun = true;
-            if self.finished || self.restless {
+            if self.finished || self.cut.is_some() {
                 return;
             }
         }
@@ -163,7 +163,7 @@ impl Agent<'_> {
     fn pass(&mut self, batch: &[Input], end: Time, begun: bool) {
         let mut batch = batch;
         let mut begun = begun;
-        while !self.finished && !self.restless {
+        while !self.finished && self.cut.is_none() {
             let input = batch.first().map(|input| input.at.max(self.now).min(end));
             let alarm = if begun { self.next_alarm().filter(|at| *at <= end) } else { Some(0) };
             begun = true;
@@ -198,10 +198,11 @@ impl Agent<'_> {
                 return;
             }
             if self.tasks.len() > TASKS_MAX {
-                break;
+                self.cut = Some(Cut::Long);
+                return;
             }
         }
-        self.restless = true;
+        self.cut = Some(Cut::Restless);
     }
 
     /// Remembers a message or a sample.
@@ -317,6 +318,6 @@ impl Agent<'_> {
             holders.extend(task.needs().into_iter().map(|(name, amount)| (name, id, amount.to_string())));
         }
         let totals = self.totals.iter().map(|(name, total)| (name.clone(), total.to_string())).collect();
-        Run { lines: self.lines, states, holders, totals, restless: self.restless }
+        Run { lines: self.lines, states, holders, totals, cut: self.cut }
     }
 }

@@ -223,7 +223,7 @@ impl Agent<'_> {
             Right::Granted => true,
             // Nobody yields for the sake of a gap.
             Right::Awaited(_) => {
-                !self.are_related(share.task, id) && !(losses.is_empty() && self.leaves_a_gap(id, share))
+                !(self.are_related(share.task, id) || losses.is_empty() && self.leaves_a_gap(id, share))
             }
         };
         field.shares.iter().filter(|share| share.resource == resource).filter(counts).collect()

@@ -156,10 +156,11 @@ impl Agent<'_> {
     /// When the task of the step ended: it has, or it did since the clause is watched.
     fn end_of(&self, tag: &str, place: Place<'_>) -> Option<Time> {
         let Some(Value::Task(other)) = self.sees(place, tag) else { return None };
-        let ends = || self.moves.iter().enumerate().filter(|(_, each)| each.task == other && each.to == State::Terminated);
+        let ends =
+            || self.moves.iter().enumerate().filter(|(_, each)| each.task == other && each.to == State::Terminated);
         let since = ends().find(|(number, _)| *number >= place.watch.made);
         let stands = place.watch.standing && self.tasks[other].state == State::Terminated;
-        since.or_else(|| ends().last().filter(|_| stands)).map(|(_, each)| each.at)
+        since.or_else(|| ends().next_back().filter(|_| stands)).map(|(_, each)| each.at)
     }
 
     /// States that the task of the step was in: as the clause began to be watched or the tag to stand for it, and after

@@ -25,5 +25,5 @@ mod value;
 
 pub use agent::{Input, Said, run};
 pub use program::Program;
-pub use trace::{Line, Run, What};
+pub use trace::{Cut, Line, Run, What};
 pub use value::Value;

@@ -42,8 +42,17 @@ pub struct Run {
     pub holders: BTreeSet<(String, usize, String)>,
     /// What there is of each resource at the end.
     pub totals: BTreeMap<String, String>,
-    /// An instant did not come to rest: nothing can be said.
-    pub restless: bool,
+    /// Why it was not followed to its end, if so: what is told is right as far as it goes.
+    pub cut: Option<Cut>,
+}
+
+/// Why a run is not followed to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cut {
+    /// An instant does not come to rest.
+    Restless,
+    /// There are too many tasks for this interpreter.
+    Long,
 }
 
 impl fmt::Display for Line {

@@ -5,6 +5,7 @@
 //! claimant that has to displace some of h holders.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
+use crate::control::arbitration::{Arbitration, Loss, Refusal, Rival};
 use crate::control::competition::{
     Claimant, as_claimant, has_begun, in_order, insert_in_order, order_of, rank_order, related,
 };
@@ -23,70 +24,6 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// What arbitration decides.
-#[derive(Default)]
-pub(crate) struct Arbitration {
-    /// Claimants that get all they need.
-    pub(crate) granted: Vec<TaskId>,
-    /// Holders that lose what they hold.
-    pub(crate) displaced: Vec<Loss>,
-    /// Claimants that get nothing, holders that were displaced among them.
-    pub(crate) refused: Vec<Refusal>,
-    /// Claimants whose needs can never be met: resource, need, what there is.
-    pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
-}
-
-impl Arbitration {
-    fn absorb(&mut self, part: Arbitration) {
-        let Arbitration { granted, displaced, refused, impossible } = part;
-        self.granted.extend(granted);
-        self.displaced.extend(displaced);
-        self.refused.extend(refused);
-        self.impossible.extend(impossible);
-    }
-}
-
-/// A conflict lost.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Loss {
-    /// The loser.
-    pub(crate) loser: TaskId,
-    /// Over what.
-    pub(crate) resource: ResourceId,
-    /// The winner.
-    pub(crate) winner: TaskId,
-    /// The rule that decided.
-    pub(crate) rule: ConflictRule,
-    /// The winner's priority or rank, with interrupt cost where it defends.
-    pub(crate) winner_strength: Strength,
-    /// The loser's.
-    pub(crate) loser_strength: Strength,
-    /// The winner has the resource, or gets it now; else it claims it too.
-    pub(crate) winner_holds: bool,
-}
-
-/// A claimant that gets nothing.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Refusal {
-    /// The conflict that is told.
-    pub(crate) loss: Loss,
-    /// Whose priorities count for the loser: its own, and those of whom it goes before.
-    pub(crate) stands_for: Vec<TaskId>,
-    /// All who stand in its way: at least one of them would have to yield.
-    pub(crate) rivals: Vec<Rival>,
-}
-
-/// One that stands in the way of a claimant.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rival {
-    /// Its number.
-    pub(crate) task: TaskId,
-    /// It has the resource, and does not only claim it.
-    pub(crate) holds: bool,
-    /// Whose priorities count for it.
-    pub(crate) stands_for: Vec<TaskId>,
-}
 
 /// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
 /// all, nobody else is looked at.
@@ -283,7 +220,7 @@ impl<'a, 'c> Field<'a, 'c> {
             UseKind::Granted => true,
             // Nobody is displaced for the sake of a gap.
             UseKind::Awaited(_) => {
-                !related(agent, each.task, claimant.id) && !(losses.is_empty() && self.leaves_a_gap(claimant, each))
+                !(related(agent, each.task, claimant.id) || losses.is_empty() && self.leaves_a_gap(claimant, each))
             }
         };
         uses.iter().filter(counts).collect()

@@ -3,9 +3,10 @@
 //! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
-use crate::control::conflict::{self, Arbitration, Loss, Refusal};
-use crate::control::transition::{Trigger, transition};
+use crate::control::arbitration::{Arbitration, Loss, Refusal};
+use crate::control::conflict;
 use crate::control::crossing::Contest;
+use crate::control::transition::{Trigger, transition};
 use crate::control::{competition, line, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};

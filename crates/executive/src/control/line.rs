@@ -5,8 +5,9 @@
 //! Bound: O(log c + depth) for c claimants that stand in line; O(new claimants) besides.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
+use crate::control::arbitration::{Arbitration, Refusal, Rival};
 use crate::control::competition::{as_claimant, has_begun, is_eligible, order_of};
-use crate::control::conflict::{Arbitration, Field, Refusal, Rival};
+use crate::control::conflict::Field;
 use crate::control::priority;
 use crate::control::sharing::{Use, UseKind};
 use crate::cycle::Cycle;

@@ -1,5 +1,6 @@
 //! Task control services: deciding and enacting behaviour (paper, section IV). One file per service.
 
+pub(crate) mod arbitration;
 pub(crate) mod binding;
 pub(crate) mod built_in;
 pub(crate) mod competition;
@@ -18,8 +19,8 @@ pub(crate) mod line;
 pub(crate) mod monitoring_clauses;
 pub(crate) mod moving;
 pub(crate) mod plain_episodes;
-pub(crate) mod primitive;
 pub(crate) mod precedence;
+pub(crate) mod primitive;
 pub(crate) mod priority;
 pub(crate) mod procedure;
 pub(crate) mod question;

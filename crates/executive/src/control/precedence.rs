@@ -60,7 +60,9 @@ impl Precedence {
         let mut looked = vec![0_usize; count];
         for (root, whom) in self.competitors.iter().enumerate() {
             let mut open = vec![root];
-            while let Some((&index, competitor)) = open.last().and_then(|index| Some((index, self.competitors.get(*index)?))) {
+            while let Some((&index, competitor)) =
+                open.last().and_then(|index| Some((index, self.competitors.get(*index)?)))
+            {
                 let from = looked.get(index).copied().unwrap_or(count);
                 let next = self.next_before(competitor, from);
                 if let Some(looked) = looked.get_mut(index) {

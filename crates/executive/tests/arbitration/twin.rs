@@ -315,9 +315,10 @@ impl Twin {
     /// The greatest priority of the task and of all that wait behind it.
     fn weight(&self, task: usize, all: &[usize]) -> f64 {
         let mut behind = vec![task];
-        while let Some(more) = all.iter().find(|each| {
-            !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each))
-        }) {
+        while let Some(more) = all
+            .iter()
+            .find(|each| !behind.contains(each) && behind.iter().any(|ahead| self.goes_before(*ahead, **each)))
+        {
             behind.push(*more);
         }
         behind.into_iter().map(|each| self.priority(each)).fold(f64::MIN, f64::max)

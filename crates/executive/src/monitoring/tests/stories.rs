@@ -217,7 +217,11 @@ fn tasks_that_have_ended_satisfy_at_once_unless_only_changes_count() {
     assert_eq!(interests(&world.monitor), [Interest::Task(TaskId(4))]);
     world.monitor = create_for_changes(&wanted, Window::from(Time(5)), &world.view).unwrap();
     assert_eq!(world.ask(5), Verdict::NotSatisfied);
-    notice(&mut world.monitor, &Stimulus::TaskEnded { task: TaskId(4), at: Time(6), before: MonitorId(9) }, &world.view);
+    notice(
+        &mut world.monitor,
+        &Stimulus::TaskEnded { task: TaskId(4), at: Time(6), before: MonitorId(9) },
+        &world.view,
+    );
     assert_eq!(world.answer(6), Some((6, 6, 6)));
 }
 
@@ -228,7 +232,8 @@ fn resumed_is_the_change_from_interrupted_to_ongoing() {
     let mut view = View::default();
     view.tasks.insert(TaskId(1), crate::test_support::TestTask { state: TaskState::Ongoing, ..Default::default() });
     let mut world = World::in_view(&wanted, view);
-    let change = |from, state, at| Stimulus::TaskState { task: TaskId(1), from, state, at: Time(at), before: MonitorId(9) };
+    let change =
+        |from, state, at| Stimulus::TaskState { task: TaskId(1), from, state, at: Time(at), before: MonitorId(9) };
     notice(&mut world.monitor, &change(TaskState::Ongoing, TaskState::Interrupted, 1), &world.view);
     assert_eq!(world.ask(1), Verdict::NotSatisfied);
     notice(&mut world.monitor, &change(TaskState::Interrupted, TaskState::Ongoing, 2), &world.view);
