@@ -172,7 +172,7 @@ pub fn kept(library: &Library) -> Vec<Kept> {
             Subject::EveryAttribute => samples(subject.clone(), own, None, Duration::ZERO),
             Subject::Attribute(name) => {
                 let declaration = library.state_variables.get(name);
-                let lateness = declaration.and_then(|declared| monitoring::lateness(declared)).unwrap_or_default();
+                let lateness = declaration.and_then(monitoring::lateness).unwrap_or_default();
                 let rate = declaration.and_then(|declared| declared.rate_per_s);
                 samples(subject.clone(), own.chain(everything.iter().copied()), rate, lateness)
             }

@@ -31,9 +31,8 @@ pub struct Window {
 impl Window {
     /// Everything from `start` on.
     pub fn from(start: Time) -> Window {
-        Window { start, after_sequence: None }
+        Window { start, ..Window::default() }
     }
-
     /// Does evidence of this instant and arrival count?
     pub fn contains(&self, at: Time, sequence: u64) -> bool {
         at >= self.start && self.after_sequence.is_none_or(|after| sequence > after)
