@@ -1,0 +1,107 @@
+//! Many random questions on all cores, in an order that does not depend on the cores.
+
+use crate::compare::{Finding, compare};
+use crate::features::features;
+use crate::generate;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::thread;
+
+/// What came of many questions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Questions that both answer alike.
+    pub same: u64,
+    /// How many of them have a result.
+    pub satisfied: u64,
+    /// Questions that the executive cannot answer yet, by what it cannot.
+    pub not_yet: BTreeMap<String, u64>,
+    /// Questions that the checker says can never be answered with yes, which is so.
+    pub never: u64,
+    /// Seeds of questions whose text the checker refuses.
+    pub refused: Vec<u64>,
+    /// Seeds of questions that they answer differently.
+    pub different: Vec<u64>,
+    /// In how many compared questions each form stood, and in how many of those with a result.
+    pub features: BTreeMap<String, (u64, u64)>,
+}
+
+impl Outcome {
+    fn add(&mut self, seed: u64, question: &apex_definition::Question, finding: Finding) {
+        match finding {
+            Finding::Same(result) => {
+                self.same += 1;
+                let satisfied = u64::from(result.is_some());
+                self.satisfied += satisfied;
+                for feature in features(question) {
+                    let counts = self.features.entry(feature).or_default();
+                    *counts = (counts.0 + 1, counts.1 + satisfied);
+                }
+            }
+            Finding::NotYet(what) => *self.not_yet.entry(what).or_default() += 1,
+            Finding::Never => self.never += 1,
+            Finding::Refused(_) => self.refused.push(seed),
+            Finding::Different(_) => self.different.push(seed),
+        }
+    }
+
+    /// Adds what came of others.
+    pub fn join(&mut self, other: &Outcome) {
+        self.same += other.same;
+        self.satisfied += other.satisfied;
+        self.never += other.never;
+        self.refused.extend(&other.refused);
+        self.different.extend(&other.different);
+        for (what, count) in &other.not_yet {
+            *self.not_yet.entry(what.clone()).or_default() += count;
+        }
+        for (feature, (asked, satisfied)) in &other.features {
+            let counts = self.features.entry(feature.clone()).or_default();
+            *counts = (counts.0 + asked, counts.1 + satisfied);
+        }
+    }
+
+    /// The counts as a table for people.
+    pub fn text(&self) -> String {
+        let mut text = format!("{} alike, {} of them with a result\n", self.same, self.satisfied);
+        for (feature, (asked, satisfied)) in &self.features {
+            text.push_str(&format!("  {asked:8} {satisfied:8}  {feature}\n"));
+        }
+        for (what, count) in &self.not_yet {
+            text.push_str(&format!("  {count:8}           not yet: {what}\n"));
+        }
+        text.push_str(&format!("  {:8}           can never hold, says the checker\n", self.never));
+        text
+    }
+}
+
+/// Asks the questions of all `seeds`.
+pub fn run(seeds: Range<u64>) -> Outcome {
+    let threads = thread::available_parallelism().map_or(2, |threads| threads.get() as u64);
+    let mut whole = Outcome::default();
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|worker| {
+                let seeds = seeds.clone();
+                scope.spawn(move || {
+                    let mut part = Outcome::default();
+                    for seed in seeds.filter(|seed| seed % threads == worker) {
+                        let mut question = generate::question(seed);
+                        if std::env::var("NOLATE").is_ok() { question.arrivals.retain(|each| each.at == each.arrives) }
+                        part.add(seed, &question, compare(&question));
+                    }
+                    part
+                })
+            })
+            .collect();
+        for worker in workers {
+            match worker.join() {
+                Ok(part) => whole.join(&part),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+    });
+    whole.different.sort_unstable();
+    whole.refused.sort_unstable();
+    whole
+}

@@ -1,0 +1,159 @@
+//! The question as Apex answers it: text, checker, a session of monitors.
+
+use crate::print;
+use apex_definition::{Bindings, Outcome, Question, Time, Value as Theirs, What};
+use apex_executive::MonitorSession;
+use apex_model::clause::MonitorId;
+use apex_model::condition::Condition;
+use apex_model::event::StateVariable;
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::monitor::{Satisfaction, Verdict};
+use apex_model::symbol::Symbol;
+use apex_model::time;
+use apex_model::value::Value;
+use apex_pdl::{CheckOptions, Diagnostic, Severity, SourceText};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A condition that the checker has accepted.
+#[derive(Clone, Debug)]
+pub struct Accepted {
+    library: Arc<Library>,
+    condition: Condition,
+}
+
+/// Why the checker has refused it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// The executive cannot do this yet.
+    NotYet(String),
+    /// The checker says that it can never be true.
+    Never,
+    /// The text is wrong: these messages.
+    Wrong(String),
+}
+
+/// What was said at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Said {
+    /// It is true, and was so first in this way.
+    Satisfied(Outcome),
+    /// It is not true up to now.
+    NotSatisfied,
+    /// The data do not say.
+    Unknown,
+}
+
+/// Checks the text of the question.
+///
+/// # Errors
+/// Why it is refused.
+pub fn accepted(question: &Question) -> Result<Accepted, Refusal> {
+    let source = |name: &str, text: String| SourceText { name: name.into(), text };
+    let mut resolve = |_| Err("nothing is required".to_string());
+    let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
+    let declarations = vec![source("declarations.pdl", print::declarations(question))];
+    let text = vec![source("condition.pdl", print::condition(&question.condition))];
+    let read = apex_pdl::check_conditions(declarations, text, options);
+    let errors: Vec<&Diagnostic> =
+        read.checked.diagnostics.iter().filter(|each| each.severity == Severity::Error).collect();
+    let not_yet = |each: &&Diagnostic| each.message.strip_suffix(" is not yet supported").map(String::from);
+    if let Some(what) = errors.iter().find_map(not_yet) {
+        return Err(Refusal::NotYet(what));
+    }
+    if errors.iter().any(|each| each.message.contains("can never hold")) {
+        return Err(Refusal::Never);
+    }
+    let mut conditions = read.conditions;
+    match conditions.pop() {
+        Some(condition) if errors.is_empty() && conditions.is_empty() => {
+            Ok(Accepted { library: Arc::new(read.checked.library), condition })
+        }
+        _ => Err(Refusal::Wrong(apex_pdl::render(&read.checked.diagnostics, &read.checked.library.sources, false))),
+    }
+}
+
+/// A session into which arrivals are handed, up to the instants that are asked about.
+pub struct Watch<'a> {
+    session: MonitorSession,
+    id: MonitorId,
+    question: &'a Question,
+    handed: usize,
+}
+
+impl<'a> Watch<'a> {
+    /// Begins to watch.
+    ///
+    /// # Errors
+    /// What cannot be watched.
+    pub fn new(accepted: &Accepted, question: &'a Question) -> Result<Watch<'a>, String> {
+        let mut session = MonitorSession::new(Arc::clone(&accepted.library), HostFunctions::default())?;
+        let created = time::Time(question.created);
+        let id = session.watch(accepted.condition.clone(), created).map_err(|trouble| trouble.message)?;
+        Ok(Watch { session, id, question, handed: 0 })
+    }
+
+    /// Hands over what arrives up to `now`, without saying that time goes on.
+    pub fn hand(&mut self, now: Time) {
+        while let Some(arrival) = self.question.arrivals.get(self.handed).filter(|arrival| arrival.arrives <= now) {
+            self.handed += 1;
+            let at = time::Time(arrival.at);
+            if arrival.at < arrival.arrives {
+                // Something that nobody waits for brings time to where the late one comes.
+                self.session.event(Value::list([Value::symbol("tick")]), time::Time(arrival.arrives));
+            }
+            match &arrival.what {
+                What::Sample(attribute, object, value) => {
+                    let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(object));
+                    let value = value.as_ref().map_or(Value::Real(f64::NAN), value_of);
+                    self.session.sample(&variable, value, at);
+                }
+                What::Message(words) => self.session.event(Value::list(words.iter().map(value_of)), at),
+                What::Moved(..) => {}
+            }
+        }
+    }
+
+    /// Everything up to `now` has arrived: what is said then?
+    pub fn say(&mut self, now: Time) -> Said {
+        self.hand(now);
+        self.session.advance(time::Time(now));
+        match self.session.verdict(self.id).map(|judgement| judgement.verdict) {
+            Some(Verdict::Satisfied(satisfaction)) => Said::Satisfied(outcome(&satisfaction)),
+            Some(Verdict::NotSatisfied) => Said::NotSatisfied,
+            Some(Verdict::Unknown) | None => Said::Unknown,
+        }
+    }
+}
+
+fn outcome(satisfaction: &Satisfaction) -> Outcome {
+    let mut variables = Bindings::new();
+    let mut tags = BTreeMap::new();
+    for (name, value) in satisfaction.bindings.iter() {
+        match value {
+            Value::Interval(start, end) => drop(tags.insert(name.to_string(), (start.0, end.0))),
+            value => drop(variables.insert(name.to_string(), theirs_of(value))),
+        }
+    }
+    let (start, end) = satisfaction.interval;
+    Outcome { interval: (start.0, end.0), recognised_at: satisfaction.recognised_at.0, variables, tags }
+}
+
+fn value_of(value: &Theirs) -> Value {
+    match value {
+        Theirs::Number(number) if number.fract() == 0.0 => Value::Integer(*number as i64),
+        Theirs::Number(number) => Value::Real(*number),
+        Theirs::Symbol(name) => Value::symbol(name),
+        Theirs::Text(text) => Value::text(text),
+    }
+}
+
+fn theirs_of(value: &Value) -> Theirs {
+    match value {
+        Value::Integer(number) => Theirs::Number(*number as f64),
+        Value::Real(number) => Theirs::Number(*number),
+        Value::Symbol(name) => Theirs::symbol(name.folded()),
+        other => Theirs::Text(other.to_string()),
+    }
+}

@@ -1,0 +1,106 @@
+//! What is in a question: for counting, and for telling kinds of differences apart.
+
+use apex_definition::condition::{Condition, Constraint, Estimation, Kind, Term};
+use apex_definition::{Question, Value, What};
+use std::collections::BTreeSet;
+
+/// What the executive cannot do yet, as the checker names it. A condition with one of these must be refused, and every
+/// refusal must name one of these.
+pub const NOT_YET: &[&str] =
+    &[":linear-regression", ":persist with :timestamp", ":stats", ":trend", ":absent", "an Allen relation", ":function"];
+
+/// The forms and odd data of a question.
+pub fn features(question: &Question) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    of_condition(&question.condition, &mut found);
+    if question.created > 0 {
+        found.insert("created later".into());
+    }
+    let mut seen = BTreeSet::new();
+    for arrival in &question.arrivals {
+        match &arrival.what {
+            What::Sample(_, _, None) => {
+                found.insert("not a number".into());
+            }
+            What::Sample(_, _, Some(Value::Number(number))) if number.is_infinite() => {
+                found.insert("infinity".into());
+            }
+            What::Sample(attribute, object, _) => {
+                if !seen.insert((attribute.clone(), object.clone(), arrival.at)) {
+                    found.insert("duplicate".into());
+                }
+            }
+            What::Message(_) | What::Moved(..) => {}
+        }
+        if arrival.at < arrival.arrives {
+            found.insert("late".into());
+        }
+    }
+    if !question.lateness.is_empty() {
+        found.insert(":lateness".into());
+    }
+    found
+}
+
+fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
+    let mut add = |what: &str| {
+        found.insert(what.into());
+    };
+    match &condition.kind {
+        Kind::Measurement(measurement) => {
+            add(":measurement");
+            match &measurement.estimation {
+                Some(Estimation::Persist(None)) => add(":persist"),
+                Some(Estimation::Persist(Some(_))) => add(":persist with a timeout"),
+                Some(Estimation::Regression(_)) => add(":linear-regression"),
+                None => {}
+            }
+            if !measurement.timestamp.is_empty() {
+                add(":timestamp of a measurement");
+            }
+            if matches!(measurement.variable.object, Term::Variable(_)) {
+                add("object variable");
+            }
+            if measurement.value.iter().any(|constraint| matches!(constraint, Constraint::Bind(_))) {
+                add("= ?x");
+            }
+        }
+        Kind::Episode(episode) => {
+            add(if episode.gap.is_some() { ":episode with a gap" } else { ":episode" });
+            let parts = [
+                (":first-value", !episode.first_value.is_empty()),
+                (":last-value", !episode.last_value.is_empty()),
+                (":duration", !episode.duration.is_empty()),
+                (":start or :end", !episode.start.is_empty() || !episode.end.is_empty()),
+                (":stats", !episode.stats.is_empty()),
+                (":trend", !episode.trend.is_empty()),
+                ("object variable", matches!(episode.variable.object, Term::Variable(_))),
+                ("no :value", episode.value.is_empty()),
+            ];
+            parts.into_iter().filter(|(_, has)| *has).for_each(|(name, _)| add(name));
+        }
+        Kind::And(_, tests) => add(if tests.is_empty() { ":and" } else { ":and with :constraint" }),
+        Kind::Or(_) => add(":or"),
+        Kind::Not(_) => add(":not"),
+        Kind::Absent(..) => add(":absent"),
+        Kind::InOrder(_, tests) => add(if tests.is_empty() { ":in-order" } else { ":in-order with :constraint" }),
+        Kind::Allen { relation, tolerance, .. } => {
+            add(&format!("Allen {relation:?}"));
+            if *tolerance > 0 {
+                add(":tolerance");
+            }
+        }
+        Kind::Delay(..) => add(":delay"),
+        Kind::Timestamp(..) => add(":timestamp"),
+        Kind::Event(_, when) => add(if when.is_empty() { "event" } else { "event with :timing" }),
+        Kind::Function(..) => add(":function"),
+        Kind::TaskEnded(_) | Kind::TaskState(..) => add("task"),
+    }
+    match &condition.kind {
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().for_each(|part| of_condition(part, found));
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => of_condition(part, found),
+        _ => {}
+    }
+}

@@ -1,0 +1,11 @@
+//! Random questions about conditions for two witnesses: the executive and `apex-definition`. See `README.md`.
+
+pub mod campaign;
+pub mod compare;
+mod dice;
+pub mod executive;
+pub mod features;
+pub mod generate;
+pub mod page;
+pub mod print;
+pub mod shrink;

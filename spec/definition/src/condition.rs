@@ -1,0 +1,233 @@
+//! Conditions as plain data: what `docs/reference/conditions.md` describes, without places, units and expressions.
+
+use crate::value::Value;
+
+/// An instant in nanoseconds.
+pub type Time = i64;
+/// A length of time in nanoseconds.
+pub type Span = i64;
+
+/// A condition with the name of its result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// The name, without `?`.
+    pub tag: Option<String>,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// The forms.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// One sample, or one estimated value.
+    Measurement(Measurement),
+    /// A run of samples.
+    Episode(Episode),
+    /// All parts.
+    And(Vec<Condition>, Vec<Test>),
+    /// One part.
+    Or(Vec<Condition>),
+    /// No result so far.
+    Not(Box<Condition>),
+    /// No result for so long.
+    Absent(Box<Condition>, Span),
+    /// One after the other.
+    InOrder(Vec<Condition>, Vec<Test>),
+    /// A relation between neighbours.
+    Allen {
+        /// Which.
+        relation: Allen,
+        /// The parts.
+        parts: Vec<Condition>,
+        /// End points are equal within this.
+        tolerance: Span,
+        /// Tests of tags.
+        tests: Vec<Test>,
+    },
+    /// At least so long after; not longer than.
+    Delay(Span, Option<Span>),
+    /// The instant has come; the interval has been reached.
+    Timestamp(Time, Option<Time>),
+    /// A message, with tests of its instant.
+    Event(Vec<Term>, Vec<(Relation, Time)>),
+    /// The newest value of a variable fits.
+    Function(String, String, Relation, f64),
+    /// The task ended.
+    TaskEnded(String),
+    /// The task was in this state; `resumed` is the way back from `interrupted`.
+    TaskState(String, String),
+}
+
+/// What is asked of one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Whose samples.
+    pub variable: Variable,
+    /// Tests of the value.
+    pub value: Vec<Constraint>,
+    /// Tests of the instant; with none the window begins at the creation.
+    pub timestamp: Vec<(Relation, Time)>,
+    /// What is assumed between samples.
+    pub estimation: Option<Estimation>,
+}
+
+/// `(ATTRIBUTE OBJECT)` with `:object` tests.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// The attribute.
+    pub attribute: String,
+    /// The object, or a variable that takes it.
+    pub object: Term,
+    /// Tests of the object.
+    pub tests: Vec<Constraint>,
+}
+
+/// What is asked of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// Whose samples.
+    pub variable: Variable,
+    /// Holds of every value.
+    pub value: Vec<Constraint>,
+    /// Holds of the first value.
+    pub first_value: Vec<Constraint>,
+    /// Holds of the last value.
+    pub last_value: Vec<Constraint>,
+    /// The largest gap; none is no constraint.
+    pub gap: Option<Span>,
+    /// Tests of the first instant.
+    pub start: Vec<(Relation, Time)>,
+    /// Tests of the last instant.
+    pub end: Vec<(Relation, Time)>,
+    /// Tests of the length.
+    pub duration: Vec<(Relation, Span)>,
+    /// Tests of statistics.
+    pub stats: Vec<(Statistic, Relation, f64)>,
+    /// Tests of trends.
+    pub trend: Vec<(Trend, Relation, f64)>,
+}
+
+/// What is assumed between and beyond samples.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Estimation {
+    /// The last value, at most for so long.
+    Persist(Option<Span>),
+    /// A line.
+    Regression(Regression),
+}
+
+/// How the line is fitted, and when it is not believed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Regression {
+    /// At least so many samples.
+    pub points_min: Option<usize>,
+    /// The root mean square of the residuals is not above.
+    pub error_max: Option<f64>,
+    /// The line is not further from the nearest sample than.
+    pub difference_max: Option<f64>,
+    /// The largest gap between the samples that are fitted.
+    pub gap_max: Option<Span>,
+    /// The first instant that is fitted.
+    pub start: Option<Time>,
+    /// The last instant that is fitted.
+    pub end: Option<Time>,
+}
+
+/// A test of a value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Constraint {
+    /// A relation; `=` may have a tolerance.
+    Compare(Relation, Value, Option<f64>),
+    /// Takes the value: `= ?x`.
+    Bind(String),
+    /// Between both, each included.
+    Range(Option<f64>, Option<f64>),
+    /// An odd integer.
+    Odd,
+}
+
+/// Relations of values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Relation {
+    Equal,
+    Different,
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+}
+
+/// Part of a pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// This.
+    Is(Value),
+    /// Anything; the same for the same name.
+    Variable(String),
+    /// Anything.
+    Any,
+}
+
+
+/// Where an interval begins or ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Edge {
+    Start,
+    End,
+}
+
+/// A `:constraint` over the results of parts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Test {
+    /// `(REL (- (EDGE ?a) (EDGE ?b)) SPAN)`.
+    Apart(Relation, (Edge, String), (Edge, String), Span),
+    /// `(REL ?x NUMBER)`.
+    Number(Relation, String, f64),
+}
+
+/// Aggregates over samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Statistic {
+    Count,
+    Mean,
+    Sum,
+    Min,
+    Max,
+    Median,
+    Difference,
+    Variance,
+    StandardDeviation,
+}
+
+/// How values move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trend {
+    /// The slope of the line through all, per second.
+    Rate,
+    /// Each difference of two neighbours.
+    Step,
+    /// Samples per second.
+    Frequency,
+}
+
+/// Allen's thirteen relations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Allen {
+    Before,
+    After,
+    Meets,
+    MetBy,
+    Overlaps,
+    OverlappedBy,
+    Starts,
+    StartedBy,
+    Finishes,
+    FinishedBy,
+    During,
+    Contains,
+    Cotemporal,
+}

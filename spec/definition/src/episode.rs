@@ -1,0 +1,188 @@
+//! Episodes: runs of samples (rules 5, 6, 7, 8, 13).
+
+use crate::condition::{Episode, Relation, Time};
+use crate::history::{Sample, Series};
+use crate::measurement::{heard_of, in_window, series_of};
+use crate::value::{Bindings, fits, numbers};
+use crate::ways::{Runs, View, Way, Ways, instant_fits};
+
+/// A run: neighbours whose values all fit, without a gap, as far as it is known.
+struct Run<'a> {
+    samples: &'a [Sample],
+    /// A sample that does not fit is right before it.
+    begins: bool,
+    /// The first sample after it.
+    next: Option<&'a Sample>,
+    /// It cannot go on.
+    closed: bool,
+}
+
+/// Every interval of a run that is what the condition asks for.
+pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
+    let mut found = Ways::default();
+    let all = series_of(&episode.variable, view);
+    for (series, bound) in &all {
+        let samples = windowed(episode, series, view);
+        let runs = runs(episode, samples, view);
+        // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
+        let possible = |run: &Run<'_>| {
+            let last = run.samples.len();
+            view.runs != Runs::Any || (0..last).any(|start| (start..last).any(|end| fits_values(episode, &run.samples[start..=end])))
+        };
+        let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed));
+        if let Some(run) = newest.filter(|run| possible(run)) {
+            let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
+            found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
+        }
+        for run in &runs {
+            match view.runs {
+                Runs::Begun => found.all.extend(begun(episode, run, bound, view)),
+                Runs::Any => found.all.extend(any(episode, run, bound, view)),
+                Runs::Whole => found.all.extend(whole(episode, run, bound, view)),
+            }
+        }
+    }
+    if !heard_of(&episode.variable, view, |series| !windowed(episode, series, view).is_empty()) {
+        found.unknown = Some("nothing was ever measured".into());
+    }
+    found
+}
+
+/// The samples that count: from the creation on, unless the condition says when its episode starts or ends (rule 2).
+fn windowed<'a>(episode: &Episode, series: &'a Series, view: View<'_>) -> &'a [Sample] {
+    let timed = !episode.start.is_empty() || !episode.end.is_empty();
+    let first = series.samples.iter().position(|sample| timed || in_window(sample.at, &[], view));
+    first.and_then(|first| series.samples.get(first..)).unwrap_or_default()
+}
+
+/// Rules 7 and 8: maximal runs; a sample that does not fit ends one, and so does a gap, also one up to now.
+fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run<'a>> {
+    let fitting = |sample: &Sample| fits(&sample.value, &episode.value, &mut Bindings::new());
+    let apart = |from: Time, to: Time| episode.gap.is_some_and(|gap| to - from > gap);
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < samples.len() {
+        if !fitting(&samples[start]) {
+            start += 1;
+            continue;
+        }
+        let mut end = start + 1;
+        while end < samples.len() && fitting(&samples[end]) && !apart(samples[end - 1].at, samples[end].at) {
+            end += 1;
+        }
+        let next = samples.get(end);
+        let closed = next.is_some() || apart(samples[end - 1].at, view.now);
+        let begins = start > 0 && !fitting(&samples[start - 1]);
+        found.push(Run { samples: &samples[start..end], begins, next, closed });
+        start = end;
+    }
+    found
+}
+
+/// The first moment at which it is decided that the run is what is asked for.
+fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    if slides(episode) {
+        return any(episode, run, bound, view).into_iter().min_by_key(|way| {
+            let (start, end) = way.hull.unwrap_or_default();
+            (way.known, end, std::cmp::Reverse(start))
+        });
+    }
+    let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
+    parts.min_by_key(|way| (way.known, std::cmp::Reverse(way.hull))).or_else(|| over(episode, run, bound, view))
+}
+
+/// The first samples of the run, if it is what is asked for however it goes on.
+fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    let samples = run.samples.get(..length)?;
+    let (first, last) = (samples.first()?, samples.last()?);
+    let next = run.samples.get(length).or(run.next).map(|sample| sample.at);
+    let longest = held(episode, last, next, view) - first.at;
+    // Only what has a lower bound is decided before the run is over.
+    let least = episode.duration.iter().map(|(relation, bound)| lower(*relation, *bound)).max().unwrap_or(Some(0))?;
+    let ends = episode.end.iter().map(|(relation, bound)| lower(*relation, *bound)).max().unwrap_or(Some(0))?;
+    let needed = least.max(last.at - first.at);
+    let fitting = needed <= longest && last.at >= ends && fits_values(episode, samples);
+    fitting.then(|| way(samples, bound, first.at + needed, view))
+}
+
+/// The least instant or span that the relation allows, if it allows everything above.
+fn lower(relation: Relation, bound: i64) -> Option<i64> {
+    match relation {
+        Relation::GreaterOrEqual => Some(bound),
+        Relation::Greater => Some(bound + 1),
+        Relation::Different | Relation::Equal | Relation::Less | Relation::LessOrEqual => None,
+    }
+}
+
+/// The run, if it is over and was what is asked for.
+fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    let (first, last) = (run.samples.first()?, run.samples.last()?);
+    let length = held(episode, last, run.next.map(|sample| sample.at), view) - first.at;
+    let fitting = run.closed
+        && (run.next.is_some() || !until_the_end(episode))
+        && episode.duration.iter().all(|(relation, bound)| numbers(*relation, length, *bound))
+        && instant_fits(last.at, &episode.end)
+        && fits_values(episode, run.samples);
+    let expires = episode.gap.map_or(Time::MAX, |gap| last.at + gap + 1);
+    let ended = run.next.map_or(Time::MAX, |next| next.arrives).min(expires);
+    fitting.then(|| way(run.samples, bound, ended, view))
+}
+
+/// Does it matter how long the run was at most? After a gap nobody knows (rule 8).
+fn until_the_end(episode: &Episode) -> bool {
+    episode.duration.iter().any(|(relation, bound)| lower(*relation, *bound).is_none())
+}
+
+/// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it.
+fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: View<'_>) -> Time {
+    let until = next.unwrap_or(view.now).min(view.now);
+    episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
+}
+
+fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
+    let fit = |sample: Option<&Sample>, constraints| {
+        sample.is_some_and(|sample| fits(&sample.value, constraints, &mut Bindings::new()))
+    };
+    fit(samples.first(), &episode.first_value)
+        && fit(samples.last(), &episode.last_value)
+        && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
+        && crate::statistics::hold(episode, samples)
+        && crate::trend::hold(episode, samples)
+}
+
+fn way(samples: &[Sample], bound: &Bindings, known: Time, view: View<'_>) -> Way {
+    let interval = samples.first().zip(samples.last()).map(|(first, last)| (first.at, last.at)).unwrap_or_default();
+    let arrived = samples.iter().map(|sample| sample.arrives).max().unwrap_or_default();
+    Way::over(interval, known.max(arrived).max(view.created), bound.clone())
+}
+
+/// Every pair of samples of the run: what lies between two samples, and nothing that is only held.
+fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
+    let mut found = Vec::new();
+    for end in 1..=run.samples.len() {
+        for start in 0..end {
+            let samples = &run.samples[start..end];
+            let length = run.samples[end - 1].at - run.samples[start].at;
+            let fitting = episode.duration.iter().all(|(relation, bound)| numbers(*relation, length, *bound))
+                && instant_fits(run.samples[end - 1].at, &episode.end)
+                && fits_values(episode, samples);
+            if fitting {
+                found.push(way(samples, bound, run.samples[end - 1].at, view));
+            }
+        }
+    }
+    found
+}
+
+/// The run as far as it is known.
+fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    let begun = begun(episode, run, bound, view)?;
+    let interval = (run.samples.first()?.at, run.samples.last()?.at);
+    Some(Way { open: !run.closed, hull: Some(interval), ..begun })
+}
+
+/// Rule 13: statistics with a wanted duration and no value are taken over a window of just that duration.
+fn slides(episode: &Episode) -> bool {
+    let aggregated = !episode.stats.is_empty() || !episode.trend.is_empty();
+    aggregated && episode.value.is_empty() && !episode.duration.is_empty()
+}

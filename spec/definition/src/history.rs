@@ -1,0 +1,118 @@
+//! What was known at an instant, from all that ever arrived (rules 4, 17, 18, 23).
+
+use crate::condition::{Span, Time};
+use crate::value::Value;
+use std::collections::BTreeMap;
+
+/// Something that arrived.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arrival {
+    /// When it came.
+    pub arrives: Time,
+    /// When it was measured or happened; not after it came.
+    pub at: Time,
+    /// What it is.
+    pub what: What,
+}
+
+/// Kinds of arrivals.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// A sample of `(attribute object)`; none is a missing measurement, which is how NaN is read.
+    Sample(String, String, Option<Value>),
+    /// A message.
+    Message(Vec<Value>),
+    /// A task was created, or changed its state to this.
+    Moved(String, String),
+}
+
+/// The clean past of one variable, object or agent, as known at an instant.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Past {
+    /// Samples by attribute and object, objects in the order in which they were heard of first.
+    pub(crate) variables: Vec<Series>,
+    /// Messages in order of time, those of one instant in order of arrival.
+    pub(crate) messages: Vec<Message>,
+    /// Changes of tasks.
+    pub(crate) moves: Vec<Move>,
+}
+
+/// A variable's samples in order of time, one for an instant.
+#[derive(Clone, Debug)]
+pub(crate) struct Series {
+    pub(crate) attribute: String,
+    pub(crate) object: String,
+    pub(crate) samples: Vec<Sample>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Sample {
+    pub(crate) at: Time,
+    /// When it came.
+    pub(crate) arrives: Time,
+    pub(crate) value: Value,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Message {
+    pub(crate) at: Time,
+    pub(crate) arrives: Time,
+    pub(crate) words: Vec<Value>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Move {
+    pub(crate) at: Time,
+    pub(crate) task: String,
+    pub(crate) state: String,
+}
+
+/// All that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
+pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now: Time) -> Past {
+    let mut past = Past::default();
+    for arrival in arrivals.iter().filter(|arrival| arrival.arrives <= now) {
+        let Arrival { arrives, at, .. } = *arrival;
+        match &arrival.what {
+            // Rule 18: a missing measurement proves nothing; it is as if nothing had come.
+            What::Sample(_, _, None) => {}
+            What::Sample(attribute, object, Some(value)) => {
+                let late = lateness.get(attribute).copied().unwrap_or(0);
+                let sample = Sample { at, arrives, value: value.clone() };
+                past.series(attribute, object).add(sample, late);
+            }
+            What::Message(words) => past.messages.push(Message { at, arrives, words: words.clone() }),
+            What::Moved(task, state) => past.moves.push(Move { at, task: task.clone(), state: state.clone() }),
+        }
+    }
+    past.messages.sort_by_key(|message| message.at);
+    past
+}
+
+impl Past {
+    fn series(&mut self, attribute: &str, object: &str) -> &mut Series {
+        let found = self.variables.iter().position(|each| each.attribute == attribute && each.object == object);
+        let index = found.unwrap_or_else(|| {
+            let series = Series { attribute: attribute.into(), object: object.into(), samples: Vec::new() };
+            self.variables.push(series);
+            self.variables.len() - 1
+        });
+        &mut self.variables[index]
+    }
+}
+
+impl Series {
+    /// Rule 17: a late sample is put in order if the newest is not more than the lateness ahead of it, else it does not
+    /// count. Of two at one instant the later arrival counts; the same value again is nothing new.
+    fn add(&mut self, sample: Sample, lateness: Span) {
+        let newest = self.samples.iter().map(|known| known.at).max();
+        if newest.is_some_and(|newest| newest - sample.at > lateness) {
+            return;
+        }
+        match self.samples.iter_mut().find(|known| known.at == sample.at) {
+            Some(known) if known.value == sample.value => {}
+            Some(known) => *known = sample,
+            None => self.samples.push(sample),
+        }
+        self.samples.sort_by_key(|sample| sample.at);
+    }
+}

@@ -1,0 +1,95 @@
+//! Measurements: one sample, or one estimated value (rules 2, 9, 10, 18, 19).
+
+use crate::condition::{Estimation, Measurement, Relation, Time, Variable};
+use crate::history::Series;
+use crate::value::{Bindings, Value, fits, matches};
+use crate::ways::{View, Way, Ways, instant_fits};
+
+/// The series that the variable may mean, each with what that binds, in order of first appearance (rule 19).
+pub(crate) fn series_of<'a>(variable: &Variable, view: View<'a>) -> Vec<(&'a Series, Bindings)> {
+    let mut found = Vec::new();
+    for series in view.past.variables.iter().filter(|series| series.attribute == variable.attribute) {
+        let mut bound = Bindings::new();
+        let object = Value::symbol(&series.object);
+        if matches(&variable.object, &object, &mut bound) && fits(&object, &variable.tests, &mut bound) {
+            found.push((series, bound));
+        }
+    }
+    found
+}
+
+/// Was anything measured that the variable may mean and that `counts`, whatever is asked of its object?
+pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Series) -> bool) -> bool {
+    let mut series = view.past.variables.iter().filter(|series| series.attribute == variable.attribute);
+    series.any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
+}
+
+/// Rule 2: the window begins with the creation unless the condition says which instants count.
+pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) -> bool {
+    if tests.is_empty() { at >= view.created } else { instant_fits(at, tests) }
+}
+
+/// Every sample, or every estimate, that fits.
+pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
+    let mut found = Ways::default();
+    for (series, bound) in series_of(&measurement.variable, view) {
+        match &measurement.estimation {
+            None => found.all.extend(sampled(measurement, series, &bound, view)),
+            Some(Estimation::Persist(timeout)) => {
+                found.all.extend(persisted(measurement, *timeout, series, &bound, view));
+            }
+            Some(Estimation::Regression(options)) => {
+                let next = crate::regression::ways(measurement, options, series, &bound, view);
+                found.all.extend(next.all);
+                found.unknown = found.unknown.or(next.unknown);
+            }
+        }
+    }
+    found
+}
+
+fn sampled(measurement: &Measurement, series: &Series, bound: &Bindings, view: View<'_>) -> Vec<Way> {
+    let mut found = Vec::new();
+    for sample in series.samples.iter().filter(|sample| in_window(sample.at, &measurement.timestamp, view)) {
+        let mut bound = bound.clone();
+        if fits(&sample.value, &measurement.value, &mut bound) {
+            let known = sample.arrives.max(view.created);
+            found.push(Way::over((sample.at, sample.at), known, bound));
+        }
+    }
+    found
+}
+
+/// Rule 9: a sample is valid from its instant on, at most for the timeout, and until the next sample. The condition is
+/// satisfied at the first instant of the window at which a value that fits is valid.
+fn persisted(
+    measurement: &Measurement,
+    timeout: Option<i64>,
+    series: &Series,
+    bound: &Bindings,
+    view: View<'_>,
+) -> Vec<Way> {
+    let mut found = Vec::new();
+    for (index, sample) in series.samples.iter().enumerate() {
+        let next = series.samples.get(index + 1).map_or(Time::MAX, |next| next.at - 1);
+        let expires = timeout.map_or(Time::MAX, |timeout| sample.at + timeout);
+        let last = next.min(expires).min(view.now);
+        // The first instant of the window within [sample, last]: one of these, since windows are made of bounds.
+        let bounds = measurement.timestamp.iter().map(|(_, bound)| *bound);
+        let mut instants: Vec<Time> = bounds.flat_map(|bound| [bound - 1, bound, bound + 1]).collect();
+        instants.extend([sample.at, view.created]);
+        instants.sort_unstable();
+        let fitting = instants
+            .into_iter()
+            .find(|at| (sample.at..=last).contains(at) && in_window(*at, &measurement.timestamp, view));
+        let mut bound = bound.clone();
+        if let Some(at) = fitting
+            && fits(&sample.value, &measurement.value, &mut bound)
+        {
+            let known = sample.arrives.max(view.created).max(at);
+            found.push(Way::over((sample.at, sample.at), known, bound));
+        }
+    }
+    found
+}
+

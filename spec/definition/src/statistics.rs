@@ -1,0 +1,69 @@
+//! Statistics of a run (rule 11): two passes over all samples, unweighted; the variance is the population's.
+
+use crate::condition::{Episode, Statistic};
+use crate::history::Sample;
+use crate::value::{Value, numbers};
+
+/// Do all tests of statistics hold? A value that is no finite number has no statistics.
+pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
+    episode.stats.iter().all(|(statistic, relation, bound)| {
+        of(*statistic, &finite(samples)).is_some_and(|value| numbers(*relation, value, *bound))
+    })
+}
+
+/// The values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).
+pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
+    let numbers = samples.iter().filter_map(|sample| match sample.value {
+        Value::Number(number) if number.is_finite() => Some(number),
+        _ => None,
+    });
+    numbers.collect()
+}
+
+/// The statistic; none of nothing is known.
+pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
+    if statistic == Statistic::Count {
+        return Some(values.len() as f64);
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (least, most) = (*sorted.first()?, *sorted.last()?);
+    let count = values.len() as f64;
+    let mean = mean_of(values);
+    let variance = mean_of(&values.iter().map(|value| (value - mean) * (value - mean)).collect::<Vec<_>>());
+    Some(match statistic {
+        Statistic::Count => count,
+        Statistic::Mean => mean,
+        Statistic::Sum => values.iter().sum(),
+        Statistic::Min => least,
+        Statistic::Max => most,
+        Statistic::Median => (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]) / 2.0,
+        Statistic::Difference => most - least,
+        Statistic::Variance => variance,
+        Statistic::StandardDeviation => variance.sqrt(),
+    })
+}
+
+/// The mean, anchored at the first value and corrected once.
+fn mean_of(values: &[f64]) -> f64 {
+    let Some(anchor) = values.first() else { return 0.0 };
+    let count = values.len() as f64;
+    let mean = anchor + values.iter().map(|value| value - anchor).sum::<f64>() / count;
+    mean + values.iter().map(|value| value - mean).sum::<f64>() / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_to_ninety_nine() {
+        let values: Vec<f64> = (1..=99).map(f64::from).collect();
+        assert!((of(Statistic::Variance, &values).unwrap() - 816.666_666_666).abs() < 1e-6);
+        assert!((of(Statistic::StandardDeviation, &values).unwrap() - 28.577_381).abs() < 1e-6);
+        assert_eq!(of(Statistic::Median, &values), Some(50.0));
+        assert_eq!(of(Statistic::Difference, &values), Some(98.0));
+        assert_eq!(of(Statistic::Mean, &[]), None);
+        assert_eq!(of(Statistic::Count, &[]), Some(0.0));
+    }
+}

@@ -1,0 +1,139 @@
+//! The answer at an instant, and since when it is satisfied (rules 2, 3, 21, 22).
+
+use crate::condition::{Condition, Kind, Span, Time};
+use crate::history::{Arrival, What, known};
+use crate::value::Bindings;
+use crate::ways::{Interval, Runs, View, Way, ways};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A condition, when it was asked, and everything that ever arrived, in order of arrival.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// What is asked.
+    pub condition: Condition,
+    /// The creation of the monitor.
+    pub created: Time,
+    /// Everything that arrives, also later than any `now` that is asked about.
+    pub arrivals: Vec<Arrival>,
+    /// How late samples of an attribute may come.
+    pub lateness: BTreeMap<String, Span>,
+}
+
+/// The truth at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// It is true, in this way.
+    Satisfied(Outcome),
+    /// It is not true up to now.
+    NotSatisfied,
+    /// The data do not say, for this reason.
+    Unknown(String),
+}
+
+/// A result (rule 22).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// First and last evidence.
+    pub interval: Interval,
+    /// The first instant at which it was true.
+    pub recognised_at: Time,
+    /// Values of variables.
+    pub variables: Bindings,
+    /// Intervals of tags.
+    pub tags: BTreeMap<String, Interval>,
+}
+
+/// What is true at `now`, of what was known then.
+pub fn judge(question: &Question, now: Time) -> Verdict {
+    let past = known(&question.arrivals, &question.lateness, now);
+    let view = View { past: &past, created: question.created, now, runs: Runs::Begun };
+    let found = ways(&question.condition, view);
+    match (found.all.first(), found.unknown) {
+        (Some(way), _) => Verdict::Satisfied(outcome(way, now)),
+        (None, Some(reason)) => Verdict::Unknown(reason),
+        (None, None) => Verdict::NotSatisfied,
+    }
+}
+
+fn outcome(way: &Way, now: Time) -> Outcome {
+    Outcome {
+        interval: way.hull.unwrap_or((now, now)),
+        recognised_at: now,
+        variables: way.bound.clone(),
+        tags: way.tags.clone(),
+    }
+}
+
+/// The first result up to `until`: what is true at the first instant at which it is true at all.
+pub fn first(question: &Question, until: Time) -> Option<Outcome> {
+    instants(question, until).into_iter().find_map(|now| match judge(question, now) {
+        Verdict::Satisfied(outcome) => Some(outcome),
+        _ => None,
+    })
+}
+
+/// Every instant from the creation up to `until` at which the truth may change: something arrives, or one or two of the
+/// condition's spans have passed since something, or a nanosecond more.
+pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
+    let mut spans = Vec::new();
+    spans_of(&question.condition, &mut spans);
+    spans.sort_unstable();
+    spans.dedup();
+    let sums: Vec<Span> = spans.iter().flat_map(|first| spans.iter().map(move |second| first + second)).collect();
+    spans.extend(sums);
+    spans.push(0);
+    let mut begins: Vec<Time> = vec![question.created];
+    for arrival in question.arrivals.iter().filter(|arrival| !matches!(arrival.what, What::Sample(_, _, None))) {
+        begins.extend([arrival.at, arrival.arrives]);
+    }
+    begins.extend(instants_of(&question.condition));
+    let every = begins.iter().flat_map(|begin| spans.iter().flat_map(move |span| [begin + span, begin + span + 1]));
+    let mut all: BTreeSet<Time> = every.collect();
+    all.extend(question.arrivals.iter().map(|arrival| arrival.arrives));
+    all.retain(|at| (question.created..=until).contains(at));
+    all
+}
+
+/// Every length of time that the condition names.
+fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
+    let parts = match &condition.kind {
+        Kind::Measurement(measurement) => {
+            if let Some(crate::condition::Estimation::Persist(Some(timeout))) = &measurement.estimation {
+                spans.push(*timeout);
+            }
+            return;
+        }
+        Kind::Episode(episode) => {
+            spans.extend(episode.gap);
+            spans.extend(episode.duration.iter().map(|(_, span)| *span));
+            return;
+        }
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => parts.as_slice(),
+        Kind::Not(part) => std::slice::from_ref(&**part),
+        Kind::Absent(part, span) => {
+            spans.push(*span);
+            std::slice::from_ref(&**part)
+        }
+        Kind::Delay(least, _) => {
+            spans.push(*least);
+            return;
+        }
+        Kind::Timestamp(..) | Kind::Event(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => return,
+    };
+    parts.iter().for_each(|part| spans_of(part, spans));
+}
+
+/// Every instant that the condition names.
+fn instants_of(condition: &Condition) -> Vec<Time> {
+    match &condition.kind {
+        Kind::Measurement(measurement) => measurement.timestamp.iter().map(|(_, at)| *at).collect(),
+        Kind::Episode(episode) => episode.start.iter().chain(&episode.end).map(|(_, at)| *at).collect(),
+        Kind::Event(_, when) => when.iter().map(|(_, at)| *at).collect(),
+        Kind::Timestamp(from, to) => [*from].into_iter().chain(*to).collect(),
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().flat_map(instants_of).collect()
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => instants_of(part),
+        Kind::Delay(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => Vec::new(),
+    }
+}

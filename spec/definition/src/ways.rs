@@ -1,0 +1,319 @@
+//! All the ways in which a condition is true at an instant.
+
+use crate::condition::{Allen, Condition, Edge, Kind, Relation, Span, Test, Time};
+use crate::history::Past;
+use crate::value::{Bindings, Value, joined, numbers};
+use std::collections::BTreeMap;
+
+/// First and last evidence, both included.
+pub type Interval = (Time, Time);
+
+/// One way in which a condition is true.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Way {
+    /// First and last evidence; none where nothing was needed.
+    pub(crate) hull: Option<Interval>,
+    /// The evidence may still go on.
+    pub(crate) open: bool,
+    /// Since when it is known.
+    pub(crate) known: Time,
+    pub(crate) bound: Bindings,
+    pub(crate) tags: BTreeMap<String, Interval>,
+}
+
+impl Way {
+    pub(crate) fn at(at: Time, known: Time) -> Way {
+        Way::over((at, at), known, Bindings::new())
+    }
+
+    pub(crate) fn over(interval: Interval, known: Time, bound: Bindings) -> Way {
+        Way { hull: Some(interval), open: false, known, bound, tags: BTreeMap::new() }
+    }
+
+    fn nothing(created: Time) -> Way {
+        Way { hull: None, open: false, known: created, bound: Bindings::new(), tags: BTreeMap::new() }
+    }
+
+    /// Both, unless they disagree about a variable.
+    fn with(&self, next: &Way) -> Option<Way> {
+        let hull = match (self.hull, next.hull) {
+            (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+            (a, b) => a.or(b),
+        };
+        let mut tags = self.tags.clone();
+        tags.extend(next.tags.clone());
+        let bound = joined(&self.bound, &next.bound)?;
+        Some(Way { hull, open: self.open || next.open, known: self.known.max(next.known), bound, tags })
+    }
+}
+
+/// Which intervals of a run are meant (rule 7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Runs {
+    /// From the first sample of the run up to the one that proves it.
+    Begun,
+    /// Any two samples of the run: for `:in-order`.
+    Any,
+    /// The whole run, as far as it is known: for Allen's relations.
+    Whole,
+}
+
+/// At which instant, and from which on, a condition is judged.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View<'a> {
+    pub(crate) past: &'a Past,
+    pub(crate) created: Time,
+    pub(crate) now: Time,
+    pub(crate) runs: Runs,
+}
+
+/// Whether the data say it, where there is no way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Ways {
+    pub(crate) all: Vec<Way>,
+    /// Why it is unknown, if it is.
+    pub(crate) unknown: Option<String>,
+}
+
+impl From<Vec<Way>> for Ways {
+    fn from(all: Vec<Way>) -> Ways {
+        Ways { all, unknown: None }
+    }
+}
+
+/// All ways, those that are known earlier first.
+pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
+    let mut ways = of_kind(condition, view);
+    ways.all.retain(|way| way.known <= view.now);
+    if let Some(tag) = &condition.tag {
+        for way in &mut ways.all {
+            way.tags.extend(way.hull.map(|hull| (tag.clone(), hull)));
+        }
+    }
+    // Rule 16: tests see all tags, also the one of the composite itself.
+    if let Kind::And(_, tests) | Kind::InOrder(_, tests) | Kind::Allen { tests, .. } = &condition.kind {
+        ways.all.retain(|way| tests.iter().all(|test| passes(test, way)));
+    }
+    ways.all.sort_by_key(|way| way.known);
+    ways
+}
+
+fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
+    match &condition.kind {
+        Kind::Measurement(measurement) => crate::measurement::ways(measurement, view),
+        Kind::Episode(episode) => crate::episode::ways(episode, view),
+        Kind::And(parts, _) => all_of(parts, View { runs: Runs::Begun, ..view }),
+        Kind::Or(parts) => one_of(parts, view),
+        Kind::Not(part) => no_result(part, view),
+        Kind::Absent(part, span) => absent(part, *span, view),
+        Kind::InOrder(parts, _) => {
+            // Where delays are counted, an episode lies between any two samples of a run.
+            let delayed = parts.iter().any(|part| matches!(part.kind, Kind::Delay(..)));
+            in_order(parts, View { runs: if delayed { Runs::Any } else { Runs::Begun }, ..view })
+        }
+        Kind::Allen { relation, parts, tolerance, .. } => {
+            related(*relation, parts, *tolerance, View { runs: Runs::Whole, ..view })
+        }
+        Kind::Delay(least, most) => delay(*least, *most, view),
+        Kind::Timestamp(from, to) => timestamp(*from, *to, view),
+        Kind::Event(pattern, when) => crate::event::messages(pattern, when, view),
+        Kind::Function(attribute, object, relation, number) => {
+            function((attribute.as_str(), object.as_str()), *relation, *number, view)
+        }
+        Kind::TaskEnded(task) => crate::event::task_states(task, "terminated", view),
+        Kind::TaskState(task, state) => crate::event::task_states(task, state, view),
+    }
+}
+
+/// `:and`: every way of the first with every one of the second, and so on, that agree about their variables; none of
+/// those which a `:not` beside them forbids.
+fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
+    let (forbidding, asking): (Vec<_>, Vec<_>) = parts.iter().partition(|part| matches!(part.kind, Kind::Not(_)));
+    let mut found = Ways::from(vec![Way::nothing(view.created)]);
+    let mut truth = Kleene::default();
+    for part in asking {
+        let next = ways(part, view);
+        truth.and(&next);
+        found.all = combined(&found.all, &next.all, |_, _| true);
+    }
+    for part in &forbidding {
+        let Kind::Not(inner) = &part.kind else { continue };
+        let against = ways(inner, view);
+        truth.and(&no_result(inner, view));
+        found.all.retain(|way| against.unknown.is_none() && !against.all.iter().any(|other| joined(&way.bound, &other.bound).is_some()));
+    }
+    for way in &mut found.all {
+        if !forbidding.is_empty() || way.hull.is_none() {
+            way.known = view.now;
+        }
+        way.hull = way.hull.or(Some((view.now, view.now)));
+    }
+    found.unknown = truth.unknown();
+    found
+}
+
+/// Kleene's "and": what does not hold decides; else what is unknown (rule 3).
+#[derive(Default)]
+struct Kleene {
+    fails: bool,
+    reason: Option<String>,
+}
+
+impl Kleene {
+    fn and(&mut self, part: &Ways) {
+        if part.all.is_empty() {
+            self.fails |= part.unknown.is_none();
+            self.reason = self.reason.take().or(part.unknown.clone());
+        }
+    }
+
+    fn unknown(self) -> Option<String> {
+        self.reason.filter(|_| !self.fails)
+    }
+}
+
+/// `:or`: a way of any part, those of earlier parts first.
+fn one_of(parts: &[Condition], view: View<'_>) -> Ways {
+    let mut found = Ways::default();
+    for part in parts {
+        let next = ways(part, view);
+        found.all.extend(next.all);
+        found.unknown = found.unknown.or(next.unknown);
+    }
+    found
+}
+
+/// Rule 14: holds at an instant when its part has no result up to then.
+fn no_result(part: &Condition, view: View<'_>) -> Ways {
+    let part = ways(part, View { runs: Runs::Begun, ..view });
+    match part {
+        Ways { all, .. } if !all.is_empty() => Ways::default(),
+        Ways { unknown: None, .. } => vec![Way::at(view.now, view.now)].into(),
+        Ways { unknown, .. } => Ways { all: Vec::new(), unknown },
+    }
+}
+
+/// Rule 14: a whole span passed without the part. It begins with the creation, or after the last evidence of the part.
+fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
+    let against = ways(part, View { runs: Runs::Begun, ..view });
+    let evidence: Vec<Interval> = against.all.iter().filter_map(|way| way.hull).collect();
+    // A span begins with the creation, its instant included, or after the end of evidence, its instant excluded.
+    let mut spans = vec![(view.created, view.created)];
+    spans.extend(evidence.iter().filter(|(_, end)| *end >= view.created).map(|(_, end)| (*end, end + 1)));
+    spans.sort_unstable();
+    spans.dedup();
+    let quiet = |first: Time, last: Time| !evidence.iter().any(|(start, end)| *end >= first && *start <= last);
+    let passed = spans.into_iter().filter(|(begin, first)| quiet(*first, begin + span));
+    let ways: Vec<Way> = passed.map(|(begin, _)| Way::over((begin, begin + span), begin + span, Bindings::new())).collect();
+    ways.into()
+}
+
+/// `:in-order`: the end of one lies before the start of the next; a delay between says how far.
+fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
+    let mut found = Ways::from(vec![Way::nothing(view.created)]);
+    let mut delay: Option<(Span, Span)> = None;
+    let mut truth = Kleene::default();
+    for part in parts {
+        if let Kind::Delay(least, most) = part.kind {
+            delay = Some((least, most.unwrap_or(Span::MAX)));
+            continue;
+        }
+        let next = ways(part, view);
+        truth.and(&next);
+        found.all = combined(&found.all, &next.all, |before, next| {
+            let end = before.hull.map_or(view.created, |hull| hull.1);
+            let between = next.hull.map_or(view.now, |hull| hull.0) - end;
+            match delay {
+                Some((least, most)) => (least..=most).contains(&between),
+                None => before.hull.is_none() || between > 0,
+            }
+        });
+        delay = None;
+    }
+    if let Some((least, _)) = delay {
+        for way in &mut found.all {
+            way.known = way.known.max(way.hull.map_or(view.created, |hull| hull.1) + least);
+        }
+    }
+    for way in &mut found.all {
+        way.hull = way.hull.or(Some((way.known, way.known)));
+    }
+    found.unknown = truth.unknown();
+    found
+}
+
+/// Allen's relations between neighbours, as soon as no continuation of a run can change them (rule 15).
+fn related(relation: Allen, parts: &[Condition], tolerance: Span, view: View<'_>) -> Ways {
+    let mut chains: Vec<(Way, Way)> = Vec::new();
+    let mut truth = Kleene::default();
+    for (index, part) in parts.iter().enumerate() {
+        let next = ways(part, view);
+        truth.and(&next);
+        if index == 0 {
+            chains = next.all.iter().map(|way| (way.clone(), way.clone())).collect();
+            continue;
+        }
+        let mut longer = Vec::new();
+        for (whole, last) in &chains {
+            for way in next.all.iter().filter(|way| crate::allen::decided(relation, last, way, tolerance)) {
+                longer.extend(whole.with(way).map(|joined| (joined, way.clone())));
+            }
+        }
+        chains = longer;
+    }
+    Ways { all: chains.into_iter().map(|(whole, _)| whole).collect(), unknown: truth.unknown() }
+}
+
+fn delay(least: Span, most: Option<Span>, view: View<'_>) -> Ways {
+    let over = view.created + least;
+    if most.is_some_and(|most| most < least) {
+        return Ways::default();
+    }
+    vec![Way::at(over, over)].into()
+}
+
+fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
+    let reached = from.max(view.created);
+    if reached <= to.unwrap_or(from) { vec![Way::at(reached, reached)].into() } else { Ways::default() }
+}
+
+/// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
+fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
+    let series = view.past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
+    let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);
+    match newest {
+        Some(value) if crate::value::holds(relation, value, &Value::Number(number)) => {
+            vec![Way::at(view.now, view.now)].into()
+        }
+        _ => Ways::default(),
+    }
+}
+
+/// Every way of the first with every one of the second that agrees with it and follows it.
+fn combined(first: &[Way], second: &[Way], follows: impl Fn(&Way, &Way) -> bool) -> Vec<Way> {
+    let mut all = Vec::new();
+    for before in first {
+        all.extend(second.iter().filter(|next| follows(before, next)).filter_map(|next| before.with(next)));
+    }
+    all
+}
+
+fn passes(test: &Test, way: &Way) -> bool {
+    let instant = |(edge, tag): &(Edge, String)| {
+        way.tags.get(tag).map(|interval| if *edge == Edge::Start { interval.0 } else { interval.1 })
+    };
+    match test {
+        Test::Apart(relation, left, right, span) => match (instant(left), instant(right)) {
+            (Some(left), Some(right)) => numbers(*relation, left - right, *span),
+            _ => false,
+        },
+        Test::Number(relation, name, number) => {
+            matches!(way.bound.get(name), Some(Value::Number(value)) if numbers(*relation, *value, *number))
+        }
+    }
+}
+
+/// Do all tests hold of the instant?
+pub(crate) fn instant_fits(at: Time, tests: &[(Relation, Time)]) -> bool {
+    tests.iter().all(|(relation, bound)| numbers(*relation, at, *bound))
+}
