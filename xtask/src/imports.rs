@@ -19,6 +19,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     // The second witness shares nothing with the first.
     ("spec/reference", &[]),
     ("spec/random", &["*"]),
+    ("spec/definition", &[]),
+    ("spec/conditions-random", &["*"]),
     ("benches", &["*"]),
     ("python", &["*"]),
     ("xtask", &[]),

@@ -15,10 +15,22 @@ pub enum Bug {
     RanksReversed,
     /// Ancestors go on before their descendants.
     AncestorsFirst,
+    /// A duration that must be longer than a limit need only reach it.
+    LongerIsAtLeast,
+    /// A value counts as held beyond the gap that is allowed.
+    GapToNowForgotten,
+    /// A sample that comes late, but not too late, is not looked at.
+    LateSampleIgnored,
+    /// Of two samples of one instant the first counts.
+    FirstDuplicateWins,
 }
 
-/// All of them.
-pub const ALL: [Bug; 6] = [
+/// All in the monitors of conditions.
+pub const IN_MONITORS: [Bug; 4] =
+    [Bug::LongerIsAtLeast, Bug::GapToNowForgotten, Bug::LateSampleIgnored, Bug::FirstDuplicateWins];
+
+/// All in the control of tasks.
+pub const IN_CONTROL: [Bug; 6] = [
     Bug::EqualNewcomerWins,
     Bug::ClockStartsOver,
     Bug::DeafWhileInterrupted,

@@ -134,7 +134,9 @@ impl Maker {
                 parts.push(self.delay());
             }
             let part = if self.dice.chance(80) { self.leaf_with_evidence() } else { self.condition(depth - 1) };
-            parts.push(part);
+            // What has no interval has no place in an order.
+            let placed = !matches!(part.kind, Kind::Not(_) | Kind::Function(..));
+            parts.push(if placed { part } else { self.leaf_with_evidence() });
         }
         if self.dice.chance(15) {
             parts.push(self.delay());

@@ -5,35 +5,34 @@ use apex_conditions_random::{compare, generate, page, shrink};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: apex-conditions-random [--count N] [--seed S]   ask N questions from seed S on; 20000 and 1 unless given
-       apex-conditions-random --show S                 the question of seed S as a page
-       apex-conditions-random --planted                how soon planted bugs are found (feature planted-bugs)";
+usage: apex-conditions-random [--count N] [--seed S] [--shown K]   ask N questions from seed S on; 20000 and 1 unless given;
+                                                show K that differ, made small; 5 unless given
+       apex-conditions-random --show S                 the question of seed S as a page";
 /// Questions between two lines of progress.
 const PORTION: u64 = 100_000;
-/// Differences that are made small and printed.
-const SHOWN_MAX: usize = 12;
 
 fn main() -> ExitCode {
     let mut count = 20_000;
     let mut seed = 1;
+    let mut shown = 5;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut number = || arguments.next().and_then(|text| text.parse().ok());
         match argument.as_str() {
             "--count" => count = number().unwrap_or(count),
             "--seed" => seed = number().unwrap_or(seed),
+            "--shown" => shown = number().unwrap_or(shown),
             "--show" => return show(number().unwrap_or(seed)),
-            "--planted" => return planted(),
             _ => {
                 eprintln!("{USAGE}");
                 return ExitCode::from(2);
             }
         }
     }
-    hunt(seed, count)
+    hunt(seed, count, usize::try_from(shown).unwrap_or(usize::MAX))
 }
 
-fn hunt(seed: u64, count: u64) -> ExitCode {
+fn hunt(seed: u64, count: u64, shown: usize) -> ExitCode {
     let mut whole = Outcome::default();
     let mut from = seed;
     while from < seed + count {
@@ -47,8 +46,8 @@ fn hunt(seed: u64, count: u64) -> ExitCode {
     if let Some(refused) = whole.refused.first() {
         println!("refused, for example:\n{:?}", compare::compare(&generate::question(*refused)));
     }
-    for seed in whole.different.iter().take(SHOWN_MAX) {
-        println!("{}", page::of(*seed, &shrink::shrink(&{let mut question = generate::question(*seed); if std::env::var("NOLATE").is_ok() { question.arrivals.retain(|each| each.at == each.arrives) }; question})));
+    for seed in whole.different.iter().take(shown) {
+        println!("{}", page::of(*seed, &shrink::shrink(&generate::question(*seed))));
     }
     if whole.different.is_empty() && whole.refused.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
@@ -58,13 +57,3 @@ fn show(seed: u64) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-#[cfg(feature = "planted-bugs")]
-fn planted() -> ExitCode {
-    apex_conditions_random::planted::report()
-}
-
-#[cfg(not(feature = "planted-bugs"))]
-fn planted() -> ExitCode {
-    eprintln!("this needs the feature planted-bugs");
-    ExitCode::from(2)
-}

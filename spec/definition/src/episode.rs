@@ -20,17 +20,13 @@ struct Run<'a> {
 /// Every interval of a run that is what the condition asks for.
 pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     let mut found = Ways::default();
-    let all = series_of(&episode.variable, view);
+    let all = series_of(&episode.variable, episode.start.is_empty() && episode.end.is_empty(), view);
     for (series, bound) in &all {
         let samples = windowed(episode, series, view);
         let runs = runs(episode, samples, view);
         // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
-        let possible = |run: &Run<'_>| {
-            let last = run.samples.len();
-            view.runs != Runs::Any || (0..last).any(|start| (start..last).any(|end| fits_values(episode, &run.samples[start..=end])))
-        };
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed));
-        if let Some(run) = newest.filter(|run| possible(run)) {
+        if let Some(run) = newest {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
             found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
         }
@@ -88,21 +84,23 @@ fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> 
         });
     }
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
-    parts.min_by_key(|way| (way.known, std::cmp::Reverse(way.hull))).or_else(|| over(episode, run, bound, view))
+    parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound, view))
 }
 
-/// The first samples of the run, if it is what is asked for however it goes on.
+/// The run, if its first samples show that it is what is asked for however it goes on: only lower bounds can show that.
+/// The interval is that of the whole run, as far as it is known.
 fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let samples = run.samples.get(..length)?;
     let (first, last) = (samples.first()?, samples.last()?);
     let next = run.samples.get(length).or(run.next).map(|sample| sample.at);
     let longest = held(episode, last, next, view) - first.at;
-    // Only what has a lower bound is decided before the run is over.
-    let least = episode.duration.iter().map(|(relation, bound)| lower(*relation, *bound)).max().unwrap_or(Some(0))?;
-    let ends = episode.end.iter().map(|(relation, bound)| lower(*relation, *bound)).max().unwrap_or(Some(0))?;
+    let least = episode.duration.iter().map(|(relation, bound)| lower(*relation, *bound));
+    let earliest = episode.end.iter().map(|(relation, bound)| lower(*relation, *bound));
+    let least = least.collect::<Option<Vec<_>>>()?.into_iter().max().unwrap_or(0);
+    let earliest = earliest.collect::<Option<Vec<_>>>()?.into_iter().max().unwrap_or(last.at);
     let needed = least.max(last.at - first.at);
-    let fitting = needed <= longest && last.at >= ends && fits_values(episode, samples);
-    fitting.then(|| way(samples, bound, first.at + needed, view))
+    let fitting = needed <= longest && last.at >= earliest && fits_values(episode, samples);
+    fitting.then(|| way(run.samples, bound, first.at + needed, view))
 }
 
 /// The least instant or span that the relation allows, if it allows everything above.
@@ -114,28 +112,27 @@ fn lower(relation: Relation, bound: i64) -> Option<i64> {
     }
 }
 
-/// The run, if it is over and was what is asked for.
+/// The run, if it is over and was what is asked for. What has an upper bound counts between the first and the last sample,
+/// as the result reports them.
 fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let (first, last) = (run.samples.first()?, run.samples.last()?);
-    let length = held(episode, last, run.next.map(|sample| sample.at), view) - first.at;
+    let bounded = |relation: &Relation| lower(*relation, 0).is_none();
+    let until_the_end = episode.duration.iter().any(|(relation, _)| bounded(relation))
+        || episode.end.iter().any(|(relation, _)| bounded(relation));
     let fitting = run.closed
-        && (run.next.is_some() || !until_the_end(episode))
-        && episode.duration.iter().all(|(relation, bound)| numbers(*relation, length, *bound))
+        && until_the_end
+        && episode.duration.iter().all(|(relation, bound)| numbers(*relation, last.at - first.at, *bound))
         && instant_fits(last.at, &episode.end)
         && fits_values(episode, run.samples);
     let expires = episode.gap.map_or(Time::MAX, |gap| last.at + gap + 1);
-    let ended = run.next.map_or(Time::MAX, |next| next.arrives).min(expires);
+    let ended = run.next.map_or(Time::MAX, |next| next.at).min(expires);
     fitting.then(|| way(run.samples, bound, ended, view))
 }
 
-/// Does it matter how long the run was at most? After a gap nobody knows (rule 8).
-fn until_the_end(episode: &Episode) -> bool {
-    episode.duration.iter().any(|(relation, bound)| lower(*relation, *bound).is_none())
-}
-
-/// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it.
+/// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it, but not at the
+/// instant of the next sample.
 fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: View<'_>) -> Time {
-    let until = next.unwrap_or(view.now).min(view.now);
+    let until = next.map_or(view.now, |next| next - 1).min(view.now);
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
 }
 
@@ -152,8 +149,7 @@ fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
 
 fn way(samples: &[Sample], bound: &Bindings, known: Time, view: View<'_>) -> Way {
     let interval = samples.first().zip(samples.last()).map(|(first, last)| (first.at, last.at)).unwrap_or_default();
-    let arrived = samples.iter().map(|sample| sample.arrives).max().unwrap_or_default();
-    Way::over(interval, known.max(arrived).max(view.created), bound.clone())
+    Way::over(interval, known.max(view.created), bound.clone())
 }
 
 /// Every pair of samples of the run: what lies between two samples, and nothing that is only held.
@@ -176,9 +172,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Ve
 
 /// The run as far as it is known.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
-    let begun = begun(episode, run, bound, view)?;
-    let interval = (run.samples.first()?.at, run.samples.last()?.at);
-    Some(Way { open: !run.closed, hull: Some(interval), ..begun })
+    Some(Way { open: !run.closed, ..begun(episode, run, bound, view)? })
 }
 
 /// Rule 13: statistics with a wanted duration and no value are taken over a window of just that duration.

@@ -29,7 +29,7 @@ pub enum What {
 /// The clean past of one variable, object or agent, as known at an instant.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Past {
-    /// Samples by attribute and object, objects in the order in which they were heard of first.
+    /// Samples by attribute and object.
     pub(crate) variables: Vec<Series>,
     /// Messages in order of time, those of one instant in order of arrival.
     pub(crate) messages: Vec<Message>,
@@ -43,20 +43,19 @@ pub(crate) struct Series {
     pub(crate) attribute: String,
     pub(crate) object: String,
     pub(crate) samples: Vec<Sample>,
+    /// Instant and arrival number of everything that counted when it came.
+    pub(crate) appearances: Vec<(Time, usize)>,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     pub(crate) at: Time,
-    /// When it came.
-    pub(crate) arrives: Time,
     pub(crate) value: Value,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Message {
     pub(crate) at: Time,
-    pub(crate) arrives: Time,
     pub(crate) words: Vec<Value>,
 }
 
@@ -70,17 +69,17 @@ pub(crate) struct Move {
 /// All that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
 pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now: Time) -> Past {
     let mut past = Past::default();
-    for arrival in arrivals.iter().filter(|arrival| arrival.arrives <= now) {
-        let Arrival { arrives, at, .. } = *arrival;
+    for (number, arrival) in arrivals.iter().enumerate().filter(|(_, arrival)| arrival.arrives <= now) {
+        let at = arrival.at;
         match &arrival.what {
             // Rule 18: a missing measurement proves nothing; it is as if nothing had come.
             What::Sample(_, _, None) => {}
             What::Sample(attribute, object, Some(value)) => {
                 let late = lateness.get(attribute).copied().unwrap_or(0);
-                let sample = Sample { at, arrives, value: value.clone() };
-                past.series(attribute, object).add(sample, late);
+                let sample = Sample { at, value: value.clone() };
+                past.series(attribute, object).add(sample, number, late);
             }
-            What::Message(words) => past.messages.push(Message { at, arrives, words: words.clone() }),
+            What::Message(words) => past.messages.push(Message { at, words: words.clone() }),
             What::Moved(task, state) => past.moves.push(Move { at, task: task.clone(), state: state.clone() }),
         }
     }
@@ -92,7 +91,7 @@ impl Past {
     fn series(&mut self, attribute: &str, object: &str) -> &mut Series {
         let found = self.variables.iter().position(|each| each.attribute == attribute && each.object == object);
         let index = found.unwrap_or_else(|| {
-            let series = Series { attribute: attribute.into(), object: object.into(), samples: Vec::new() };
+            let series = Series { attribute: attribute.into(), object: object.into(), samples: Vec::new(), appearances: Vec::new() };
             self.variables.push(series);
             self.variables.len() - 1
         });
@@ -103,11 +102,12 @@ impl Past {
 impl Series {
     /// Rule 17: a late sample is put in order if the newest is not more than the lateness ahead of it, else it does not
     /// count. Of two at one instant the later arrival counts; the same value again is nothing new.
-    fn add(&mut self, sample: Sample, lateness: Span) {
+    fn add(&mut self, sample: Sample, number: usize, lateness: Span) {
         let newest = self.samples.iter().map(|known| known.at).max();
         if newest.is_some_and(|newest| newest - sample.at > lateness) {
             return;
         }
+        self.appearances.push((sample.at, number));
         match self.samples.iter_mut().find(|known| known.at == sample.at) {
             Some(known) if known.value == sample.value => {}
             Some(known) => *known = sample,

@@ -5,8 +5,9 @@ use crate::history::Series;
 use crate::value::{Bindings, Value, fits, matches};
 use crate::ways::{View, Way, Ways, instant_fits};
 
-/// The series that the variable may mean, each with what that binds, in order of first appearance (rule 19).
-pub(crate) fn series_of<'a>(variable: &Variable, view: View<'a>) -> Vec<(&'a Series, Bindings)> {
+/// The series that the variable may mean, each with what that binds, in the order of the first sample that counts (rule 19):
+/// since the creation, if the window begins there.
+pub(crate) fn series_of<'a>(variable: &Variable, windowed: bool, view: View<'a>) -> Vec<(&'a Series, Bindings)> {
     let mut found = Vec::new();
     for series in view.past.variables.iter().filter(|series| series.attribute == variable.attribute) {
         let mut bound = Bindings::new();
@@ -15,6 +16,11 @@ pub(crate) fn series_of<'a>(variable: &Variable, view: View<'a>) -> Vec<(&'a Ser
             found.push((series, bound));
         }
     }
+    let counts = |at: Time| !windowed || at >= view.created;
+    found.sort_by_key(|(series, _)| {
+        let counting = series.appearances.iter().filter(|(at, _)| counts(*at));
+        counting.map(|(_, number)| *number).min().unwrap_or(usize::MAX)
+    });
     found
 }
 
@@ -32,7 +38,7 @@ pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) ->
 /// Every sample, or every estimate, that fits.
 pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
     let mut found = Ways::default();
-    for (series, bound) in series_of(&measurement.variable, view) {
+    for (series, bound) in series_of(&measurement.variable, measurement.timestamp.is_empty(), view) {
         match &measurement.estimation {
             None => found.all.extend(sampled(measurement, series, &bound, view)),
             Some(Estimation::Persist(timeout)) => {
@@ -53,7 +59,7 @@ fn sampled(measurement: &Measurement, series: &Series, bound: &Bindings, view: V
     for sample in series.samples.iter().filter(|sample| in_window(sample.at, &measurement.timestamp, view)) {
         let mut bound = bound.clone();
         if fits(&sample.value, &measurement.value, &mut bound) {
-            let known = sample.arrives.max(view.created);
+            let known = sample.at.max(view.created);
             found.push(Way::over((sample.at, sample.at), known, bound));
         }
     }
@@ -86,7 +92,7 @@ fn persisted(
         if let Some(at) = fitting
             && fits(&sample.value, &measurement.value, &mut bound)
         {
-            let known = sample.arrives.max(view.created).max(at);
+            let known = at.max(view.created);
             found.push(Way::over((sample.at, sample.at), known, bound));
         }
     }

@@ -43,16 +43,34 @@ pub struct Outcome {
     pub tags: BTreeMap<String, Interval>,
 }
 
+impl Outcome {
+    fn nothing(now: Time) -> Outcome {
+        Outcome { interval: (now, now), recognised_at: now, variables: Bindings::new(), tags: BTreeMap::new() }
+    }
+}
+
 /// What is true at `now`, of what was known then.
 pub fn judge(question: &Question, now: Time) -> Verdict {
     let past = known(&question.arrivals, &question.lateness, now);
     let view = View { past: &past, created: question.created, now, runs: Runs::Begun };
     let found = ways(&question.condition, view);
-    match (found.all.first(), found.unknown) {
-        (Some(way), _) => Verdict::Satisfied(outcome(way, now)),
-        (None, Some(reason)) => Verdict::Unknown(reason),
-        (None, None) => Verdict::NotSatisfied,
+    match (found.all.is_empty(), found.unknown) {
+        (true, Some(reason)) => Verdict::Unknown(reason),
+        (true, None) => Verdict::NotSatisfied,
+        (false, _) => {
+            let way = told_first(&question.condition, view);
+            Verdict::Satisfied(way.map_or_else(|| Outcome::nothing(now), |way| outcome(&way, now)))
+        }
     }
+}
+
+/// The way that is told of several that are known now: of the alternatives of an outermost `:or` the first that is true;
+/// else the first to be known had nothing come late.
+fn told_first(condition: &Condition, view: View<'_>) -> Option<Way> {
+    let Kind::Or(parts) = &condition.kind else { return ways(condition, view).all.into_iter().next() };
+    let mut way = parts.iter().find_map(|part| told_first(part, view))?;
+    way.tags.extend(condition.tag.clone().zip(way.hull));
+    Some(way)
 }
 
 fn outcome(way: &Way, now: Time) -> Outcome {

@@ -1,6 +1,6 @@
 //! All the ways in which a condition is true at an instant.
 
-use crate::condition::{Allen, Condition, Edge, Kind, Relation, Span, Test, Time};
+use crate::condition::{Allen, Condition, Constraint, Edge, Kind, Relation, Span, Term, Test, Time};
 use crate::history::Past;
 use crate::value::{Bindings, Value, joined, numbers};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ pub(crate) struct Way {
     pub(crate) hull: Option<Interval>,
     /// The evidence may still go on.
     pub(crate) open: bool,
-    /// Since when it is known.
+    /// When it would have been known had nothing come late: what orders ways.
     pub(crate) known: Time,
     pub(crate) bound: Bindings,
     pub(crate) tags: BTreeMap<String, Interval>,
@@ -102,14 +102,14 @@ fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
     match &condition.kind {
         Kind::Measurement(measurement) => crate::measurement::ways(measurement, view),
         Kind::Episode(episode) => crate::episode::ways(episode, view),
-        Kind::And(parts, _) => all_of(parts, View { runs: Runs::Begun, ..view }),
+        Kind::And(parts, _) => all_of(parts, view),
         Kind::Or(parts) => one_of(parts, view),
         Kind::Not(part) => no_result(part, view),
         Kind::Absent(part, span) => absent(part, *span, view),
         Kind::InOrder(parts, _) => {
             // Where delays are counted, an episode lies between any two samples of a run.
             let delayed = parts.iter().any(|part| matches!(part.kind, Kind::Delay(..)));
-            in_order(parts, View { runs: if delayed { Runs::Any } else { Runs::Begun }, ..view })
+            in_order(parts, View { runs: if delayed { Runs::Any } else { view.runs }, ..view })
         }
         Kind::Allen { relation, parts, tolerance, .. } => {
             related(*relation, parts, *tolerance, View { runs: Runs::Whole, ..view })
@@ -139,8 +139,13 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     for part in &forbidding {
         let Kind::Not(inner) = &part.kind else { continue };
         let against = ways(inner, view);
-        truth.and(&no_result(inner, view));
-        found.all.retain(|way| against.unknown.is_none() && !against.all.iter().any(|other| joined(&way.bound, &other.bound).is_some()));
+        // A result stands against everything, unless it binds a variable that the other parts bind too.
+        let shared = |name: &String| parts.iter().any(|other| !std::ptr::eq(other, *part) && binds(other, name));
+        if against.all.is_empty() || against.all.iter().any(|way| !way.bound.keys().any(shared)) {
+            truth.and(&no_result(inner, view));
+        }
+        let undecided = against.all.is_empty() && against.unknown.is_some();
+        found.all.retain(|way| !undecided && !against.all.iter().any(|other| joined(&way.bound, &other.bound).is_some()));
     }
     for way in &mut found.all {
         if !forbidding.is_empty() || way.hull.is_none() {
@@ -150,6 +155,24 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     }
     found.unknown = truth.unknown();
     found
+}
+
+/// Can the condition bind the variable?
+fn binds(condition: &Condition, name: &str) -> bool {
+    let is = |term: &Term| matches!(term, Term::Variable(own) if own == name);
+    match &condition.kind {
+        Kind::Measurement(measurement) => {
+            is(&measurement.variable.object)
+                || measurement.value.iter().any(|constraint| matches!(constraint, Constraint::Bind(own) if own == name))
+        }
+        Kind::Episode(episode) => is(&episode.variable.object),
+        Kind::Event(pattern, _) => pattern.iter().any(is),
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().any(|part| binds(part, name))
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => binds(part, name),
+        Kind::Delay(..) | Kind::Timestamp(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => false,
+    }
 }
 
 /// Kleene's "and": what does not hold decides; else what is unknown (rule 3).
@@ -185,7 +208,7 @@ fn one_of(parts: &[Condition], view: View<'_>) -> Ways {
 
 /// Rule 14: holds at an instant when its part has no result up to then.
 fn no_result(part: &Condition, view: View<'_>) -> Ways {
-    let part = ways(part, View { runs: Runs::Begun, ..view });
+    let part = ways(part, view);
     match part {
         Ways { all, .. } if !all.is_empty() => Ways::default(),
         Ways { unknown: None, .. } => vec![Way::at(view.now, view.now)].into(),
@@ -195,7 +218,7 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
 
 /// Rule 14: a whole span passed without the part. It begins with the creation, or after the last evidence of the part.
 fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
-    let against = ways(part, View { runs: Runs::Begun, ..view });
+    let against = ways(part, view);
     let evidence: Vec<Interval> = against.all.iter().filter_map(|way| way.hull).collect();
     // A span begins with the creation, its instant included, or after the end of evidence, its instant excluded.
     let mut spans = vec![(view.created, view.created)];

@@ -13,6 +13,7 @@ use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use super::{Site, Troubles, Truth, WakeReason, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::planted::{self, Bug};
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::expression::Expr;
@@ -71,7 +72,8 @@ fn least_duration(
 ) -> Result<Option<Duration>, EvaluationError> {
     Ok(match constraint {
         Constraint::Compare { relation: Relation::Greater, right, tolerance: None } => {
-            Some(evaluate_duration(right, surroundings)? + TICK)
+            let more = if planted::is(Bug::LongerIsAtLeast) { Duration::ZERO } else { TICK };
+            Some(evaluate_duration(right, surroundings)? + more)
         }
         Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
         | Constraint::Range(Some(right), None) => Some(evaluate_duration(right, surroundings)?),
@@ -107,6 +109,9 @@ pub(super) fn notice(
         return;
     }
     let late = part.runs.get(&sample.variable.object).is_some_and(|run| sample.at < run.newest.at);
+    if late && planted::is(Bug::LateSampleIgnored) {
+        return;
+    }
     if late && sample.at >= site.window.start {
         let kept =
             surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));

@@ -35,9 +35,7 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
             let all = composite
                 .parts
                 .iter()
-                // What a shared variable must not be is known only in combination.
-                .filter(|part| !(composite.combines && matches!(part.kind, PartKind::Not(_))))
-                .fold(Truth::True, |all, part| all.min(truth(part, asking)));
+                .fold(Truth::True, |all, part| all.min(truth_beside(part, composite.combines, asking)));
             combined(part, composite, all, asking)
         }
         PartKind::InOrder(composite) => {
@@ -53,6 +51,24 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
             combined(part, composite, one, asking)
         }
     }
+}
+
+/// Is a part of an `:and` true? What a shared variable must not be is known only in combination.
+fn truth_beside(part: &Part, combines: bool, asking: &mut Asking<'_>) -> Truth {
+    let inner = match &part.kind {
+        PartKind::Not(inner) if combines => inner,
+        _ => return truth(part, asking),
+    };
+    asking.of_everything(|asking| match truth(inner, asking) {
+        Truth::True if results(inner, asking).iter().any(binds_nothing) => Truth::False,
+        Truth::True | Truth::False => Truth::True,
+        Truth::Unknown => Truth::Unknown,
+    })
+}
+
+/// Does the result agree with every other, since it binds nothing but tags?
+fn binds_nothing(result: &Satisfaction) -> bool {
+    result.bindings.iter().all(|(_, value)| matches!(value, Value::Interval(..)))
 }
 
 fn combined(part: &Part, composite: &Composite, separately: Truth, asking: &mut Asking<'_>) -> Truth {
@@ -205,6 +221,9 @@ impl<'a> Combination<'a> {
                     }
                 },
                 PartKind::Not(inner) if !self.ordered && self.composite.combines => {
+                    if asking.of_everything(|asking| truth(inner, asking)) == Truth::Unknown {
+                        return Vec::new();
+                    }
                     absent.push(absence(inner, asking.now));
                     nots.push(asking.of_everything(|asking| results(inner, asking)));
                 }

@@ -12,6 +12,7 @@ use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use super::{Site, Troubles, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Estimation, MeasurementCondition};
@@ -115,6 +116,9 @@ pub(super) fn notice(
     }
     let late =
         !newest && newest_seen(part, site.window, sample.variable, surroundings).is_some_and(|at| sample.at < at);
+    if late && planted::is(Bug::LateSampleIgnored) {
+        return;
+    }
     if late && sample.at >= site.window.start {
         let kept =
             surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
@@ -150,6 +154,7 @@ fn feed(
     let seen = part.seen.get_or_insert_default();
     let objects = seen.newest.len();
     match seen.newest.get_mut(&sample.variable.object) {
+        Some(newest) if newest.at == sample.at && planted::is(Bug::FirstDuplicateWins) => {}
         Some(newest) => {
             newest.at = sample.at;
             newest.result = result;

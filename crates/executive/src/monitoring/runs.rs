@@ -11,6 +11,7 @@ use super::constraints::{Reading, all};
 use super::episode::TICK;
 use super::{Site, Troubles};
 use crate::expression::{EvaluationError, Surroundings};
+use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
@@ -72,7 +73,9 @@ pub(super) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> 
     let instants = |before: &[Time]| match part.any_pair {
         true => {
             let kept = before.len().saturating_sub(MONITOR_RESULTS_MAX - 1);
-            before.iter().skip(kept).copied().chain([newest.at]).collect()
+            // Only a sample with a fitting first value may begin a pair.
+            let begins = newest.first_holds.then_some(newest.at);
+            before.iter().skip(kept).copied().chain(begins).collect()
         }
         false => Vec::new(),
     };
@@ -167,7 +170,7 @@ impl Judge<'_> {
         let reached = run.start + self.part.duration_min;
         let known_at = match self.part.gap_max {
             _ if reached <= run.last => run.last,
-            Some(most) if reached <= run.last + most && reached <= horizon => reached,
+            Some(most) if (reached <= run.last + most || planted::is(Bug::GapToNowForgotten)) && reached <= horizon => reached,
             _ => return Ok(()),
         };
         if run.first_holds && run.last_holds && self.bounds_hold(run.start, run.last, false)? {
@@ -193,7 +196,8 @@ impl Judge<'_> {
     /// Every earlier sample of the run together with the newest one.
     fn pairs(&self, run: &Run, over: &mut Vec<Satisfaction>) -> Result<(), EvaluationError> {
         for start in &run.instants {
-            if run.last - *start >= self.part.duration_min && self.bounds_hold(*start, run.last, true)? {
+            if run.last_holds
+                && run.last - *start >= self.part.duration_min && self.bounds_hold(*start, run.last, true)? {
                 let pair =
                     Run { start: *start, samples: 2, instants: Vec::new(), bindings: run.bindings.clone(), ..*run };
                 over.push(self.result(&pair, run.last));

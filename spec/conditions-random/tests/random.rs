@@ -1,0 +1,33 @@
+//! A hundred thousand random questions about conditions: the executive and the definition give the same answers.
+
+use apex_conditions_random::features::NOT_YET;
+use apex_conditions_random::{campaign, generate, page, shrink};
+use std::collections::BTreeSet;
+
+/// In CI; `make nightly` asks ten million.
+const COUNT: u64 = 100_000;
+
+#[test]
+fn the_executive_and_the_definition_answer_alike() {
+    let outcome = campaign::run(1..COUNT + 1);
+    if let Some(seed) = outcome.different.first() {
+        let smallest = shrink::shrink(&generate::question(*seed));
+        let all = &outcome.different;
+        panic!("{} questions differ: {all:?}; the first, made small:\n{}", all.len(), page::of(*seed, &smallest));
+    }
+    let table = outcome.text();
+    assert_eq!(outcome.refused, [], "the checker refuses what the generator writes\n{table}");
+    let refused: BTreeSet<&str> = outcome.not_yet.keys().map(String::as_str).collect();
+    assert_eq!(refused, NOT_YET.iter().copied().collect(), "what is refused is what is not done yet\n{table}");
+    // What is asked for is neither always there nor never.
+    assert!(outcome.satisfied * 5 > outcome.same && outcome.satisfied * 2 < outcome.same, "{table}");
+    for (feature, (asked, satisfied)) in &outcome.features {
+        assert!(*asked >= 300 && *satisfied >= 30, "{feature} is asked for too seldom\n{table}");
+    }
+}
+
+#[test]
+fn a_seed_always_makes_the_same_question() {
+    assert_eq!(generate::question(7), generate::question(7));
+    assert_ne!(generate::question(7), generate::question(8));
+}
