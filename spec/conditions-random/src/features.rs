@@ -6,8 +6,15 @@ use std::collections::BTreeSet;
 
 /// What the executive cannot do yet, as the checker names it. A condition with one of these must be refused, and every
 /// refusal must name one of these.
-pub const NOT_YET: &[&str] =
-    &[":linear-regression", ":persist with :timestamp", ":stats", ":trend", ":absent", "an Allen relation", ":function"];
+pub const NOT_YET: &[&str] = &[
+    ":linear-regression",
+    ":persist with :timestamp",
+    ":stats",
+    ":trend",
+    ":absent",
+    "an Allen relation",
+    ":function",
+];
 
 /// The forms and odd data of a question.
 pub fn features(question: &Question) -> BTreeSet<String> {

@@ -2,8 +2,8 @@
 
 use crate::dice::Dice;
 use apex_definition::condition::{
-    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Regression, Relation, Span,
-    Statistic, Term, Test, Time, Trend, Variable,
+    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Regression, Relation, Span, Statistic,
+    Term, Test, Time, Trend, Variable,
 };
 use apex_definition::{Arrival, Question, Value, What};
 use std::collections::BTreeMap;
@@ -157,8 +157,19 @@ impl Maker {
             StartedBy, Starts,
         };
         let all = [
-            Before, After, Meets, MetBy, Overlaps, OverlappedBy, Starts, StartedBy, Finishes, FinishedBy, During,
-            Contains, Cotemporal,
+            Before,
+            After,
+            Meets,
+            MetBy,
+            Overlaps,
+            OverlappedBy,
+            Starts,
+            StartedBy,
+            Finishes,
+            FinishedBy,
+            During,
+            Contains,
+            Cotemporal,
         ];
         let relation = self.pick(&all, Before);
         let tolerance = if self.dice.chance(30) { self.steps(1, 3) } else { 0 };

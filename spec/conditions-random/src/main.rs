@@ -56,4 +56,3 @@ fn show(seed: u64) -> ExitCode {
     println!("{}", page::of(seed, &generate::question(seed)));
     ExitCode::SUCCESS
 }
-

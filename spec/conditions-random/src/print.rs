@@ -1,8 +1,8 @@
 //! A question as PDL.
 
 use apex_definition::condition::{
-    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Relation, Span, Statistic,
-    Term, Test, Time, Trend, Variable,
+    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Relation, Span, Statistic, Term, Test,
+    Time, Trend, Variable,
 };
 use apex_definition::{Question, Value, What};
 use std::fmt::Write;
@@ -126,7 +126,9 @@ fn constraints(constraints: &[Constraint]) -> Option<String> {
 fn constraint(constraint: &Constraint) -> String {
     match constraint {
         Constraint::Compare(Relation::Equal, right, Some(tolerance)) => format!("(= {} +/- {tolerance})", value(right)),
-        Constraint::Compare(relation, right @ Value::Symbol(_), _) => format!("({} '{})", word(*relation), value(right)),
+        Constraint::Compare(relation, right @ Value::Symbol(_), _) => {
+            format!("({} '{})", word(*relation), value(right))
+        }
         Constraint::Compare(relation, right, _) => format!("({} {})", word(*relation), value(right)),
         Constraint::Bind(name) => format!("(= ?{name})"),
         Constraint::Range(Some(least), Some(most)) => format!("(:range {least} {most})"),
@@ -236,7 +238,11 @@ fn allen(relation: Allen) -> &'static str {
 pub fn inputs(question: &Question) -> String {
     let mut text = String::new();
     for arrival in &question.arrivals {
-        let late = if arrival.at < arrival.arrives { format!(", \"came\": {}", seconds(arrival.arrives)) } else { String::new() };
+        let late = if arrival.at < arrival.arrives {
+            format!(", \"came\": {}", seconds(arrival.arrives))
+        } else {
+            String::new()
+        };
         let at = seconds(arrival.at);
         let _ = match &arrival.what {
             What::Sample(attribute, object, sample) => {

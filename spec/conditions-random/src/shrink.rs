@@ -1,8 +1,8 @@
 //! Makes a question that is answered differently small.
 
 use crate::compare::{Finding, compare};
-use apex_definition::condition::{Condition, Episode, Kind, Measurement};
 use apex_definition::Question;
+use apex_definition::condition::{Condition, Episode, Kind, Measurement};
 
 /// A smallest question that is still answered differently, found by leaving out one thing after the other.
 pub fn shrink(question: &Question) -> Question {
@@ -58,7 +58,8 @@ fn less_of(condition: &Condition) -> Vec<Condition> {
             found.extend(changed(parts).into_iter().map(|parts| with(Kind::InOrder(parts, tests.clone()))));
         }
         Kind::Allen { relation, parts, tolerance, tests } => {
-            let again = |parts: Vec<Condition>, tests| Kind::Allen { relation: *relation, parts, tolerance: *tolerance, tests };
+            let again =
+                |parts: Vec<Condition>, tests| Kind::Allen { relation: *relation, parts, tolerance: *tolerance, tests };
             found.extend(parts.iter().cloned());
             found.extend(shorter(parts, 2).into_iter().map(|parts| with(again(parts, Vec::new()))));
             found.extend(shorter(tests, 0).into_iter().map(|tests| with(again(parts.clone(), tests))));

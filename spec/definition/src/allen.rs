@@ -27,12 +27,9 @@ pub(crate) fn decided(relation: Allen, first: &Way, second: &Way, tolerance: Spa
         Allen::Cotemporal => same(a.0, b.0) && same(a.1, b.1),
     };
     match relation {
-        Allen::After
-        | Allen::MetBy
-        | Allen::OverlappedBy
-        | Allen::StartedBy
-        | Allen::FinishedBy
-        | Allen::Contains => relation_of(b, a),
+        Allen::After | Allen::MetBy | Allen::OverlappedBy | Allen::StartedBy | Allen::FinishedBy | Allen::Contains => {
+            relation_of(b, a)
+        }
         _ => relation_of(a, b),
     }
 }

@@ -169,7 +169,6 @@ pub enum Term {
     Any,
 }
 
-
 /// Where an interval begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]

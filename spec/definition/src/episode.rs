@@ -20,7 +20,8 @@ struct Run<'a> {
 /// Every interval of a run that is what the condition asks for.
 pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     let mut found = Ways::default();
-    let all = series_of(&episode.variable, episode.start.is_empty() && episode.end.is_empty(), view);
+    let timed = !episode.start.is_empty() || !episode.end.is_empty();
+    let all = series_of(&episode.variable, |_| if timed { Time::MIN } else { view.created }, view);
     for (series, bound) in &all {
         let samples = windowed(episode, series, view);
         let runs = runs(episode, samples, view);

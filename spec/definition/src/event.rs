@@ -8,8 +8,7 @@ use crate::ways::{View, Way, Ways, instant_fits};
 pub(crate) fn messages(pattern: &[Term], when: &[(Relation, Time)], view: View<'_>) -> Ways {
     let mut found = Vec::new();
     for message in &view.past.messages {
-        let counts =
-            if when.is_empty() { message.at >= view.created } else { instant_fits(message.at, when) };
+        let counts = if when.is_empty() { message.at >= view.created } else { instant_fits(message.at, when) };
         let mut bound = Bindings::new();
         if counts
             && message.words.len() == pattern.len()

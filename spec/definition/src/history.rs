@@ -91,7 +91,12 @@ impl Past {
     fn series(&mut self, attribute: &str, object: &str) -> &mut Series {
         let found = self.variables.iter().position(|each| each.attribute == attribute && each.object == object);
         let index = found.unwrap_or_else(|| {
-            let series = Series { attribute: attribute.into(), object: object.into(), samples: Vec::new(), appearances: Vec::new() };
+            let series = Series {
+                attribute: attribute.into(),
+                object: object.into(),
+                samples: Vec::new(),
+                appearances: Vec::new(),
+            };
             self.variables.push(series);
             self.variables.len() - 1
         });

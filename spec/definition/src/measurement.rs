@@ -5,9 +5,13 @@ use crate::history::Series;
 use crate::value::{Bindings, Value, fits, matches};
 use crate::ways::{View, Way, Ways, instant_fits};
 
-/// The series that the variable may mean, each with what that binds, in the order of the first sample that counts (rule 19):
-/// since the creation, if the window begins there.
-pub(crate) fn series_of<'a>(variable: &Variable, windowed: bool, view: View<'a>) -> Vec<(&'a Series, Bindings)> {
+/// The series that the variable may mean, each with what that binds, in the order of arrival of the first sample that
+/// counts (rule 19). `from` says from which instant on samples of a series count.
+pub(crate) fn series_of<'a>(
+    variable: &Variable,
+    from: impl Fn(&Series) -> Time,
+    view: View<'a>,
+) -> Vec<(&'a Series, Bindings)> {
     let mut found = Vec::new();
     for series in view.past.variables.iter().filter(|series| series.attribute == variable.attribute) {
         let mut bound = Bindings::new();
@@ -16,18 +20,30 @@ pub(crate) fn series_of<'a>(variable: &Variable, windowed: bool, view: View<'a>)
             found.push((series, bound));
         }
     }
-    let counts = |at: Time| !windowed || at >= view.created;
     found.sort_by_key(|(series, _)| {
-        let counting = series.appearances.iter().filter(|(at, _)| counts(*at));
+        let counting = series.appearances.iter().filter(|(at, _)| *at >= from(series));
         counting.map(|(_, number)| *number).min().unwrap_or(usize::MAX)
     });
     found
 }
 
+/// From which instant on samples count: the creation, the last sample before it where that may still be valid, or always.
+fn counting(measurement: &Measurement, series: &Series, view: View<'_>) -> Time {
+    if !measurement.timestamp.is_empty() {
+        return Time::MIN;
+    }
+    let before = series.samples.iter().rev().find(|sample| sample.at < view.created);
+    match (&measurement.estimation, before) {
+        (Some(Estimation::Persist(_)), Some(before)) => before.at,
+        _ => view.created,
+    }
+}
+
 /// Was anything measured that the variable may mean and that `counts`, whatever is asked of its object?
 pub(crate) fn heard_of(variable: &Variable, view: View<'_>, counts: impl Fn(&Series) -> bool) -> bool {
     let mut series = view.past.variables.iter().filter(|series| series.attribute == variable.attribute);
-    series.any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
+    series
+        .any(|series| matches(&variable.object, &Value::symbol(&series.object), &mut Bindings::new()) && counts(series))
 }
 
 /// Rule 2: the window begins with the creation unless the condition says which instants count.
@@ -38,7 +54,7 @@ pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) ->
 /// Every sample, or every estimate, that fits.
 pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
     let mut found = Ways::default();
-    for (series, bound) in series_of(&measurement.variable, measurement.timestamp.is_empty(), view) {
+    for (series, bound) in series_of(&measurement.variable, |series| counting(measurement, series, view), view) {
         match &measurement.estimation {
             None => found.all.extend(sampled(measurement, series, &bound, view)),
             Some(Estimation::Persist(timeout)) => {
@@ -98,4 +114,3 @@ fn persisted(
     }
     found
 }
-

@@ -11,8 +11,7 @@ pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
         match trend {
             Trend::Rate => slope(&points).is_some_and(|slope| numbers(*relation, slope, *bound)),
             Trend::Step => {
-                points.len() > 1
-                    && points.windows(2).all(|pair| numbers(*relation, pair[1].1 - pair[0].1, *bound))
+                points.len() > 1 && points.windows(2).all(|pair| numbers(*relation, pair[1].1 - pair[0].1, *bound))
             }
             Trend::Frequency => frequency(samples).is_some_and(|value| numbers(*relation, value, *bound)),
         }
@@ -37,10 +36,8 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
 /// The least-squares line: mean of the instants, mean of the values, slope.
 pub(crate) fn line(points: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     let count = points.len() as f64;
-    let (mean_t, mean_v) = (
-        points.iter().map(|(t, _)| t).sum::<f64>() / count,
-        points.iter().map(|(_, v)| v).sum::<f64>() / count,
-    );
+    let (mean_t, mean_v) =
+        (points.iter().map(|(t, _)| t).sum::<f64>() / count, points.iter().map(|(_, v)| v).sum::<f64>() / count);
     let spread: f64 = points.iter().map(|(t, _)| (t - mean_t) * (t - mean_t)).sum();
     let common: f64 = points.iter().map(|(t, v)| (t - mean_t) * (v - mean_v)).sum();
     (spread > 0.0).then(|| (mean_t, mean_v, common / spread))

@@ -145,7 +145,9 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
             truth.and(&no_result(inner, view));
         }
         let undecided = against.all.is_empty() && against.unknown.is_some();
-        found.all.retain(|way| !undecided && !against.all.iter().any(|other| joined(&way.bound, &other.bound).is_some()));
+        found
+            .all
+            .retain(|way| !undecided && !against.all.iter().any(|other| joined(&way.bound, &other.bound).is_some()));
     }
     for way in &mut found.all {
         if !forbidding.is_empty() || way.hull.is_none() {
@@ -227,7 +229,8 @@ fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
     spans.dedup();
     let quiet = |first: Time, last: Time| !evidence.iter().any(|(start, end)| *end >= first && *start <= last);
     let passed = spans.into_iter().filter(|(begin, first)| quiet(*first, begin + span));
-    let ways: Vec<Way> = passed.map(|(begin, _)| Way::over((begin, begin + span), begin + span, Bindings::new())).collect();
+    let ways: Vec<Way> =
+        passed.map(|(begin, _)| Way::over((begin, begin + span), begin + span, Bindings::new())).collect();
     ways.into()
 }
 

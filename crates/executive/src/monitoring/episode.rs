@@ -14,6 +14,7 @@ use super::{Site, Troubles, Truth, WakeReason, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
+use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::expression::Expr;
@@ -144,10 +145,14 @@ fn feed(
             troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
             return;
         }
-        None => ObjectRun { rank: objects as u64, ..ObjectRun::default() },
+        // Of the one object of a known variable nothing need be told apart.
+        None => {
+            let rank = if part.variable.is_some() { 0 } else { sample.sequence };
+            ObjectRun { rank, ..ObjectRun::default() }
+        }
     };
     let newest = judge(part, site, sample, before.run.as_ref(), surroundings, troubles);
-    let after = ObjectRun { newest, ..before };
+    let after = ObjectRun { newest, rank: before.rank.min(sample.sequence), ..before };
     match part.runs.get_mut(object) {
         Some(slot) => *slot = after,
         None => {
@@ -262,15 +267,18 @@ pub(super) fn results(
     if site.keep == Keep::First && !results.is_empty() {
         return results;
     }
-    let mut objects: Vec<(&Value, &ObjectRun)> = part.runs.iter().collect();
-    objects.sort_by_key(|(_, run)| run.rank);
-    for (object, object_run) in objects {
+    for (object, object_run) in &part.runs {
         let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
         results.extend(judged.over);
         results.extend(judged.closed_by_time);
         results.extend(judged.found);
     }
-    results.sort_by_key(|result| result.recognised_at);
+    // Those of one instant in the order in which their objects were heard of.
+    let rank = |result: &Satisfaction| match result.evidence.iter().next() {
+        Some(Evidence::Run { variable, .. }) => part.runs.get(&variable.object).map(|run| run.rank),
+        _ => None,
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
     results
 }
 

@@ -84,7 +84,7 @@ fn carry_into_window(part: &mut MeasurementPart, site: Site, surroundings: &dyn 
         if let Some(mut result) = judge(part, site, seen, surroundings, troubles) {
             result.recognised_at = start;
             let seen = part.seen.get_or_insert_default();
-            let newest = NewestSample { rank: seen.newest.len() as u64, at: start, result: Some(result) };
+            let newest = NewestSample { rank: sample.sequence, at: start, result: Some(result) };
             seen.newest.insert(variable.object.clone(), newest);
         }
     }
@@ -114,19 +114,40 @@ pub(super) fn notice(
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
-    let late =
-        !newest && newest_seen(part, site.window, sample.variable, surroundings).is_some_and(|at| sample.at < at);
-    if late && planted::is(Bug::LateSampleIgnored) {
+    if part.persistence.is_some() && sample.at < site.window.start {
+        // It came late, and may still be valid at the window's start.
+        look_back(part, site, surroundings, troubles);
         return;
     }
-    if late && sample.at >= site.window.start {
-        let kept =
-            surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
-        if kept {
-            look_back(part, site, surroundings, troubles);
-        }
-    } else if site.window.contains(sample.at, sample.sequence) {
+    if !site.window.contains(sample.at, sample.sequence) {
+        return;
+    }
+    let known = part.seen.as_ref().and_then(|seen| seen.newest.get(&sample.variable.object));
+    if newest || known.is_none_or(|known| sample.at >= known.at) {
         feed(part, site, sample, surroundings, troubles);
+    } else if part.persistence.is_some() {
+        look_back(part, site, surroundings, troubles);
+    } else if !planted::is(Bug::LateSampleIgnored) {
+        feed_late(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// A sample that is older than another of its variable: it stands for itself, and in the place of one of its instant.
+fn feed_late(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let result = judge(part, site, sample, surroundings, troubles);
+    let Some(seen) = &mut part.seen else { return };
+    if let Some(newest) = seen.newest.get_mut(&sample.variable.object) {
+        newest.rank = newest.rank.min(sample.sequence);
+    }
+    seen.settled.retain(|result| result.interval.0 != sample.at || variable_of(result) != Some(sample.variable));
+    if let Some(result) = result {
+        remember(&mut seen.settled, result);
     }
 }
 
@@ -157,13 +178,14 @@ fn feed(
         Some(newest) if newest.at == sample.at && planted::is(Bug::FirstDuplicateWins) => {}
         Some(newest) => {
             newest.at = sample.at;
+            newest.rank = newest.rank.min(sample.sequence);
             newest.result = result;
         }
         None if objects >= MONITOR_OBJECTS_MAX => {
             troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place)
         }
         None => {
-            let newest = NewestSample { rank: objects as u64, at: sample.at, result };
+            let newest = NewestSample { rank: sample.sequence, at: sample.at, result };
             seen.newest.insert(sample.variable.object.clone(), newest);
         }
     }
@@ -220,15 +242,24 @@ fn holds(
         && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
 }
 
-/// All results up to now, earliest first.
+/// All results up to now, earliest first; those of one instant in the order in which their objects were heard of.
 pub(super) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
     let Some(seen) = &part.seen else { return Vec::new() };
-    let mut pending: Vec<&NewestSample> = seen.newest.samples().filter(|newest| newest.result.is_some()).collect();
-    pending.sort_by_key(|newest| newest.rank);
-    let pending = pending.into_iter().filter_map(|newest| newest.result.as_ref());
+    let pending = seen.newest.samples().filter_map(|newest| newest.result.as_ref());
     let mut all: Vec<Satisfaction> = seen.settled.iter().chain(pending).cloned().collect();
-    all.sort_by_key(|result| result.recognised_at);
+    let rank = |result: &Satisfaction| {
+        variable_of(result).and_then(|variable| seen.newest.get(&variable.object)).map(|newest| newest.rank)
+    };
+    all.sort_by_key(|result| (result.recognised_at, rank(result)));
     all
+}
+
+/// Whose sample the result is.
+fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
+    match result.evidence.iter().next() {
+        Some(Evidence::Sample { variable, .. }) => Some(variable),
+        _ => None,
+    }
 }
 
 /// The first of [`results`].

@@ -170,7 +170,9 @@ impl Judge<'_> {
         let reached = run.start + self.part.duration_min;
         let known_at = match self.part.gap_max {
             _ if reached <= run.last => run.last,
-            Some(most) if (reached <= run.last + most || planted::is(Bug::GapToNowForgotten)) && reached <= horizon => reached,
+            Some(most) if (reached <= run.last + most || planted::is(Bug::GapToNowForgotten)) && reached <= horizon => {
+                reached
+            }
             _ => return Ok(()),
         };
         if run.first_holds && run.last_holds && self.bounds_hold(run.start, run.last, false)? {
@@ -197,7 +199,9 @@ impl Judge<'_> {
     fn pairs(&self, run: &Run, over: &mut Vec<Satisfaction>) -> Result<(), EvaluationError> {
         for start in &run.instants {
             if run.last_holds
-                && run.last - *start >= self.part.duration_min && self.bounds_hold(*start, run.last, true)? {
+                && run.last - *start >= self.part.duration_min
+                && self.bounds_hold(*start, run.last, true)?
+            {
                 let pair =
                     Run { start: *start, samples: 2, instants: Vec::new(), bindings: run.bindings.clone(), ..*run };
                 over.push(self.result(&pair, run.last));
