@@ -54,11 +54,13 @@ bench: .venv/.peers ## Measure latency, throughput and load time; peers beside i
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
 
-nightly: test build ## What is too slow for every change: many seeds, replay across builds, a million random programs, planted bugs, measurements.
+nightly: test build ## What is too slow for every change: many seeds, replay across builds, a million random programs, ten million conditions, planted bugs, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
+	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
+	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
 	$(MAKE) bench
 
 web: web/dist/index.html ## Build the web page.

@@ -15,6 +15,9 @@ pub const UNTIL: Time = 16 * SECOND;
 /// The grid of instants and spans: what coincides is interesting.
 const STEP: Span = SECOND / 2;
 
+/// Added to bounds of statistics, so that none is met exactly: which way the last bit falls is not compared.
+const BESIDE: f64 = 0.123;
+
 /// The question of a seed.
 pub fn question(seed: u64) -> Question {
     let mut maker = Maker { dice: Dice::new(seed), tags: 0 };
@@ -341,16 +344,27 @@ impl Maker {
         if self.dice.chance(8) {
             episode.end.push((self.order(), self.moment()));
         }
-        if self.dice.chance(12) {
+        if self.dice.chance(15) {
             episode.stats.push(self.statistic());
         }
-        if self.dice.chance(12) {
+        if self.dice.chance(15) {
             let (trend, bound) = match self.dice.below(4) {
                 0 => (Trend::Step, self.dice.below(3) as f64 - 1.0),
                 1 => (Trend::Frequency, self.dice.between(1, 3) as f64),
                 _ => (Trend::Rate, self.dice.below(3) as f64 - 1.0),
             };
-            episode.trend.push((trend, self.order(), bound));
+            episode.trend.push((trend, self.order(), bound + BESIDE));
+        }
+        if !episode.stats.is_empty() || !episode.trend.is_empty() {
+            // A window has a least length and nothing else.
+            episode.duration.iter_mut().for_each(|(relation, _)| *relation = Relation::GreaterOrEqual);
+            episode = Episode {
+                first_value: Vec::new(),
+                last_value: Vec::new(),
+                start: Vec::new(),
+                end: Vec::new(),
+                ..episode
+            };
         }
         episode
     }
@@ -358,6 +372,6 @@ impl Maker {
     fn statistic(&mut self) -> (Statistic, Relation, f64) {
         use Statistic::{Count, Difference, Max, Mean, Median, Min, StandardDeviation, Sum, Variance};
         let statistics = [Count, Mean, Sum, Min, Max, Median, Difference, Variance, StandardDeviation];
-        (self.pick(&statistics, Count), self.order(), self.number())
+        (self.pick(&statistics, Count), self.order(), self.number() + BESIDE)
     }
 }

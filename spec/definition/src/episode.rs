@@ -1,5 +1,6 @@
 //! Episodes: runs of samples (rules 5, 6, 7, 8, 13).
 
+use crate::aggregate;
 use crate::condition::{Episode, Relation, Time};
 use crate::history::{Sample, Series};
 use crate::measurement::{heard_of, in_window, series_of};
@@ -7,12 +8,12 @@ use crate::value::{Bindings, fits, numbers};
 use crate::ways::{Runs, View, Way, Ways, instant_fits};
 
 /// A run: neighbours whose values all fit, without a gap, as far as it is known.
-struct Run<'a> {
-    samples: &'a [Sample],
+pub(crate) struct Run<'a> {
+    pub(crate) samples: &'a [Sample],
     /// A sample that does not fit is right before it.
     begins: bool,
     /// The first sample after it.
-    next: Option<&'a Sample>,
+    pub(crate) next: Option<&'a Sample>,
     /// It cannot go on.
     closed: bool,
 }
@@ -27,7 +28,9 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         let runs = runs(episode, samples, view);
         // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed));
-        if let Some(run) = newest {
+        let open =
+            |run: &Run<'_>| !aggregate::asked(episode) || run.closed || !aggregate::says_something(episode, run, view);
+        if let Some(run) = newest.filter(|run| open(run)) {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
             found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
         }
@@ -78,11 +81,8 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
 
 /// The first moment at which it is decided that the run is what is asked for.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
-    if slides(episode) {
-        return any(episode, run, bound, view).into_iter().min_by_key(|way| {
-            let (start, end) = way.hull.unwrap_or_default();
-            (way.known, end, std::cmp::Reverse(start))
-        });
+    if aggregate::asked(episode) {
+        return aggregate::way(episode, run, bound, view);
     }
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound, view))
@@ -132,7 +132,7 @@ fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> O
 
 /// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it, but not at the
 /// instant of the next sample.
-fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: View<'_>) -> Time {
+pub(crate) fn held(episode: &Episode, last: &Sample, next: Option<Time>, view: View<'_>) -> Time {
     let until = next.map_or(view.now, |next| next - 1).min(view.now);
     episode.gap.map_or(last.at, |gap| (last.at + gap).min(until)).max(last.at)
 }
@@ -144,8 +144,6 @@ fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
     fit(samples.first(), &episode.first_value)
         && fit(samples.last(), &episode.last_value)
         && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
-        && crate::statistics::hold(episode, samples)
-        && crate::trend::hold(episode, samples)
 }
 
 fn way(samples: &[Sample], bound: &Bindings, known: Time, view: View<'_>) -> Way {
@@ -174,10 +172,4 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Ve
 /// The run as far as it is known.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     Some(Way { open: !run.closed, ..begun(episode, run, bound, view)? })
-}
-
-/// Rule 13: statistics with a wanted duration and no value are taken over a window of just that duration.
-fn slides(episode: &Episode) -> bool {
-    let aggregated = !episode.stats.is_empty() || !episode.trend.is_empty();
-    aggregated && episode.value.is_empty() && !episode.duration.is_empty()
 }

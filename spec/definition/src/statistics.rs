@@ -11,6 +11,11 @@ pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
     })
 }
 
+/// Have all statistics that are asked for a value?
+pub(crate) fn defined(episode: &Episode, samples: &[Sample]) -> bool {
+    episode.stats.iter().all(|(statistic, ..)| of(*statistic, &finite(samples)).is_some())
+}
+
 /// The values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).
 pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
     let numbers = samples.iter().filter_map(|sample| match sample.value {

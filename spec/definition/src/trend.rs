@@ -18,6 +18,11 @@ pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
     })
 }
 
+/// Have all trends that are asked for a value?
+pub(crate) fn defined(episode: &Episode, samples: &[Sample]) -> bool {
+    episode.trend.is_empty() || (points(samples).len() > 1 && slope(&points(samples)).is_some())
+}
+
 /// Seconds since the first, and the value, of every sample that is a finite number.
 pub(crate) fn points(samples: &[Sample]) -> Vec<(f64, f64)> {
     let Some(first) = samples.first() else { return Vec::new() };

@@ -220,7 +220,11 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
 
 /// Rule 14: a whole span passed without the part. It begins with the creation, or after the last evidence of the part.
 fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
-    let against = ways(part, view);
+    // The whole run of an episode counts: while one goes on, or nobody knows, nothing is absent.
+    let against = ways(part, View { runs: Runs::Whole, ..view });
+    if against.unknown.is_some() || against.all.iter().any(|way| way.open) {
+        return Ways { all: Vec::new(), unknown: against.unknown };
+    }
     let evidence: Vec<Interval> = against.all.iter().filter_map(|way| way.hull).collect();
     // A span begins with the creation, its instant included, or after the end of evidence, its instant excluded.
     let mut spans = vec![(view.created, view.created)];
@@ -241,7 +245,9 @@ fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     let mut truth = Kleene::default();
     for part in parts {
         if let Kind::Delay(least, most) = part.kind {
-            delay = Some((least, most.unwrap_or(Span::MAX)));
+            // Delays in a row add up.
+            let (before_least, before_most) = delay.unwrap_or((0, 0));
+            delay = Some((before_least + least, before_most.saturating_add(most.unwrap_or(Span::MAX))));
             continue;
         }
         let next = ways(part, view);

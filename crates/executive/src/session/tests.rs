@@ -115,6 +115,29 @@ fn a_late_sample_makes_a_result_known_now() {
 }
 
 #[test]
+fn a_late_sample_that_is_valid_at_the_beginning_counts() {
+    let (mut session, _) =
+        session("(:measurement (slow uav) :value (> 10) :estimation (:persist :with-timeout 3s))", 2.0);
+    session.advance(at(4.0));
+    session.sample(&of("slow"), Value::Integer(20), at(1.0));
+    session.advance(at(5.0));
+    assert_eq!(told(&mut session), ["found 1..1 @4"]);
+}
+
+#[test]
+fn a_late_duplicate_counts_also_when_nothing_older_is_kept() {
+    let (mut session, _) = session("(x uav < 5)", 0.0);
+    for (value, instant) in [(5, 5.0), (5, 5.5), (5, 7.0)] {
+        session.sample(&of("x"), Value::Integer(value), at(instant));
+    }
+    session.event(Value::list([Value::symbol("tick")]), at(7.5));
+    session.sample(&of("x"), Value::Integer(4), at(7.0));
+    session.sample(&of("x"), Value::Integer(3), at(7.5));
+    session.advance(at(8.0));
+    assert_eq!(told(&mut session), ["found 7..7 @7.5", "found 7.5..7.5 @7.5"]);
+}
+
+#[test]
 fn a_watch_that_begins_later_looks_back_to_its_beginning() {
     let (library, condition) = read("(roll-angle uav > 15)");
     let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();

@@ -1,0 +1,62 @@
+//! Episodes with statistics or trends: not monotone, so every end of a run is looked at (rule 13).
+
+use crate::condition::{Episode, Relation, Span, Time};
+use crate::episode::{Run, held};
+use crate::history::Sample;
+use crate::value::Bindings;
+use crate::ways::{View, Way};
+
+/// Does the episode ask for statistics or trends?
+pub(crate) fn asked(episode: &Episode) -> bool {
+    !episode.stats.is_empty() || !episode.trend.is_empty()
+}
+
+/// The earliest end of the run at which statistics and trends are what is asked for.
+pub(crate) fn way(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    ends(episode, run, view).into_iter().find_map(|end| {
+        let inside = inside(episode, run, end)?;
+        let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
+        let interval = (inside.first()?.at, inside.last()?.at);
+        holds.then(|| Way::over(interval, end.max(view.created), bound.clone()))
+    })
+}
+
+/// Is there anything to say of the newest end? Too short, or of too few samples, it is not known.
+pub(crate) fn says_something(episode: &Episode, run: &Run<'_>, view: View<'_>) -> bool {
+    let newest = ends(episode, run, view).into_iter().next_back();
+    let inside = newest.and_then(|end| inside(episode, run, end));
+    inside.is_some_and(|inside| crate::statistics::defined(episode, &inside) && crate::trend::defined(episode, &inside))
+}
+
+/// The length that is wanted: of the run at least, and of the window where no value makes the run.
+fn wanted(episode: &Episode) -> Span {
+    let least = episode.duration.iter().map(|(relation, bound)| match relation {
+        Relation::Greater => bound + 1,
+        _ => *bound,
+    });
+    least.max().unwrap_or(0)
+}
+
+/// Every sample's instant; and where a gap licenses that time goes on, where the length is reached or a sample leaves.
+fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
+    let wanted = wanted(episode);
+    let instants: Vec<Time> = run.samples.iter().map(|sample| sample.at).collect();
+    let mut ends = instants.clone();
+    for (index, sample) in run.samples.iter().enumerate() {
+        let next = run.samples.get(index + 1).or(run.next).map(|next| next.at);
+        let licensed = sample.at..=held(episode, sample, next, view);
+        ends.extend(instants.iter().flat_map(|at| [at + wanted, at + wanted + 1]).filter(|end| licensed.contains(end)));
+    }
+    ends.sort_unstable();
+    ends.dedup();
+    ends
+}
+
+/// The samples of the run, or of the window that ends at `end`, if that is long enough.
+fn inside(episode: &Episode, run: &Run<'_>, end: Time) -> Option<Vec<Sample>> {
+    let wanted = wanted(episode);
+    let start = run.samples.first()?.at;
+    let from = if episode.value.is_empty() && !episode.duration.is_empty() { end - wanted } else { start };
+    let inside = run.samples.iter().filter(|sample| (from..=end).contains(&sample.at)).cloned();
+    (end - start >= wanted).then(|| inside.collect())
+}
