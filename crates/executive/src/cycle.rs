@@ -18,6 +18,7 @@ use apex_model::monitor_set::Found;
 use apex_model::procedure::{Procedure, Step};
 use apex_model::resource::ResourceId;
 use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
 use apex_model::task::{ProcedureRef, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -40,6 +41,9 @@ pub(crate) struct Cycle<'a> {
     /// What is to be done.
     pub(crate) work: Work,
 }
+
+/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator has at hand.
+const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
 
 /// Tasks to be looked at: mostly a few.
 pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
@@ -143,8 +147,12 @@ impl Work {
 
     /// True when nothing is left to do at this instant.
     pub(crate) fn is_done(&self) -> bool {
+        self.stimuli.is_empty() && self.has_only_stimuli()
+    }
+
+    /// True when nothing is left to do but to notice what was recorded.
+    pub(crate) fn has_only_stimuli(&self) -> bool {
         self.said.is_empty()
-            && self.stimuli.is_empty()
             && self.touched.is_empty()
             && self.firings.is_empty()
             && self.ready.is_empty()
@@ -161,6 +169,9 @@ impl Work {
 
 /// A list of tasks in order of creation, each once: the order in which steps are written.
 pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
+    if list.is_empty() {
+        return TaskList::new();
+    }
     let mut taken = std::mem::take(list);
     taken.sort_unstable();
     taken.dedup();
@@ -170,6 +181,9 @@ pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
 impl<'a> Cycle<'a> {
     /// Writes a decision.
     pub(crate) fn decide(&mut self, task: Option<TaskId>, kind: DecisionKind, because: Because) {
+        if self.effects.capacity() == 0 {
+            self.effects.reserve(EFFECTS_EXPECTED);
+        }
         self.effects.push(Effect::Decided(Decision { task, kind, because }));
     }
 
@@ -198,6 +212,12 @@ impl<'a> Cycle<'a> {
     /// The task's state; terminated when it is gone.
     pub(crate) fn state(&self, id: TaskId) -> TaskState {
         self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
+    }
+
+    /// Has the step that the task was made from one of these kinds of clauses?
+    #[inline]
+    pub(crate) fn has(&self, id: TaskId, kinds: StepClauses) -> bool {
+        self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
     }
 
     /// The step that `id` was made from, with whatever holds it.

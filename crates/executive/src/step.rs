@@ -18,8 +18,6 @@ use apex_model::limits::CASCADE_ROUNDS_MAX;
 use apex_model::task::{Origin, TaskId};
 use apex_model::time::Time;
 
-/// Room for what a small step decides, so that its list does not grow bit by bit.
-const EFFECTS_EXPECTED: usize = 8;
 /// Rounds until the next task is ended, once an instant has been found to be restless.
 const RESTLESS_ROUNDS_MAX: u32 = 100;
 /// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
@@ -32,7 +30,7 @@ pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
     }
     let (library, index) = (agent.library.clone(), agent.index.clone());
     let before = agent.now;
-    let effects = Vec::with_capacity(EFFECTS_EXPECTED);
+    let effects = Vec::new();
     let mut cycle = Cycle { agent, library: &library, index: &index, now: before, effects, work: Work::default() };
     let mut events = batch.events.as_slice();
     while let Some(instant) = next_instant(&cycle, events, batch.now) {
@@ -70,6 +68,10 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         begin(cycle);
     }
     recording::record(cycle, events);
+    if is_quiet(cycle, events) {
+        cycle.work.stimuli.clear();
+        return;
+    }
     recording::wake(cycle);
     let mut restless = 0;
     let mut rounds = 0;
@@ -93,6 +95,14 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     }
     cycle.work.end_instant();
     invariants::check(cycle.agent);
+}
+
+/// Did nothing happen at this instant but one sample that touches nobody? Most samples are such.
+fn is_quiet(cycle: &Cycle<'_>, events: &[Event]) -> bool {
+    matches!(events, [_])
+        && matches!(cycle.work.stimuli.as_slice(), [only] if monitoring_clauses::is_unheard(cycle, only))
+        && cycle.agent.wakes.first().is_none_or(|(key, _)| key.at > cycle.now)
+        && cycle.work.has_only_stimuli()
 }
 
 /// Makes the root task.

@@ -11,9 +11,10 @@ use crate::library::Library;
 use crate::procedure::Procedure;
 use crate::resource::ResourceTable;
 use crate::source::Place;
+use crate::step_clauses::StepClauses;
 use crate::symbol::Symbol;
 use crate::table::Table;
-use crate::task::{ProcedureRef, Task, TaskId};
+use crate::task::{Origin, ProcedureRef, Task, TaskId};
 use crate::time::Time;
 use crate::value::Value;
 use crate::wake::{Wake, WakeQueue};
@@ -74,6 +75,9 @@ pub struct Agent {
     pub unsteady: BTreeSet<TaskId>,
     /// Counters: the next number of each kind.
     pub next: Counters,
+    /// How many tasks are suspended; derived from the tasks, not part of a snapshot.
+    #[serde(skip)]
+    pub suspended: u64,
 }
 
 /// The next number of each kind; none is ever used twice.
@@ -139,6 +143,7 @@ impl Default for Agent {
             wakes: WakeQueue::default(),
             unsteady: BTreeSet::new(),
             next: Counters::default(),
+            suspended: 0,
         }
     }
 }
@@ -160,6 +165,27 @@ impl Agent {
             }
         }
         self.generated_heads = heads;
+        self.derive_clauses();
+        self.suspended = self.tasks.iter().filter(|(_, task)| task.suspended).count() as u64;
+    }
+
+    fn derive_clauses(&mut self) {
+        let origins: Vec<(u64, Origin)> = self.tasks.iter().map(|(number, task)| (number, task.origin)).collect();
+        for (number, origin) in origins {
+            let clauses = self.clauses_of(origin);
+            if let Some(task) = self.tasks.get_mut(number) {
+                task.clauses = clauses;
+            }
+        }
+    }
+
+    /// Which clauses the step has that a task is made from; none where there is no step.
+    pub fn clauses_of(&self, origin: Origin) -> StepClauses {
+        let (Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step)) = origin else {
+            return StepClauses::NONE;
+        };
+        let index = self.procedure_index(step.procedure).and_then(|index| index.steps.get(step.step as usize));
+        index.map_or(StepClauses::UNKNOWN, |index| index.clauses)
     }
 
     /// When the agent must be stepped next if nothing happens before, and why.
@@ -180,16 +206,27 @@ impl Agent {
     }
 
     /// The task with this number, while somebody may still refer to it.
+    #[inline]
     pub fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.get(id.0)
     }
 
     /// The task with this number, to change it.
+    #[inline]
     pub fn task_mut(&mut self, id: TaskId) -> Option<&mut Task> {
         self.tasks.get_mut(id.0)
     }
 
+    /// Suspends the task, or lifts its suspension. False when it was so already, or is gone.
+    pub fn set_suspended(&mut self, id: TaskId, suspended: bool) -> bool {
+        let Some(task) = self.tasks.get_mut(id.0).filter(|task| task.suspended != suspended) else { return false };
+        task.suspended = suspended;
+        self.suspended = if suspended { self.suspended + 1 } else { self.suspended.saturating_sub(1) };
+        true
+    }
+
     /// The procedure that `reference` names.
+    #[inline]
     pub fn procedure(&self, reference: ProcedureRef) -> Option<&Arc<Procedure>> {
         match reference {
             ProcedureRef::Stored(index) => self.library.procedures.get(index as usize),
@@ -198,6 +235,7 @@ impl Agent {
     }
 
     /// What is known beforehand about the procedure that `reference` names.
+    #[inline]
     pub fn procedure_index(&self, reference: ProcedureRef) -> Option<&Arc<ProcedureIndex>> {
         match reference {
             ProcedureRef::Stored(index) => self.index.procedures.get(index as usize),

@@ -7,10 +7,12 @@ use crate::library::Library;
 use crate::pattern::Pattern;
 use crate::procedure::{Hooks, Procedure, ProcedureKind, Repetition, Step};
 use crate::source::Place;
+use crate::step_clauses::StepClauses;
 use crate::symbol::Symbol;
 use crate::variables;
 use crate::walk;
-use std::collections::{BTreeMap, BTreeSet};
+use rustc_hash::FxBuildHasher;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Something with an index that may serve a goal.
@@ -29,7 +31,7 @@ pub enum Candidate {
 /// Candidates by the first word of their index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Heads {
-    by_head: BTreeMap<Symbol, Vec<Candidate>>,
+    by_head: HashMap<Symbol, Vec<Candidate>, FxBuildHasher>,
     general: Vec<Candidate>,
 }
 
@@ -86,13 +88,15 @@ pub struct StepIndex {
     pub condition_awaits: Vec<Symbol>,
     /// The end of its procedure waits for it.
     pub counts: bool,
+    /// Which clauses it has.
+    pub clauses: StepClauses,
 }
 
 /// What is known about a procedure beforehand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProcedureIndex {
     /// Steps by tag.
-    pub tags: BTreeMap<Symbol, u32>,
+    pub tags: HashMap<Symbol, u32, FxBuildHasher>,
     /// Its steps.
     pub steps: Vec<StepIndex>,
     /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
@@ -150,9 +154,11 @@ impl ProcedureIndex {
                 let others = producers.get(name).map(Vec::as_slice).unwrap_or_default();
                 others.iter().any(|producer| *producer != number && (!sequential || *producer < number))
             };
+            let awaited = awaits(step, produced, false);
             StepIndex {
                 waitfor: conjunction(&step.waitfor, step.place),
-                awaits: awaits(step, produced, false),
+                clauses: StepClauses::of(step, procedure.kind, !awaited.is_empty()),
+                awaits: awaited,
                 condition_awaits: awaits(step, produced, true),
                 counts: endless_only || ends_by_itself(step),
             }

@@ -40,6 +40,7 @@ pub mod quantity;
 pub mod resource;
 pub mod solver;
 pub mod source;
+pub mod step_clauses;
 pub mod support;
 pub mod symbol;
 pub mod table;

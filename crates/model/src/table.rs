@@ -28,10 +28,12 @@ struct Slots<T>(Vec<Vec<Option<T>>>);
 const CHUNK: usize = 128;
 
 impl<T> Slots<T> {
+    #[inline]
     fn get(&self, slot: usize) -> Option<&T> {
         self.0.get(slot / CHUNK)?.get(slot % CHUNK)?.as_ref()
     }
 
+    #[inline]
     fn place(&mut self, slot: usize) -> Option<&mut Option<T>> {
         self.0.get_mut(slot / CHUNK)?.get_mut(slot % CHUNK)
     }
@@ -64,6 +66,7 @@ impl<T> Default for Table<T> {
     }
 }
 
+#[inline]
 fn split(number: u64) -> Option<(usize, usize)> {
     let page = usize::try_from(number / PAGE).ok()?;
     let offset = usize::try_from(number % PAGE).ok()?;
@@ -81,6 +84,7 @@ impl<T> Table<T> {
         self.length == 0
     }
 
+    #[inline]
     fn slot(&self, number: u64) -> Option<usize> {
         let (page, offset) = split(number)?;
         let slot = *self.pages.get(page)?.as_ref()?.slots.get(offset)?;
@@ -88,17 +92,20 @@ impl<T> Table<T> {
     }
 
     /// The entry with this number.
+    #[inline]
     pub fn get(&self, number: u64) -> Option<&T> {
         self.slots.get(self.slot(number)?)
     }
 
     /// The entry with this number, to change it.
+    #[inline]
     pub fn get_mut(&mut self, number: u64) -> Option<&mut T> {
         let slot = self.slot(number)?;
         self.slots.place(slot)?.as_mut()
     }
 
     /// Is there an entry with this number?
+    #[inline]
     pub fn contains(&self, number: u64) -> bool {
         self.slot(number).is_some()
     }

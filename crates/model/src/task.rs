@@ -4,6 +4,7 @@ use crate::bindings::Bindings;
 use crate::clause::MonitorId;
 use crate::controller::{Controller, Selection};
 use crate::resource::{Need, ResourceId};
+use crate::step_clauses::StepClauses;
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use crate::wake::WakeKey;
@@ -121,7 +122,7 @@ pub struct Task {
     pub depth: u32,
     /// Its predecessor in a sequence has not ended, or its least interval is not over: what else it waits for.
     pub held_back: HeldBack,
-    /// Suspended by a clause or an activity: claims no resources until resumed.
+    /// Suspended by a clause or an activity: claims no resources until resumed. Changed by the agent, which counts.
     pub suspended: bool,
     /// When this instance was created, or made pending again.
     pub created_at: Time,
@@ -140,7 +141,10 @@ pub struct Task {
     /// What carries it out; none until it is ongoing.
     pub controller: Option<Box<Controller>>,
     /// How it ended; none while it lives.
-    pub outcome: Option<Box<Outcome>>,
+    pub outcome: Option<Outcome>,
+    /// Which clauses its step has; derived from the step, not part of a snapshot.
+    #[serde(skip)]
+    pub clauses: StepClauses,
     /// What few tasks need.
     pub extras: Option<Box<Extras>>,
 }

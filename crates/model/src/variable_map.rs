@@ -26,6 +26,17 @@ impl<T> VariableMap<T> {
         self.0.get_mut(variable)
     }
 
+    /// The entry of `variable` with the variable as it is kept.
+    pub fn get_with_key(&self, variable: &StateVariable) -> Option<(&StateVariable, &T)> {
+        self.0.get_key_value(variable)
+    }
+
+    /// All entries, to change each by itself: they come in any order, so nothing may depend on it.
+    #[allow(clippy::iter_over_hash_type, reason = "whoever changes entries one by one sees no order")]
+    pub fn each_mut(&mut self) -> impl Iterator<Item = (&StateVariable, &mut T)> {
+        self.0.iter_mut()
+    }
+
     /// The entry of `variable`, made when it is missing.
     pub fn entry(&mut self, variable: &StateVariable) -> &mut T
     where

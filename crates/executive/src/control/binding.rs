@@ -18,6 +18,7 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::procedure::Step;
 use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, StepRef, TaskId};
 use apex_model::value::Value;
@@ -77,6 +78,9 @@ fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
 /// # Errors
 /// Message and place of the first clause that cannot be evaluated.
 pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
+    if !cycle.has(id, StepClauses::SELECT) {
+        return Ok(());
+    }
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(step) = handle.get() else { return Ok(()) };
     let own = own_selects(cycle.task(id).map(|task| task.origin), step);
@@ -115,6 +119,9 @@ pub(crate) fn result(cycle: &mut Cycle<'_>, id: TaskId, value: &Value) -> Result
 /// # Errors
 /// The cause when the value does not match.
 pub(crate) fn fitting(cycle: &Cycle<'_>, id: TaskId, value: &Value) -> Result<Option<(Bindings, Place)>, Because> {
+    if !cycle.has(id, StepClauses::RESULT) {
+        return Ok(None);
+    }
     // Items and handlers yield nothing in the procedure; their step does.
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     let Some(handle) = cycle.step_of(id).filter(|_| is_step) else { return Ok(None) };

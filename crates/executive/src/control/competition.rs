@@ -73,14 +73,11 @@ pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
         }
         TaskState::Pending | TaskState::Ongoing | TaskState::Terminated => false,
     };
-    let mut next = Some(id);
-    while let Some(task) = next.and_then(|id| agent.task(id)) {
-        if task.suspended {
-            return false;
-        }
-        next = task.parent;
+    if !starts || agent.suspended == 0 {
+        return starts;
     }
-    starts
+    let mut family = std::iter::successors(Some(task), |task| agent.task(task.parent?));
+    !family.any(|task| task.suspended)
 }
 
 /// All claimants, best first, and what makes their order where ranks are stated.

@@ -23,6 +23,11 @@ use std::collections::BTreeMap;
 
 /// The contend phase: what is to be committed.
 pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
+    let work = &cycle.work;
+    let changed = work.priorities_changed || work.inheritance_changed;
+    if work.claims.is_empty() && work.dirty.is_empty() && !changed {
+        return Arbitration::default();
+    }
     let mut free = Vec::new();
     let mut fresh: BTreeMap<ResourceId, Vec<TaskId>> = BTreeMap::new();
     for id in in_order(&mut cycle.work.claims) {

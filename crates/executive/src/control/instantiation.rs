@@ -19,6 +19,7 @@ use apex_model::limits::{TASK_DEPTH_MAX, TASKS_MAX};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
 use apex_model::symbol::Symbol;
 use apex_model::task::{HeldBack, Origin, Task, TaskId, TaskState};
 use apex_model::time::Time;
@@ -72,6 +73,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
         selection: None,
         controller: None,
         outcome: None,
+        clauses: cycle.agent.clauses_of(seed.origin),
         extras: None,
     };
     let tag = cycle.agent.tag(&task);
@@ -191,6 +193,9 @@ pub(crate) fn offer(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// The first result of another step that the task needs and that is not there yet.
 fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Symbol>) -> Option<Symbol> {
+    if !cycle.has(id, StepClauses::AWAITS) {
+        return None;
+    }
     let step = cycle.task(id)?.step()?;
     let index = cycle.agent.procedure_index(step.procedure)?;
     let awaits = which(index.steps.get(step.step as usize)?);
@@ -203,7 +208,7 @@ fn awaited(cycle: &Cycle<'_>, id: TaskId, which: impl Fn(&StepIndex) -> &Vec<Sym
 
 /// Makes the monitor of the task's `waitfor`.
 fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
-    let Some(task) = cycle.task(id) else { return Ok(()) };
+    let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::WAITFOR)) else { return Ok(()) };
     let window = window(task);
     let condition = task.step().and_then(|step| {
         let index = cycle.agent.procedure_index(step.procedure)?;
@@ -220,7 +225,8 @@ fn watch_preconditions(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String,
 
 /// Makes the monitor of the step's own `end-when`, which can end the task in any state.
 fn watch_end(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), (String, Place)> {
-    let Some(window) = cycle.task(id).map(window) else { return Ok(()) };
+    let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS)) else { return Ok(()) };
+    let window = window(task);
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };
     let Some(condition) = handle.get().and_then(|step| step.transitions.end_when.as_ref()) else { return Ok(()) };
     monitoring_clauses::watch(cycle, id, Clause::EndWhen, Level::Step, condition, window, true)

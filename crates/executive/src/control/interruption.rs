@@ -15,6 +15,7 @@ use apex_model::controller::{Controller, Way};
 use apex_model::evidence_list::EvidenceList;
 use apex_model::monitor::Window;
 use apex_model::procedure::{Hooks, Transitions};
+use apex_model::step_clauses::StepClauses;
 use apex_model::task::{Origin, ProcedureRef, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::variables::of_condition;
@@ -87,6 +88,9 @@ pub(crate) fn run_step_hook(
     clause: &'static str,
     which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
 ) {
+    if !cycle.has(id, StepClauses::HOOKS) {
+        return;
+    }
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     if let Some(handle) = cycle.step_of(id).filter(|_| is_step)
         && let Some(step) = handle.get()
@@ -100,6 +104,9 @@ pub(crate) fn run_step_hook(
 /// # Errors
 /// The cause when a form cannot be evaluated.
 pub(crate) fn run_step_start(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    if !cycle.has(id, StepClauses::HOOKS) {
+        return Ok(());
+    }
     let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
     match cycle.step_of(id).filter(|_| is_step).as_ref().and_then(|handle| handle.get()) {
         Some(step) => hooks::run_needed(cycle, id, Level::Step, "on-start", &step.hooks.on_start),
@@ -122,11 +129,9 @@ pub(crate) fn subtree(cycle: &Cycle<'_>, id: TaskId) -> Vec<TaskId> {
 
 /// Suspends the task with its whole subtree: nothing below it works or begins until it is resumed.
 pub(crate) fn suspend(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
-    let Some(task) = cycle.agent.task_mut(id) else { return };
-    if task.suspended || task.is_terminated() {
+    if cycle.task(id).is_none_or(Task::is_terminated) || !cycle.agent.set_suspended(id, true) {
         return;
     }
-    task.suspended = true;
     for each in subtree(cycle, id) {
         if each == id {
             stop(cycle, id, Trigger::Suspended, because.clone());
@@ -150,11 +155,9 @@ fn withdraw_claims(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// Lifts the suspension: the subtree claims what it needs again.
 pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
-    let Some(task) = cycle.agent.task_mut(id) else { return };
-    if !task.suspended {
+    if !cycle.agent.set_suspended(id, false) {
         return;
     }
-    task.suspended = false;
     for each in reclaim(cycle, id) {
         let cause = if each == id { because.cause.clone() } else { Cause::AncestorResumed { ancestor: id } };
         let evidence = if each == id { because.evidence.clone() } else { EvidenceList::default() };
@@ -249,7 +252,8 @@ pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
 
 /// The clauses of the step that the task was made from, if it has any; items and handlers have none of their own.
 fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
-    let is_step = matches!(cycle.task(id)?.origin, Origin::Step(_));
+    let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
+    let is_step = matches!(task.origin, Origin::Step(_));
     let handle = cycle.step_of(id).filter(|_| is_step)?;
     let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = &handle.get()?.transitions;
     let some = [end_when, restart_when, resume_when, suspend_when, suspend_until].into_iter().any(Option::is_some);
@@ -318,9 +322,10 @@ pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
         let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
         watches.any(|watch| watch.clause == Clause::SuspendUntil && watch.level == Level::Procedure)
     });
-    let Some(task) = cycle.agent.task_mut(id) else { return };
-    task.suspended &= !by_procedure;
-    let suspended = task.suspended;
+    if by_procedure {
+        cycle.agent.set_suspended(id, false);
+    }
+    let Some(suspended) = cycle.task(id).map(|task| task.suspended) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, level| match clause {
         Clause::EndWhen => level == Level::Procedure,
         Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen => level == Level::Procedure || !suspended,

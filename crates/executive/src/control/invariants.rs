@@ -15,6 +15,8 @@ pub(crate) fn check(agent: &Agent) {
     if !cfg!(debug_assertions) || agent.tasks.len() > TASKS_CHECKED_MAX {
         return;
     }
+    let suspended = agent.tasks.iter().filter(|(_, task)| task.suspended).count() as u64;
+    debug_assert_eq!(agent.suspended, suspended, "the count of suspended tasks is wrong");
     for (_, resource) in agent.resources.iter() {
         for (index, holding) in resource.holders.iter().enumerate() {
             let state = agent.task(holding.task).map(|task| task.state);

@@ -15,6 +15,7 @@ use apex_model::agent::Agent;
 use apex_model::expression::ExprKind;
 use apex_model::procedure::{PriorityClause, ProcedureKind};
 use apex_model::resource::{Need, ResourceId};
+use apex_model::step_clauses::StepClauses;
 use apex_model::task::{Origin, Task, TaskId};
 use apex_model::waiting::{Claim, Turn, Waiting};
 
@@ -51,6 +52,9 @@ pub(crate) fn claim_of(cycle: &Cycle<'_>, id: TaskId, needs: &[Need]) -> Claim {
 
 /// What the task brings to a conflict: nothing that moves by itself and no rank. True when variables may change it.
 fn steadiness(agent: &Agent, task: &Task) -> Option<bool> {
+    if !task.clauses.has(StepClauses::CONTENTION) && !task.clauses.has(StepClauses::RANK) {
+        return Some(false);
+    }
     let Some(step) = task.step().filter(|_| matches!(task.origin, Origin::Step(_))) else { return Some(false) };
     let procedure = agent.procedure(step.procedure)?;
     let template = procedure.steps.get(step.step as usize)?;
@@ -136,7 +140,10 @@ fn family_waits(agent: &Agent, waiting: &Waiting, id: TaskId) -> bool {
     if above.any(|task| waiting.contains(task.id)) {
         return true;
     }
-    let children = |id: TaskId| agent.task(id).and_then(|task| task.controller.as_deref()).map(|it| it.children());
+    let children = |id: TaskId| {
+        let controller = agent.task(id).and_then(|task| task.controller.as_deref());
+        controller.filter(|controller| controller.has_children()).map(|controller| controller.children())
+    };
     let mut open = children(id).unwrap_or_default();
     let mut seen = 0;
     while let Some(next) = open.pop() {

@@ -184,6 +184,15 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
     }
 }
 
+/// Is this a sample that touches nobody? Then there is nothing to notice.
+pub(crate) fn is_unheard(cycle: &Cycle<'_>, stimulus: &Stimulus) -> bool {
+    let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return false };
+    let mut found = Found::new();
+    cycle.agent.interests.of_sample(variable, value, *newest, &mut found);
+    let banked = cycle.agent.interests.episodes(variable).is_some();
+    found.is_empty() && !banked && cycle.agent.unsteady.is_empty()
+}
+
 fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
@@ -195,7 +204,11 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
 /// A verdict may have found out which task is meant, or that it is another one now: the monitor is told of that one.
 fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
-    if monitoring::lasting_interest(&watch.monitor).is_some() {
+    if let Some(sole) = monitoring::sole_interest(&watch.monitor) {
+        if filing.interests.as_slice() == [sole] {
+            return;
+        }
+    } else if monitoring::lasting_interest(&watch.monitor).is_some() {
         return;
     }
     let wanted = monitoring::interests(&watch.monitor);

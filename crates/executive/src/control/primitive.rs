@@ -38,6 +38,10 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, index: u32, context: Bind
     let now = cycle.now;
     let library = cycle.library;
     let Some(primitive) = library.primitives.get(index as usize) else { return };
+    if is_bare(primitive) {
+        let because = Because::new(Cause::CompletedAtOnce, Some(primitive.place));
+        return termination::end(cycle, id, Outcome::Success(Value::nil()), because);
+    }
     let fresh =
         PrimitiveController { primitive: index, context, running_since: Some(now), ..PrimitiveController::default() };
     if let Some(task) = cycle.agent.task_mut(id) {
@@ -46,6 +50,17 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, index: u32, context: Bind
     if let Err(because) = begin(cycle, id, primitive) {
         termination::fail(cycle, id, because);
     }
+}
+
+/// Is there nothing to do and nothing to wait for? Then it is complete before anything would use a controller.
+fn is_bare(primitive: &Primitive) -> bool {
+    let Primitive { locals, hooks, on_completion, duration, update, returns, .. } = primitive;
+    let forms = [&hooks.on_start, &hooks.on_end, &hooks.on_suspend, &hooks.on_resume, on_completion];
+    locals.is_empty()
+        && forms.into_iter().all(Vec::is_empty)
+        && duration.is_none()
+        && update.is_none()
+        && returns.is_none()
 }
 
 fn begin(cycle: &mut Cycle<'_>, id: TaskId, primitive: &Primitive) -> Result<(), Because> {

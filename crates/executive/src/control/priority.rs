@@ -15,6 +15,7 @@ use apex_model::controller::Way;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{PriorityClause, Step};
 use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
 use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -56,6 +57,9 @@ pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
 }
 
 fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
+    if !task.clauses.has(StepClauses::CONTENTION) {
+        return None;
+    }
     let step = task.step()?;
     if !matches!(task.origin, apex_model::task::Origin::Step(_)) {
         return None;
@@ -227,7 +231,8 @@ fn clause_bounds(agent: &Agent, task: &Task, clause: &PriorityClause, from: Time
 /// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
 pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
-    if let (apex_model::task::Origin::Step(step), true) = (task.origin, task.selection.is_some())
+    let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);
+    if let (apex_model::task::Origin::Step(step), true) = (task.origin, stated)
         && let Some(expr) = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.interrupt_cost.as_deref()
     {
         return Some((expr, Level::Step));
@@ -242,7 +247,7 @@ pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
 
 /// The rank of a task among its siblings, if it has one.
 pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
-    let task = agent.task(id)?;
+    let task = agent.task(id).filter(|task| task.clauses.has(StepClauses::RANK))?;
     let apex_model::task::Origin::Step(step) = task.origin else { return None };
     let procedure = agent.procedure(step.procedure)?;
     let template = procedure.steps.get(step.step as usize)?;

@@ -16,6 +16,7 @@ use apex_model::expression::Expr;
 use apex_model::limits::REPETITIONS_PER_INSTANT_MAX;
 use apex_model::monitor::Window;
 use apex_model::procedure::Repetition;
+use apex_model::step_clauses::StepClauses;
 use apex_model::task::{HeldBack, Origin, Outcome, TaskId};
 use apex_model::time::Duration;
 use apex_model::value::Value;
@@ -63,6 +64,9 @@ fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool
 /// Makes the ended task pending again when its step says so. False when it has ended for good.
 pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bool {
     let Some(task) = cycle.task(id) else { return false };
+    if !task.clauses.has(StepClauses::REPETITION) {
+        return false;
+    }
     let over = task.extras.as_ref().is_some_and(|extras| extras.repeats_no_more);
     if over || !matches!(task.origin, Origin::Step(_)) || !matches!(outcome, Outcome::Success(_)) {
         return false;
@@ -178,6 +182,9 @@ pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
 
 /// The values of the `:for-new` variables, when the step has any.
 fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec<Value>> {
+    if !cycle.has(id, StepClauses::REPETITION) {
+        return None;
+    }
     let handle = cycle.step_of(id)?;
     let step = handle.get()?;
     let clause = step.responding.as_ref().or(step.repeating.as_ref())?;
@@ -213,7 +220,7 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
 
 /// The task of a responding step was enabled: a fresh instance waits beside it.
 pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
-    let Some(task) = cycle.task(id) else { return };
+    let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return };
     let (Origin::Step(step), Some(parent), answered) = (task.origin, task.parent, task.after_sequence) else { return };
     let Some(handle) = cycle.step_of(id) else { return };
     let Some(clause) = handle.get().and_then(|step| step.responding.as_ref()) else { return };

@@ -22,6 +22,7 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, BuiltInActivity, Primitive, Procedure, ResourceNeed};
 use apex_model::resource::Need;
 use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, ProcedureRef, TaskId, TaskState};
 use apex_model::time::Duration;
@@ -313,6 +314,9 @@ fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
             details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
         }
         _ => held(cycle, id, &mut details.needs)?,
+    }
+    if !cycle.has(id, StepClauses::CONTENTION) {
+        return Ok(details);
     }
     if let (Some(Origin::Step(_)), Some(handle)) = (cycle.task(id).map(|task| task.origin), cycle.step_of(id))
         && let Some(step) = handle.get()

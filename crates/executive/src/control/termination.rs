@@ -49,9 +49,9 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     dismantle(cycle, id, "its task ended");
     transition(cycle, id, Trigger::Ended, Some(outcome), because);
     forget_wakes(cycle, id);
+    cycle.agent.set_suspended(id, false);
     let Some(task) = cycle.agent.task_mut(id) else { return };
     task.selection = None;
-    task.suspended = false;
     // What was held for its steps went back with the rest: a repetition begins without it.
     if let Some(extras) = &mut task.extras {
         extras.held.clear();
@@ -146,7 +146,7 @@ pub(crate) fn settle(cycle: &mut Cycle<'_>) {
 
 fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
     let Some(outcome) = cycle.task(child).and_then(|task| task.outcome.clone()) else { return };
-    let failed = *outcome == Outcome::Failure;
+    let failed = outcome == Outcome::Failure;
     let because = Because::new(Cause::ChildFailed { child }, cycle.place_of(child));
     match cycle.task(parent).and_then(|task| task.controller.as_deref()) {
         Some(Controller::Procedure(_)) if failed => fail(cycle, parent, because),
@@ -165,7 +165,7 @@ fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
 
 /// The root task ended: so does the application.
 fn finish(cycle: &mut Cycle<'_>, root: TaskId) {
-    let reason = match cycle.task(root).and_then(|task| task.outcome.as_deref()) {
+    let reason = match cycle.task(root).and_then(|task| task.outcome.as_ref()) {
         Some(Outcome::Success(value)) if value.is_true() => format!("the initial task is done: {value}"),
         Some(Outcome::Success(_)) => "the initial task is done".to_string(),
         Some(Outcome::Failure) => "the initial task failed".to_string(),

@@ -106,7 +106,7 @@ pub(crate) fn transition(
     let again = matches!(trigger, Trigger::Repeated | Trigger::Restarted);
     task.state = to;
     task.since = now;
-    task.outcome = outcome.clone().map(Box::new);
+    task.outcome.clone_from(&outcome);
     cycle.work.balance.again |= again;
     cycle.work.balance.ends |= to == TaskState::Terminated;
     cycle.decide(Some(id), DecisionKind::Transition { from, to, outcome }, because);

@@ -85,7 +85,7 @@ fn view(agent: &Agent, task: &Task) -> TaskView {
         resources: agent.resources.iter().map(|(_, each)| each).filter(holds).map(|each| each.name.clone()).collect(),
         needs: needs.collect(),
         method: selection.and_then(|selection| method(agent, &selection.way)),
-        outcome: task.outcome.as_deref().cloned(),
+        outcome: task.outcome.clone(),
         place: step,
         depth: task.depth,
         children: task.controller.as_deref().map(apex_model::controller::Controller::children).unwrap_or_default(),

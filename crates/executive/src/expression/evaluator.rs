@@ -261,6 +261,12 @@ impl<'a> Evaluator<'a> {
     pub(super) fn call(&mut self, function: &Symbol, arguments: &[Value], place: Place) -> Outcome {
         let name = function.folded();
         self.charge(lists::cost(name, arguments), place)?;
+        // What acts is mostly called in hooks, and no other family has a function of the same name.
+        if self.hook.is_some()
+            && let Some(result) = effects::call(self, name, arguments, place)
+        {
+            return result;
+        }
         let built_in = arithmetic::call(name, arguments)
             .or_else(|| lists::call(name, arguments))
             .or_else(|| strings::call(name, arguments))

@@ -284,6 +284,15 @@ pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     interests
 }
 
+/// The only interest of a monitor of one part, as it is now; none for composite ones.
+pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
+    match &monitor.root.kind {
+        PartKind::TaskEnded(leaf) => Some(task_state::interest(leaf.task)),
+        PartKind::TaskState(leaf) => Some(task_state::interest(leaf.task)),
+        _ => None,
+    }
+}
+
 /// The only interest of a monitor that never has another one; none for all other monitors.
 pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
