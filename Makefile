@@ -46,10 +46,11 @@ spec: ## Run the specification pages; UPDATE=1 rewrites their expected traces (r
 	UPDATE=$(UPDATE) cargo test --locked $(CI_PROFILE) --package apex-spec
 
 bench: .venv/.peers ## Measure latency, throughput and load time; peers beside it in the same run, against the bars.
-	cargo bench --locked --package apex-benches
-	cargo run --locked --quiet --release --package apex-benches --bin memory
+	rm -rf $(TARGET)/criterion $(TARGET)/bench-rows
+	APEX_BENCH_ROWS=$(abspath $(TARGET))/bench-rows cargo bench --locked --package apex-benches
+	APEX_BENCH_ROWS=$(abspath $(TARGET))/bench-rows cargo run --locked --quiet --release --package apex-benches --bin memory
 	.venv/bin/python benches/peers/py_trees_peer.py > $(TARGET)/py_trees.json
-	cargo run --locked --quiet --release --package apex-benches --bin report -- $(TARGET)/criterion $(TARGET)/py_trees.json
+	cargo run --locked --quiet --release --package apex-benches --bin report -- $(TARGET)/criterion $(TARGET)/bench-rows $(TARGET)/py_trees.json
 
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))

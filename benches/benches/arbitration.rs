@@ -2,7 +2,7 @@
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 
-use apex_benches::{Driven, command_in, library, moved};
+use apex_benches::{Driven, MEASUREMENT, WARM_UP, command_in, library, moved};
 use apex_model::event::EventKind;
 use apex_model::task::TaskState;
 use apex_model::value::Value;
@@ -30,7 +30,7 @@ fn acknowledged(command: apex_model::effect::CommandId) -> EventKind {
 /// An alarm interrupts the holder; the alarm's task is done and the holder goes on: both steps together.
 fn interrupt_and_resume(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("hand-off");
-    group.sample_size(20);
+    group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         let mut driven = Driven::new(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
         group.bench_function(BenchmarkId::new("interruption and resumption", count), |bencher| {

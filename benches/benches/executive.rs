@@ -2,7 +2,7 @@
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that did not happen must stop at once")]
 
-use apex_benches::{Driven, WATCHERS, command_in, level, library, programs};
+use apex_benches::{Driven, MEASUREMENT, WARM_UP, WATCHERS, command_in, level, library, programs};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::EventKind;
 use apex_model::value::Value;
@@ -27,7 +27,7 @@ fn to_command(driven: &mut Driven, kind: EventKind) -> Duration {
 /// A sample that satisfies one of `count` waiting tasks, each with its own variable, until its command is there.
 fn event_to_command(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to command");
-    group.sample_size(20);
+    group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         let armed = Driven::new(&library(&programs::waiting(count as usize)));
         let (mut driven, mut used) = (armed.clone(), 0);
@@ -64,7 +64,7 @@ fn event_to_command(criterion: &mut Criterion) {
 /// Samples that touch nobody: of a variable that nobody watches, and on the wrong side of every bound.
 fn event_to_nothing(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("event to nothing");
-    group.sample_size(20);
+    group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         for (name, text, variable) in [
             ("nobody watches", programs::waiting(count as usize), -1),
@@ -90,7 +90,7 @@ fn event_to_nothing(criterion: &mut Criterion) {
 /// One variable, as many bounds as tasks: a sample just above the least bound that is left.
 fn one_of_many_bounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one of many bounds");
-    group.sample_size(20);
+    group.sample_size(20).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         let armed = Driven::new(&library(&programs::bounds(count as usize)));
         let (mut driven, mut used) = (armed.clone(), 0);
@@ -114,7 +114,7 @@ fn one_of_many_bounds(criterion: &mut Criterion) {
 /// Creation, enablement, selection, work and end of every task of a plan, all at one instant.
 fn task_life(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("task life");
-    group.sample_size(10);
+    group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     for count in COUNTS {
         let count = count as usize;
         group.throughput(Throughput::Elements(count as u64));

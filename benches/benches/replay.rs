@@ -2,7 +2,7 @@
 #![allow(missing_docs, reason = "criterion's macros make public items")]
 #![allow(clippy::expect_used, reason = "a measurement that cannot be set up must stop at once")]
 
-use apex_benches::{PATROL, agent, declaration, library};
+use apex_benches::{MEASUREMENT, PATROL, WARM_UP, agent, declaration, library};
 use apex_model::event::EventKind;
 use apex_model::host::HostFunctions;
 use apex_model::time::Time;
@@ -41,7 +41,7 @@ fn run_record_replay(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("bench.apex");
     let mut group = criterion.benchmark_group("ten thousand seconds");
-    group.sample_size(10);
+    group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
     group.bench_function("run", |bencher| bencher.iter(|| black_box(fly(&mut []))));
     group.bench_function("run and record", |bencher| bencher.iter(|| record(&path)));
     record(&path);

@@ -9,7 +9,7 @@
     reason = "a measurement that cannot be set up must stop at once"
 )]
 
-use apex_benches::{agent, library};
+use apex_benches::{agent, library, rows};
 use apex_model::effect::CommandId;
 use apex_model::event::EventKind;
 use apex_model::time::Time;
@@ -70,10 +70,11 @@ fn journeys(say: &SyncSender<Control>, commands: &Receiver<Instant>, count: usiz
     times
 }
 
-fn report(name: &str, mut times: Vec<Duration>) {
+fn report(name: &str, mut times: Vec<Duration>) -> f64 {
     times.sort_unstable();
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize].as_secs_f64() * 1e6;
     println!("{name:<44} p50 {:>7.1} us   p90 {:>7.1} us   p99 {:>7.1} us", at(0.5), at(0.9), at(0.99));
+    at(0.5) * 1e3
 }
 
 fn main() {
@@ -98,7 +99,8 @@ fn main() {
             commands.recv().expect("the run answers").saturating_duration_since(begun)
         })
         .collect();
-    report("inbox -> outbox (the command is sent)", one_way);
+    let median_ns = report("inbox -> outbox (the command is sent)", one_way);
+    rows::keep("across threads", "inbox to outbox", &[(1, median_ns)]).expect("the row is written");
     say.send(Control::Stop).expect("the run goes on");
     let end = executive.join().expect("the executive's thread ends well");
     assert!(end.steps > JOURNEYS as u64);

@@ -2,6 +2,7 @@
 #![allow(clippy::panic, reason = "a measurement that cannot be set up must stop at once")]
 
 pub mod programs;
+pub mod rows;
 
 use apex_executive::{Agent, load, step};
 use apex_model::effect::{CommandId, DecisionKind, Effect};
@@ -15,6 +16,12 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, SourceText};
 use std::sync::Arc;
+use std::time::Duration;
+
+/// How long a row runs before it is measured, and about how long it is measured: some seventy rows take minutes so.
+pub const WARM_UP: Duration = Duration::from_millis(500);
+/// See [`WARM_UP`].
+pub const MEASUREMENT: Duration = Duration::from_secs(2);
 
 /// Each of many tasks waits for a variable of its own, commands, and waits again.
 pub const WATCHERS: &str = "

@@ -1,12 +1,16 @@
 //! Sets what Criterion measured beside the bars and beside the peers, as a Markdown table.
 //!
-//! `report CRITERION_FOLDER [PEER.json]..`: reads the medians of the last run, so it must follow one.
+//! `report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..`: reads the medians of the last run, so it must follow one, and the
+//! figures that other programs kept.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// The group whose figures are bytes; all others are nanoseconds.
+const MEMORY: &str = "memory";
 
 /// A bar: what is measured, at which count, and what the median must not exceed.
 struct Bar {
@@ -28,7 +32,7 @@ const fn bar(
     Bar { quantity, group, function, count, at_most, peer }
 }
 
-/// Bars in nanoseconds, per element where a row has elements.
+/// Bars in nanoseconds, or bytes where memory is counted; per element where a row has elements.
 const BARS: &[Bar] = &[
     bar("event to command, own variable", ["event to command", "one step", "1000"], 700.0, Some("event to command")),
     bar("event to command, own variable", ["event to command", "one step", "100000"], 2_000.0, None),
@@ -39,7 +43,14 @@ const BARS: &[Bar] = &[
         5_000.0,
         None,
     ),
-    bar("one variable, one bound passed", ["one of many bounds", "to command", "10000"], 5_000.0, None),
+    bar(
+        "one variable, one bound passed",
+        ["one of many bounds", "to command", "10000"],
+        5_000.0,
+        Some("shared variable"),
+    ),
+    bar("across threads, inbox to outbox", ["across threads", "inbox to outbox", "1"], 20_000.0, None),
+    bar("task life, flat", ["task life", "flat", "1000"], 1_000.0, Some("task life")),
     bar("task life, flat", ["task life", "flat", "100000"], 1_000.0, None),
     bar("task life, nested", ["task life", "nested", "100000"], 1_000.0, None),
     bar("task life, sequence", ["task life", "one sequence", "100000"], 1_000.0, None),
@@ -48,6 +59,18 @@ const BARS: &[Bar] = &[
     bar("task life, ranked", ["task life", "ranked", "100000"], 1_000.0, None),
     bar("hand-off", ["hand-off", "interruption and resumption", "1000"], 3_000.0, Some("hand-off")),
     bar("hand-off", ["hand-off", "interruption and resumption", "100000"], 10_000.0, None),
+    bar(
+        "memory of a waiting task",
+        [MEMORY, "steps of one procedure, each for its own variable", "1000"],
+        800.0,
+        Some("memory"),
+    ),
+    bar(
+        "memory of a waiting task",
+        [MEMORY, "steps of one procedure, each for its own variable", "100000"],
+        800.0,
+        None,
+    ),
     bar("load 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
     bar("load 100,000 steps", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
     bar("load 100,000 steps", ["load", "many procedures", "100000"], 0.5e9, None),
@@ -58,12 +81,13 @@ type Rows = BTreeMap<(String, String), BTreeMap<u64, f64>>;
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
-    let Some(folder) = arguments.next() else {
-        eprintln!("usage: report CRITERION_FOLDER [PEER.json]..");
+    let (Some(folder), Some(others)) = (arguments.next(), arguments.next()) else {
+        eprintln!("usage: report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..");
         return ExitCode::FAILURE;
     };
     let mut rows = Rows::new();
     collect(Path::new(&folder), &mut rows);
+    collect_others(Path::new(&others), &mut rows);
     if rows.is_empty() {
         eprintln!("no measurements under {folder}: run `cargo bench -p apex-benches` first");
         return ExitCode::FAILURE;
@@ -97,17 +121,29 @@ fn collect(folder: &Path, rows: &mut Rows) {
     entries.flatten().filter(|entry| entry.path().is_dir()).for_each(|entry| collect(&entry.path(), rows));
 }
 
+/// The figures that other programs kept.
+fn collect_others(folder: &Path, rows: &mut Rows) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for row in entries.flatten().filter_map(|entry| read_json(&entry.path())) {
+        let word = |key: &str| row.get(key).and_then(Value::as_str).unwrap_or_default().to_string();
+        let figures = row.get("rows").and_then(Value::as_object).into_iter().flatten();
+        let figures = figures.filter_map(|(count, figure)| Some((count.parse().ok()?, figure.as_f64()?)));
+        rows.entry((word("group"), word("function"))).or_default().extend(figures);
+    }
+}
+
 /// Every row with its growth: how many times longer the greatest count takes than the least.
 fn print_growth(rows: &Rows) {
     println!("| measured | median at each count | growth |\n|---|---|---|");
     for ((group, function), counts) in rows {
         let cells: Vec<String> = counts
             .iter()
-            .map(|(count, ns)| if *count == 0 { time(*ns) } else { format!("{count}: {}", time(*ns)) })
+            .map(|(count, figure)| (count, in_words(group, *figure)))
+            .map(|(count, figure)| if *count == 0 { figure } else { format!("{count}: {figure}") })
             .collect();
         let growth = match (counts.first_key_value(), counts.last_key_value()) {
             (Some((least, first)), Some((most, last))) if most > least => {
-                format!("{:.1} x time for {} x count", last / first, most / (*least).max(1))
+                format!("{:.2} x for {} x count", last / first, most / (*least).max(1))
             }
             _ => String::new(),
         };
@@ -122,18 +158,31 @@ fn print_bars(rows: &Rows, peers: &[Value]) {
         let count = bar.count.parse().unwrap_or(0);
         let row = rows.get(&(bar.group.to_string(), bar.function.to_string()));
         let Some(measured) = row.and_then(|counts| counts.get(&count)) else {
-            println!("| {} | {} | {} | not measured | | | |", bar.quantity, bar.count, time(bar.at_most));
+            println!(
+                "| {} | {} | {} | not measured | | | |",
+                bar.quantity,
+                bar.count,
+                in_words(bar.group, bar.at_most)
+            );
             continue;
         };
         let verdict = if *measured <= bar.at_most { "met" } else { "MISSED" };
         let peer = peers.iter().find_map(|peer| {
             let ns = peer.get("rows")?.get(bar.peer?)?.get(bar.count)?.as_f64()?;
-            Some((format!("{} {}", peer.get("name")?.as_str()?, time(ns)), format!("{:.0} x", ns / measured)))
+            Some((
+                format!("{} {}", peer.get("name")?.as_str()?, in_words(bar.group, ns)),
+                format!("{:.0} x", ns / measured),
+            ))
         });
         let (peer, ratio) = peer.unwrap_or_default();
-        let (quantity, at_most, measured) = (bar.quantity, time(bar.at_most), time(*measured));
+        let (quantity, at_most) = (bar.quantity, in_words(bar.group, bar.at_most));
+        let measured = in_words(bar.group, *measured);
         println!("| {quantity} | {count} | {at_most} | {measured} | {verdict} | {peer} | {ratio} |");
     }
+}
+
+fn in_words(group: &str, figure: f64) -> String {
+    if group == MEMORY { format!("{figure:.0} B") } else { time(figure) }
 }
 
 fn time(ns: f64) -> String {
