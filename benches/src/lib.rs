@@ -18,7 +18,7 @@ use apex_pdl::{CheckOptions, Checked, SourceText};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long a row runs before it is measured, and about how long it is measured: some seventy rows take minutes so.
+/// How long a row runs before it is measured, and about how long it is measured: all rows take minutes so.
 pub const WARM_UP: Duration = Duration::from_millis(500);
 /// See [`WARM_UP`].
 pub const MEASUREMENT: Duration = Duration::from_secs(2);

@@ -204,7 +204,7 @@ fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {
 /// A verdict may have found out which task is meant, or that it is another one now: the monitor is told of that one.
 fn refile(interests: &mut Interests, watch: &mut Watch, id: MonitorId) {
     let Some(filing) = &watch.filing else { return };
-    if let Some(sole) = monitoring::sole_interest(&watch.monitor) {
+    if let Some(sole) = monitoring::task_state::sole_interest(&watch.monitor) {
         if filing.interests.as_slice() == [sole] {
             return;
         }

@@ -19,7 +19,7 @@ mod retention;
 mod runs;
 mod samples;
 pub(crate) mod specificity;
-mod task_state;
+pub(crate) mod task_state;
 #[cfg(test)]
 mod tests;
 mod time_conditions;
@@ -282,15 +282,6 @@ pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
     interests.sort();
     interests.dedup();
     interests
-}
-
-/// The only interest of a monitor of one part, as it is now; none for composite ones.
-pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
-    match &monitor.root.kind {
-        PartKind::TaskEnded(leaf) => Some(task_state::interest(leaf.task)),
-        PartKind::TaskState(leaf) => Some(task_state::interest(leaf.task)),
-        _ => None,
-    }
 }
 
 /// The only interest of a monitor that never has another one; none for all other monitors.

@@ -13,7 +13,7 @@ use crate::expression::{Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::{Interest, Keep, Satisfaction, TaskEndedPart, TaskStatePart};
+use apex_model::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
@@ -103,6 +103,15 @@ fn note(
         }
         Ok(false) => {}
         Err(error) => troubles.add(error),
+    }
+}
+
+/// The only interest of a monitor that waits for one task's end or state, as it is now; none of all others.
+pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
+    match &monitor.root.kind {
+        PartKind::TaskEnded(leaf) => Some(interest(leaf.task)),
+        PartKind::TaskState(leaf) => Some(interest(leaf.task)),
+        _ => None,
     }
 }
 
