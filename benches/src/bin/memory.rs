@@ -8,9 +8,12 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
+/// The program with so many waiting tasks.
+type Text = fn(usize) -> String;
+
 fn main() {
     println!("| waiting | tasks | bytes a waiting task |\n|---|---|---|");
-    let shapes: [(&str, fn(usize) -> String); 3] = [
+    let shapes: [(&str, Text); 3] = [
         ("steps of one procedure, each for its own variable", programs::waiting),
         ("steps of one procedure, each for its own bound of one variable", programs::bounds),
         ("procedures of one step, each for its own variable", |count| WATCHERS.replace("COUNT", &count.to_string())),
