@@ -142,24 +142,15 @@ impl LibraryIndex {
 impl ProcedureIndex {
     /// The index of `procedure`.
     pub fn new(procedure: &Procedure) -> ProcedureIndex {
-        let results = procedure.steps.iter().map(results).collect::<Vec<_>>();
         let endless_only = procedure.steps.iter().all(|step| !ends_by_itself(step));
-        let mut producers: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();
-        for (step, names) in results.iter().enumerate() {
-            names.iter().for_each(|name| producers.entry(name).or_default().push(step));
-        }
-        let sequential = procedure.kind == ProcedureKind::Sequential;
+        let awaited = Awaited::new(procedure);
         let steps = procedure.steps.iter().enumerate().map(|(number, step)| {
-            let produced = |name: &Symbol| {
-                let others = producers.get(name).map(Vec::as_slice).unwrap_or_default();
-                others.iter().any(|producer| *producer != number && (!sequential || *producer < number))
-            };
-            let awaited = awaits(step, produced, false);
+            let awaits = awaited.by(number);
             StepIndex {
                 waitfor: conjunction(&step.waitfor, step.place),
-                clauses: StepClauses::of(step, procedure.kind, !awaited.is_empty()),
-                awaits: awaited,
-                condition_awaits: awaits(step, produced, true),
+                clauses: StepClauses::of(step, procedure.kind, !awaits.is_empty()),
+                awaits,
+                condition_awaits: awaited.by_conditions_of(number),
                 counts: endless_only || ends_by_itself(step),
             }
         });
@@ -208,33 +199,61 @@ fn conjunction(conditions: &[Condition], place: Place) -> Option<Arc<Condition>>
     }
 }
 
-/// Variables that the step's `=>` binds.
-fn results(step: &Step) -> BTreeSet<Symbol> {
-    let mut names = BTreeSet::new();
-    if let Some(pattern) = &step.binds {
-        variables::of_pattern(pattern, &mut |name| {
-            names.insert(name.clone());
-        });
-    }
-    names
+/// Which results of its steps the other steps of a procedure wait for.
+#[derive(Debug)]
+pub struct Awaited<'p> {
+    procedure: &'p Procedure,
+    /// Steps by the variables that their `=>` binds.
+    producers: BTreeMap<Symbol, Vec<usize>>,
 }
 
-/// Results of other steps that the step mentions; or only those that its preconditions do.
-fn awaits(step: &Step, produced_elsewhere: impl Fn(&Symbol) -> bool, in_conditions: bool) -> Vec<Symbol> {
-    let mut own: BTreeSet<Symbol> = step.select.iter().map(|(name, _)| name.clone()).collect();
-    own.extend(step.forall.iter().map(|forall| forall.0.clone()));
-    let mut awaited = Vec::new();
-    let mut sink = |name: &Symbol| {
-        if !own.contains(name) && !awaited.contains(name) && produced_elsewhere(name) {
-            awaited.push(name.clone());
+impl<'p> Awaited<'p> {
+    /// Of `procedure`.
+    pub fn new(procedure: &'p Procedure) -> Awaited<'p> {
+        let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
+        for (number, step) in procedure.steps.iter().enumerate() {
+            step.binds.iter().for_each(|pattern| {
+                variables::of_pattern(pattern, &mut |name| producers.entry(name.clone()).or_default().push(number));
+            });
         }
-    };
-    step.waitfor.iter().for_each(|condition| variables::of_condition(condition, &mut sink));
-    if in_conditions {
-        return awaited;
+        Awaited { procedure, producers }
     }
-    variables::of_activity(&step.activity, &mut sink);
-    step.select.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
-    step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut sink));
-    awaited
+
+    /// Results of other steps that the step with this number mentions, each once.
+    pub fn by(&self, step: usize) -> Vec<Symbol> {
+        self.mentioned(step, false)
+    }
+
+    /// Results of other steps that its preconditions mention, each once.
+    pub fn by_conditions_of(&self, step: usize) -> Vec<Symbol> {
+        self.mentioned(step, true)
+    }
+
+    fn is_produced_by_another(&self, name: &Symbol, number: usize) -> bool {
+        let sequential = self.procedure.kind == ProcedureKind::Sequential;
+        let producers = self.producers.get(name).map(Vec::as_slice).unwrap_or_default();
+        producers.iter().any(|producer| *producer != number && (!sequential || *producer < number))
+    }
+
+    fn mentioned(&self, number: usize, in_conditions: bool) -> Vec<Symbol> {
+        let mut awaited = Vec::new();
+        let Some(step) = self.procedure.steps.get(number).filter(|_| !self.producers.is_empty()) else {
+            return awaited;
+        };
+        let own: BTreeSet<&Symbol> =
+            step.select.iter().map(|(name, _)| name).chain(step.forall.iter().map(|forall| &forall.0)).collect();
+        let mut sink = |name: &Symbol| {
+            if !own.contains(name) && !awaited.contains(name) && self.is_produced_by_another(name, number) {
+                awaited.push(name.clone());
+            }
+        };
+        step.waitfor.iter().for_each(|condition| variables::of_condition(condition, &mut sink));
+        if in_conditions {
+            return awaited;
+        }
+        variables::of_activity(&step.activity, &mut sink);
+        step.select.iter().for_each(|(_, expr)| variables::of_expr(expr, &mut sink));
+        step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut sink));
+        awaited
+    }
 }

@@ -240,7 +240,7 @@ impl Loader {
         }
         let callers = lower_functions(&mut lowering, &files, &mut self.library);
         lowering.computed_constants(files.iter().flatten(), &callers, &mut self.library);
-        for file in &files {
+        for file in files {
             self.lower_file(&mut lowering, file);
         }
         let conditions: Vec<Condition> = texts.iter().flat_map(|text| lowering.lone_conditions(text)).collect();
@@ -272,9 +272,11 @@ impl Loader {
         (Checked { library: self.library, diagnostics: self.diagnostics }, conditions)
     }
 
-    fn lower_file(&mut self, lowering: &mut Lowering, forms: &[Datum]) {
+    /// Each form is dropped once it is lowered: long programs are then not in memory twice.
+    fn lower_file(&mut self, lowering: &mut Lowering, forms: Vec<Datum>) {
         lowering.bundle = None;
         for form in forms {
+            let form = &form;
             let served = lowering.served.len();
             match form.head_name() {
                 "procedure" => self.library.procedures.extend(lowering.procedure(form).map(Arc::new)),

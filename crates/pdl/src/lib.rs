@@ -13,6 +13,7 @@ mod diagnostic;
 mod fix;
 mod format;
 mod host;
+mod lookup;
 mod loose;
 mod lower;
 mod matching;

@@ -55,7 +55,7 @@ pub(crate) fn second_of_pattern(index: &Pattern) -> Option<Second> {
 
 /// The second word of the goal, where it is known.
 pub(crate) fn second_of_goal(goal: View<'_>) -> Option<Second> {
-    goal.items()?.get(1)?.value().and_then(second_of_value)
+    goal.item(1)?.value().and_then(second_of_value)
 }
 
 /// A part of a goal: still a template, or already a value.
@@ -89,6 +89,19 @@ impl<'t> View<'t> {
         }
     }
 
+    /// The part with this number of a list; none as for `items`.
+    pub(crate) fn item(self, number: usize) -> Option<View<'t>> {
+        match (self, self.value()) {
+            (_, Some(Value::List(items))) => items.get(number).map(View::Value),
+            (View::Template(Template::List(parts)), _)
+                if !parts.iter().any(|part| matches!(part, Template::Splice(_))) =>
+            {
+                parts.get(number).map(View::Template)
+            }
+            _ => None,
+        }
+    }
+
     /// The symbol that the goal begins with.
     pub(crate) fn head(self) -> Option<&'t Symbol> {
         match (self, self.value()) {
@@ -109,20 +122,7 @@ pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> b
         return true;
     }
     match pattern {
-        Pattern::Literal(Value::List(items)) => match goal.items() {
-            Some(parts) => {
-                parts.len() == items.len()
-                    && parts
-                        .iter()
-                        .zip(items.iter())
-                        .all(|(part, item)| may_match(*part, &Pattern::Literal(item.clone()), steps))
-            }
-            None => goal.value().is_none(),
-        },
-        Pattern::Literal(value) => match goal.value() {
-            Some(found) => found.matches(value),
-            None => false,
-        },
+        Pattern::Literal(value) => may_be(goal, value, steps),
         Pattern::List(patterns) => match goal.items() {
             Some(parts) => list_may_match(&parts, patterns, steps),
             None => goal.value().is_none(),
@@ -138,6 +138,21 @@ pub(crate) fn may_match(goal: View<'_>, pattern: &Pattern, steps: &mut u64) -> b
         | Pattern::Is { .. }
         | Pattern::Not(_) => true,
     }
+}
+
+/// As `may_match`, for a pattern that is a value.
+fn may_be(goal: View<'_>, value: &Value, steps: &mut u64) -> bool {
+    let Value::List(items) = value else {
+        return goal.value().is_some_and(|found| found.matches(value));
+    };
+    let Some(parts) = goal.items() else { return goal.value().is_none() };
+    let mut may_be_item = |part: View<'_>, item: &Value| {
+        *steps = steps.saturating_sub(1);
+        *steps == 0
+            || matches!(part, View::Template(Template::Hole(_) | Template::Splice(_)))
+            || may_be(part, item, steps)
+    };
+    parts.len() == items.len() && parts.iter().zip(items.iter()).all(|(part, item)| may_be_item(*part, item))
 }
 
 fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> bool {
@@ -162,8 +177,7 @@ fn list_may_match(parts: &[View<'_>], patterns: &[Pattern], steps: &mut u64) -> 
 
 /// True when the goal provably matches, whatever its holes get.
 pub(crate) fn must_match(goal: View<'_>, pattern: &Pattern) -> bool {
-    let mut seen = BTreeSet::new();
-    is_linear(pattern, &mut seen) && must(goal, pattern)
+    must(goal, pattern) && is_linear(pattern, &mut BTreeSet::new())
 }
 
 fn must(goal: View<'_>, pattern: &Pattern) -> bool {

@@ -5,6 +5,7 @@ use super::bound::{Bound, by_all, by_pattern};
 use super::{Program, Report, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::lookup::Lookup;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
@@ -46,7 +47,7 @@ struct Known<'l> {
     procedure: &'l Procedure,
     index: Bound<'l>,
     /// Tags, and what some form assigns: when is not followed.
-    given: BTreeSet<&'l Symbol>,
+    given: Lookup<&'l Symbol, ()>,
     /// Results with the steps that have them.
     results: BTreeMap<&'l Symbol, Vec<usize>>,
 }
@@ -64,10 +65,10 @@ enum Moment {
 
 impl<'l> Known<'l> {
     fn new(procedure: &'l Procedure) -> Known<'l> {
-        let mut given: BTreeSet<&Symbol> = procedure.steps.iter().map(|step| &step.tag).collect();
+        let mut given: Lookup<&Symbol, ()> = procedure.steps.iter().map(|step| (&step.tag, ())).collect();
         walk::procedure(procedure, &mut |expr| {
             if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
-                given.insert(name);
+                given.insert(name, ());
             }
         });
         let mut results: BTreeMap<&Symbol, Vec<usize>> = BTreeMap::new();
@@ -81,27 +82,41 @@ impl<'l> Known<'l> {
     }
 
     fn is_given(&self, name: &Symbol) -> bool {
-        self.index.surely.contains(name) || self.given.contains(name)
+        self.index.surely.contains(name) || self.given.contains(&name)
     }
 
     fn step(&self, number: usize, step: &'l Step, report: &mut Report<'_>) {
         let waitfor = by_all(&step.waitfor);
         let mut told: BTreeSet<Symbol> = BTreeSet::new();
+        // Uses of what the step does not surely know.
         let mut uses: Vec<(Symbol, Moment)> = Vec::new();
+        let is_known = |name: &Symbol| self.is_given(name) || waitfor.surely.contains(name);
         for condition in &step.waitfor {
             walk::condition(condition, &mut |expr| {
-                if let ExprKind::Variable { name, .. } = &expr.kind {
+                if let ExprKind::Variable { name, .. } = &expr.kind
+                    && !is_known(name)
+                {
                     uses.push((name.clone(), Moment::Waiting));
                 }
             });
         }
-        let mut later = |name: &Symbol| uses.push((name.clone(), Moment::Later));
+        let mut later = |name: &Symbol| {
+            if !is_known(name) {
+                uses.push((name.clone(), Moment::Later));
+            }
+        };
         variables::of_activity(&step.activity, &mut later);
         step.forall.iter().for_each(|forall| variables::of_expr(&forall.1, &mut later));
         // What the activity uses has been waited for; these have not.
         let awaited: BTreeSet<Symbol> = uses.iter().map(|(name, _)| name.clone()).collect();
         let mut at = |moment: Moment, exprs: &mut dyn Iterator<Item = &Expr>| {
-            exprs.for_each(|expr| variables::of_expr(expr, &mut |name| uses.push((name.clone(), moment))));
+            exprs.for_each(|expr| {
+                variables::of_expr(expr, &mut |name| {
+                    if !is_known(name) {
+                        uses.push((name.clone(), moment));
+                    }
+                });
+            });
         };
         at(Moment::Later, &mut walk::priorities(&step.priority).chain(step.rank.as_deref()));
         at(
@@ -115,7 +130,7 @@ impl<'l> Known<'l> {
         let own: BTreeSet<&Symbol> =
             step.select.iter().map(|(name, _)| name).chain(step.forall.iter().map(|forall| &forall.0)).collect();
         for (name, moment) in &uses {
-            if self.is_given(name) || waitfor.surely.contains(name) || !told.insert(name.clone()) {
+            if !told.insert(name.clone()) {
                 continue;
             }
             if own.contains(name) {

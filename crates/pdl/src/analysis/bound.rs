@@ -22,8 +22,15 @@ impl<'l> Bound<'l> {
         Bound { surely: BTreeSet::from([name]), ..Bound::default() }
     }
 
+    fn is_nothing(&self) -> bool {
+        self.surely.is_empty() && self.perhaps.is_empty() && self.never.is_empty()
+    }
+
     /// Both match.
     pub(crate) fn and(mut self, other: Bound<'l>) -> Bound<'l> {
+        if self.is_nothing() {
+            return other;
+        }
         self.surely.extend(other.surely);
         self.perhaps.extend(other.perhaps);
         self.never.extend(other.never);

@@ -39,16 +39,16 @@ impl Horn {
 
     /// Which nodes are true.
     pub(crate) fn solve(mut self) -> Solution {
-        self.rules.sort_unstable();
+        let (first, served) = self.by_premise();
         let mut is_true: Vec<bool> = self.needs.iter().map(|needs| *needs == 0).collect();
         let mut open: Vec<u32> =
             (0..).zip(&is_true).filter_map(|(node, is_true): (u32, _)| is_true.then_some(node)).collect();
         while let Some(node) = open.pop() {
-            let first = self.rules.partition_point(|(premise, _)| *premise < node);
-            let served = self.rules.iter().skip(first).take_while(|(premise, _)| *premise == node);
-            for (_, conclusion) in served {
-                let index = usize::try_from(*conclusion).unwrap_or(usize::MAX);
-                let (Some(needs), Some(known)) = (self.needs.get_mut(index), is_true.get_mut(index)) else { continue };
+            let node = index(node);
+            let (Some(from), Some(to)) = (first.get(node), first.get(node + 1)) else { continue };
+            for conclusion in served.get(index(*from)..index(*to)).unwrap_or_default() {
+                let at = index(*conclusion);
+                let (Some(needs), Some(known)) = (self.needs.get_mut(at), is_true.get_mut(at)) else { continue };
                 *needs = needs.saturating_sub(1);
                 if *needs == 0 && !*known {
                     *known = true;
@@ -58,6 +58,37 @@ impl Horn {
         }
         Solution(is_true)
     }
+
+    /// The conclusions of the rules, those of one premise beside each other, and where those of each premise begin: one
+    /// entry more than there are nodes.
+    fn by_premise(&self) -> (Vec<u32>, Vec<u32>) {
+        // Counted one place later, so that what is before the place is where the premise begins.
+        let mut first = vec![0_u32; self.needs.len() + 1];
+        for (premise, _) in &self.rules {
+            if let Some(count) = first.get_mut(index(*premise) + 1) {
+                *count += 1;
+            }
+        }
+        let mut total = 0;
+        for count in &mut first {
+            total += *count;
+            *count = total;
+        }
+        let mut next = first.clone();
+        let mut served = vec![0; self.rules.len()];
+        for (premise, conclusion) in &self.rules {
+            let Some(place) = next.get_mut(index(*premise)) else { continue };
+            if let Some(entry) = served.get_mut(index(*place)) {
+                *entry = *conclusion;
+            }
+            *place += 1;
+        }
+        (first, served)
+    }
+}
+
+fn index(number: u32) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
 }
 
 /// Which nodes of a solved [`Horn`] are true.
@@ -66,7 +97,7 @@ pub(crate) struct Solution(Vec<bool>);
 impl Solution {
     /// Is `node` true?
     pub(crate) fn holds(&self, node: Node) -> bool {
-        usize::try_from(node.0).ok().and_then(|index| self.0.get(index)).copied().unwrap_or(false)
+        self.0.get(index(node.0)).copied().unwrap_or(false)
     }
 }
 

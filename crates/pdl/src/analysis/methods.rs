@@ -95,9 +95,13 @@ impl<'l> Methods<'l> {
                 found.push(method);
             }
         }
-        found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
+        if found.len() > 1 {
+            found.sort_by_cached_key(|method| (matches!(method, Method::Solver(_)), self.rank(*method), *method));
+        }
         // Nobody after one that surely matches is ever chosen, where every agent knows that one.
-        if let Some(sure) = found.iter().position(|method| self.is_known_to_all(*method) && self.surely(goal, *method))
+        let is_sure = |method: &Method| self.is_known_to_all(*method) && self.surely(goal, *method);
+        if found.len() > 1
+            && let Some(sure) = found.iter().position(is_sure)
         {
             found.truncate(sure + 1);
         }

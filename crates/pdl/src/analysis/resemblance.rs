@@ -207,14 +207,12 @@ fn resources(program: &Program<'_>, report: &mut Report<'_>) {
     for (name, place) in &all {
         used.entry(name).or_default().push(*place);
     }
-    let known = |name: &Symbol| {
-        let common = used.iter().filter(|(_, places)| places.len() > 1).map(|(name, _)| *name);
-        common.chain(library.resources.keys()).filter(|each| *each != name).cloned().collect::<Vec<_>>()
-    };
+    let common = used.iter().filter(|(_, places)| places.len() > 1).map(|(name, _)| *name);
+    let known: Vec<&str> = common.chain(library.resources.keys()).map(Symbol::printed).collect();
     let suspects = used.iter().filter(|(name, places)| places.len() == 1 && !library.resources.contains_key(**name));
     for (name, places) in suspects.take(SUSPECTS_MAX) {
-        let candidates = known(name);
-        let found = meant(name, candidates.iter().map(Symbol::printed));
+        // None of the known ones is itself a suspect.
+        let found = meant(name, known.iter().copied());
         let (Some(known), Some(place)) = (found, places.first()) else { continue };
         let span = report.locator.span(*place);
         let span = report.locator.word(*place, name).to(span);

@@ -7,16 +7,17 @@ use super::endings::{Endings, ends_procedure, goes_on, is_stopped, terminated_ta
 use super::horn::{Horn, Node, Solution};
 use super::impossible::impossible;
 use super::walk;
+use crate::lookup::Lookup;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::index::ProcedureIndex;
+use apex_model::index::Awaited;
 use apex_model::library::Library;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Procedure, ProcedureKind, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::variables;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// On what a step waits.
 #[derive(Clone, Debug)]
@@ -68,7 +69,8 @@ pub(crate) struct Waits<'l> {
 }
 
 impl<'l> Waits<'l> {
-    /// The waits of the procedure with this number; none if its steps wait for nothing.
+    /// The waits of the procedure with this number; none if all of its steps begin: they wait for nothing, or only for
+    /// steps that stand before them and end.
     pub(crate) fn new(library: &'l Library, number: usize, endings: &'l Endings) -> Option<Waits<'l>> {
         let procedure = library.procedures.get(number)?;
         let is_sequence = procedure.kind == ProcedureKind::Sequential && procedure.steps.len() > 1;
@@ -80,6 +82,9 @@ impl<'l> Waits<'l> {
         }
         let needs = needs_of(library, procedure);
         let terminated = terminated_tags(procedure);
+        if all_begin_in_order(procedure, number, endings, &needs, &terminated) {
+            return None;
+        }
         let mut horn = Horn::default();
         let begins: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
         let ends: Vec<Node> = needs.iter().map(|_| horn.any()).collect();
@@ -185,6 +190,41 @@ impl<'l> Waits<'l> {
     }
 }
 
+/// Does every step begin once those before it have done what they can? So it is in most procedures, and one look at each
+/// step then settles what takes many rules otherwise.
+fn all_begin_in_order(
+    procedure: &Procedure,
+    number: usize,
+    endings: &Endings,
+    needs: &[Need],
+    terminated: &BTreeSet<&Symbol>,
+) -> bool {
+    // Of each step so far: it ends, it has ended for good.
+    let mut before: Vec<(bool, bool)> = Vec::with_capacity(needs.len());
+    procedure.steps.iter().zip(needs).enumerate().all(|(index, (step, need))| {
+        let begins = is_met_by(&before, need);
+        let stopped = is_stopped(step, terminated);
+        let ends = can_end(step, number, index, endings);
+        before.push((stopped || ends, stopped || ends && !goes_on(procedure, step)));
+        begins
+    })
+}
+
+/// Is `need` met once the steps `before` have begun?
+fn is_met_by(before: &[(bool, bool)], need: &Need) -> bool {
+    let step = |step: &usize| before.get(*step);
+    match need {
+        Need::Free => true,
+        Need::Leaf(Premise::End { step: other, .. }) => step(other).is_some_and(|(ends, _)| *ends),
+        Need::Leaf(Premise::Sequence { step: other }) => step(other).is_some_and(|(_, for_good)| *for_good),
+        Need::Leaf(Premise::Begin { step: other, .. }) => step(other).is_some(),
+        Need::Leaf(Premise::Result { steps, .. }) => steps.iter().filter_map(step).any(|(ends, _)| *ends),
+        Need::Leaf(Premise::OwnState { .. } | Premise::Impossible) => false,
+        Need::All(parts) => parts.iter().all(|part| is_met_by(before, part)),
+        Need::Any(parts) => parts.iter().any(|part| is_met_by(before, part)),
+    }
+}
+
 /// May a begun instance of the step end while its procedure goes on?
 fn can_end(step: &Step, procedure: usize, number: usize, endings: &Endings) -> bool {
     let handled = step.on_failure.is_some() || step.forall.is_some();
@@ -224,7 +264,7 @@ fn node_of(horn: &mut Horn, need: &Need, begins: &[Node], ends: &[Node], done: &
 }
 
 fn needs_of(library: &Library, procedure: &Procedure) -> Vec<Need> {
-    let tags: BTreeMap<&Symbol, usize> =
+    let tags: Lookup<&Symbol, usize> =
         procedure.steps.iter().enumerate().map(|(number, step)| (&step.tag, number)).collect();
     let results = Results::new(procedure);
     let reader = Reader { library, tags };
@@ -242,21 +282,21 @@ fn needs_of(library: &Library, procedure: &Procedure) -> Vec<Need> {
 }
 
 /// Results of steps that other steps wait for.
-struct Results {
-    index: Option<ProcedureIndex>,
-    producers: BTreeMap<Symbol, Vec<usize>>,
+struct Results<'l> {
+    awaited: Option<Awaited<'l>>,
+    producers: Lookup<Symbol, Vec<usize>>,
 }
 
-impl Results {
-    fn new(procedure: &Procedure) -> Results {
-        let mut producers: BTreeMap<Symbol, Vec<usize>> = BTreeMap::new();
+impl<'l> Results<'l> {
+    fn new(procedure: &'l Procedure) -> Results<'l> {
+        let mut producers: Lookup<Symbol, Vec<usize>> = Lookup::default();
         for (number, step) in procedure.steps.iter().enumerate() {
             step.binds.iter().for_each(|pattern| {
-                variables::of_pattern(pattern, &mut |name| producers.entry(name.clone()).or_default().push(number));
+                variables::of_pattern(pattern, &mut |name| producers.or_insert(name, Vec::new()).push(number));
             });
         }
         if producers.is_empty() {
-            return Results { index: None, producers };
+            return Results { awaited: None, producers };
         }
         // What the index or a hook gives a value is there without the step.
         variables::of_pattern(&procedure.index, &mut |name| {
@@ -267,15 +307,15 @@ impl Results {
                 producers.remove(name);
             }
         });
-        Results { index: Some(ProcedureIndex::new(procedure)), producers }
+        Results { awaited: Some(Awaited::new(procedure)), producers }
     }
 
     fn needs(&self, step: usize) -> Vec<Need> {
-        let awaits = self.index.as_ref().and_then(|index| index.steps.get(step)).map(|step| step.awaits.as_slice());
-        let results = awaits.unwrap_or_default().iter().filter_map(|name| {
+        let awaits = self.awaited.as_ref().map(|awaited| awaited.by(step)).unwrap_or_default();
+        let results = awaits.into_iter().filter_map(|name| {
             let steps: Vec<usize> =
-                self.producers.get(name)?.iter().copied().filter(|producer| *producer != step).collect();
-            Some(Need::Leaf(Premise::Result { name: name.clone(), steps }))
+                self.producers.get(&name)?.iter().copied().filter(|producer| *producer != step).collect();
+            Some(Need::Leaf(Premise::Result { name, steps }))
         });
         results.collect()
     }
@@ -284,7 +324,7 @@ impl Results {
 /// Reads conditions as needs.
 struct Reader<'l> {
     library: &'l Library,
-    tags: BTreeMap<&'l Symbol, usize>,
+    tags: Lookup<&'l Symbol, usize>,
 }
 
 impl Reader<'_> {
@@ -298,7 +338,7 @@ impl Reader<'_> {
                 Need::All(parts(all))
             }
             ConditionKind::Or(some, _) => Need::Any(parts(some)),
-            ConditionKind::TaskEnded(tag) => match self.tags.get(tag) {
+            ConditionKind::TaskEnded(tag) => match self.tags.get(&tag) {
                 Some(step) => Need::Leaf(Premise::End { step: *step, place: condition.place }),
                 None => Need::Free,
             },
@@ -310,7 +350,7 @@ impl Reader<'_> {
     fn state(&self, task: &Expr, state: &Pattern, place: Place, own: usize) -> Need {
         let step = match &task.kind {
             ExprKind::Indexical(name) if name.is("this-task") => Some(own),
-            ExprKind::Variable { name, .. } => self.tags.get(name).copied(),
+            ExprKind::Variable { name, .. } => self.tags.get(&name).copied(),
             _ => None,
         };
         let word = match state {

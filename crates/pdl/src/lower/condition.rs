@@ -43,7 +43,8 @@ const CONDITION_KEYWORDS: &[&str] = &[
 impl Lowering {
     /// Lowers a sequence of conditions; `:quality Q` may stand directly after an episode, as the paper prints it.
     pub(crate) fn conditions(&mut self, items: &[Datum]) -> Option<Vec<Condition>> {
-        let mut lowered = Vec::new();
+        // Conditions are large, and most clauses have one: no room is kept for more.
+        let mut lowered = Vec::with_capacity(items.len());
         let mut complete = true;
         let mut rest = items;
         while let Some((item, after)) = rest.split_first() {
@@ -128,7 +129,7 @@ impl Lowering {
     fn no_condition<T>(&mut self, datum: &Datum) -> Option<T> {
         let mut diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "this is no condition");
         diagnostic = match datum.as_symbol() {
-            Some(name) if self.scope.tags.contains_key(name) => {
+            Some(name) if self.scope.tags.contains(name) => {
                 diagnostic.fix(Fix::safe(format!("write `?{name}`")).insert_before(datum.span, "?"))
             }
             Some(name) => diagnostic.help(format!("an event is a list: `({name})`; the end of a step is `?tag`")),
@@ -200,7 +201,7 @@ impl Lowering {
 
     /// The end of the task that variable `name` holds.
     fn task_ended(&mut self, name: &Symbol, span: Span) -> Option<ConditionKind> {
-        let is_known = self.scope.tags.contains_key(name) || self.scope.is_bound_everywhere(name);
+        let is_known = self.scope.tags.contains(name) || self.scope.is_bound_everywhere(name);
         if !is_known {
             let message = format!("no step of this procedure is tagged `{name}`");
             if !self.scope.unknown_tags.insert(name.clone()) {
@@ -212,7 +213,8 @@ impl Lowering {
             let fixes = self.tags_for(name, span);
             let mut diagnostic = Diagnostic::error(codes::UNKNOWN_TAG, span, message).fixes(fixes);
             if diagnostic.fixes.is_empty() {
-                let tags: Vec<String> = self.scope.tags.keys().take(12).map(|tag| format!("`?{tag}`")).collect();
+                let tags: Vec<String> =
+                    self.scope.tags.keys_in_order().into_iter().take(12).map(|tag| format!("`?{tag}`")).collect();
                 if !tags.is_empty() {
                     diagnostic = diagnostic.help(format!("its steps are {}", tags.join(" ")));
                 }
@@ -231,7 +233,7 @@ impl Lowering {
     fn is_task(&self, items: &[Datum], task: &Datum) -> bool {
         let always = items.first().is_some_and(|head| head.is("task-state"));
         match &task.kind {
-            DatumKind::Variable(name) | DatumKind::Bound(name) => always || self.scope.tags.contains_key(name),
+            DatumKind::Variable(name) | DatumKind::Bound(name) => always || self.scope.tags.contains(name),
             DatumKind::Indexical(name) => always || name.is("this-task"),
             _ => false,
         }

@@ -3,12 +3,14 @@
 use super::{Lowering, Served};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
+use crate::lookup::Lookup;
 use crate::matching::{covers, specificity};
 use crate::print::pattern_text;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 /// Indexes with one first symbol that are compared pair by pair; beyond this only equal shapes are found.
 const COMPARED_MAX: usize = 100;
@@ -17,7 +19,7 @@ impl Lowering {
     /// Reports procedures and primitives of one bundle that nothing or only their order tells apart.
     pub(crate) fn report_same_indexes(&mut self) {
         let served = std::mem::take(&mut self.served);
-        let mut taken: BTreeMap<(Option<Symbol>, String), Span> = BTreeMap::new();
+        let mut taken: Lookup<(Option<Symbol>, String), Span> = Lookup::default();
         let mut distinct: BTreeMap<String, Vec<&Served>> = BTreeMap::new();
         for each in served.iter().filter(|each| !each.by_solver) {
             let key = (each.bundle.clone(), shape(&each.pattern));
@@ -65,7 +67,7 @@ pub(crate) fn shape(pattern: &Pattern) -> String {
     let mut names: BTreeMap<Symbol, usize> = BTreeMap::new();
     let mut text = String::new();
     write_shape(pattern, &mut names, &mut text);
-    text.to_lowercase()
+    if text.bytes().all(|byte| byte.is_ascii() && !byte.is_ascii_uppercase()) { text } else { text.to_lowercase() }
 }
 
 fn write_shape(pattern: &Pattern, names: &mut BTreeMap<Symbol, usize>, text: &mut String) {
@@ -74,7 +76,7 @@ fn write_shape(pattern: &Pattern, names: &mut BTreeMap<Symbol, usize>, text: &mu
         *names.entry(name.clone()).or_insert(next)
     };
     match pattern {
-        Pattern::Variable(name) => text.push_str(&format!("?{}", number(name))),
+        Pattern::Variable(name) => drop(write!(text, "?{}", number(name))),
         Pattern::Is { variable, predicate } => {
             let variable = number(variable);
             text.push_str(&format!("(?is ?{variable} {predicate})"));
@@ -99,6 +101,9 @@ fn write_shape(pattern: &Pattern, names: &mut BTreeMap<Symbol, usize>, text: &mu
             text.push_str("(?not ");
             write_shape(part, names, text);
             text.push(')');
+        }
+        Pattern::Literal(Value::Symbol(name)) if name.folded().starts_with(|first: char| first.is_alphanumeric()) => {
+            text.push_str(name.folded());
         }
         other => text.push_str(&pattern_text(other)),
     }

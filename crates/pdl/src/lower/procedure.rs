@@ -52,13 +52,7 @@ impl Lowering {
             self.scope.bind_everywhere(&step.tag, step.tag_span);
         }
         self.scope.tag_order = steps.iter().map(|step| step.tag.clone()).collect();
-        let mut named = Vec::new();
-        variables_in(datum, &mut named);
-        for name in named {
-            *self.scope.times_named.entry(name).or_default() += 1;
-        }
-        self.scope.named_tags =
-            self.scope.tags.keys().filter(|tag| self.scope.times_named.contains_key(*tag)).cloned().collect();
+        variables_in(datum, &mut |name| *self.scope.times_named.or_insert(name, 0) += 1);
         self.collect_results(&steps);
         let index = self.index_pattern(index)?;
         complete &= self.check_clauses(&clauses, CLAUSES, "a procedure");
@@ -71,7 +65,8 @@ impl Lowering {
             interrupt_cost: None,
             transitions: Transitions::default(),
             hooks: Hooks::default(),
-            steps: Vec::new(),
+            // One more may end it.
+            steps: Vec::with_capacity(steps.len() + 1),
             bundle: self.bundle.clone(),
             place: datum.span.place(),
         };
@@ -210,6 +205,9 @@ impl Lowering {
     /// Gives untagged steps the first symbol of their activity, numbered where it repeats.
     fn number_tags(&mut self, steps: &mut [StepSource<'_>]) -> bool {
         let unique = self.report_same_tags(steps);
+        if steps.iter().all(|step| !step.tag.is("")) {
+            return unique;
+        }
         let mut used: BTreeSet<Symbol> =
             steps.iter().filter(|step| !step.tag.is("")).map(|step| step.tag.clone()).collect();
         let mut counts: BTreeMap<Symbol, u32> = BTreeMap::new();
@@ -234,11 +232,9 @@ impl Lowering {
             let items = step.activity.as_list().unwrap_or_default();
             let inner = items.iter().position(|item| item.is("=>")).and_then(|mark| items.get(mark + 1));
             for pattern in inner.into_iter().chain(step.result) {
-                let mut names = Vec::new();
-                variables_in(pattern, &mut names);
-                for name in names {
-                    self.scope.results.insert(name, number);
-                }
+                variables_in(pattern, &mut |name| {
+                    self.scope.results.insert(name.clone(), number);
+                });
             }
         }
     }
@@ -308,10 +304,10 @@ fn first_bound(datum: &Datum) -> Option<&Datum> {
     }
 }
 
-fn variables_in(datum: &Datum, names: &mut Vec<Symbol>) {
+fn variables_in(datum: &Datum, found: &mut dyn FnMut(&Symbol)) {
     match &datum.kind {
-        DatumKind::Variable(name) => names.push(name.clone()),
-        DatumKind::List(items) => items.iter().for_each(|item| variables_in(item, names)),
+        DatumKind::Variable(name) => found(name),
+        DatumKind::List(items) => items.iter().for_each(|item| variables_in(item, found)),
         _ => {}
     }
 }

@@ -7,6 +7,7 @@ use super::{Lowering, slips};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
+use crate::lookup::Lookup;
 use crate::suggest::{is_certain, near, renames_marked};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,14 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Default)]
 pub(crate) struct Scope {
     /// Step tags of the procedure.
-    pub(crate) tags: BTreeMap<Symbol, Span>,
+    pub(crate) tags: Lookup<Symbol, Span>,
     /// Tags that no step has, but that some condition names; each is told once.
     pub(crate) unknown_tags: BTreeSet<Symbol>,
-    /// The steps' tags in written order, and those that some clause names.
+    /// The steps' tags in written order.
     pub(crate) tag_order: Vec<Symbol>,
-    pub(crate) named_tags: BTreeSet<Symbol>,
     /// How often each variable stands in the procedure.
-    pub(crate) times_named: BTreeMap<Symbol, usize>,
+    pub(crate) times_named: Lookup<Symbol, usize>,
     /// Words of the index.
     pub(crate) index_words: BTreeMap<Symbol, Span>,
     /// Variables that `=>` binds, with the last step that does.
@@ -38,9 +38,40 @@ pub(crate) struct Scope {
     /// Words of goals, which may be variables without their question mark.
     pub(crate) words: Vec<(Symbol, Option<usize>, Span)>,
     /// How often each variable is written, and where first.
-    written: BTreeMap<Symbol, (usize, Span)>,
-    binders: BTreeMap<Symbol, BTreeMap<Option<usize>, Span>>,
+    written: Lookup<Symbol, (usize, Span)>,
+    binders: Lookup<Symbol, Binders>,
     uses: Vec<(Symbol, Option<usize>, Span)>,
+}
+
+/// Where a variable is bound.
+#[derive(Default)]
+struct Binders {
+    /// For the whole procedure, where first.
+    everywhere: Option<Span>,
+    /// For one step each, where first, in the order of the steps.
+    steps: Vec<(usize, Span)>,
+}
+
+impl Binders {
+    fn add(&mut self, step: Option<usize>, span: Span) {
+        let Some(step) = step else {
+            self.everywhere.get_or_insert(span);
+            return;
+        };
+        // Steps are lowered in order: the place is nearly always the last one.
+        if let Err(place) = self.steps.binary_search_by_key(&step, |(step, _)| *step) {
+            self.steps.insert(place, (step, span));
+        }
+    }
+
+    fn reach(&self, step: Option<usize>) -> bool {
+        let in_step = |step: usize| self.steps.binary_search_by_key(&step, |(step, _)| *step).is_ok();
+        self.everywhere.is_some() || step.is_some_and(in_step)
+    }
+
+    fn first(&self) -> Option<Span> {
+        self.everywhere.or(self.steps.first().map(|(_, span)| *span))
+    }
 }
 
 impl Scope {
@@ -67,7 +98,7 @@ impl Scope {
 
     fn bind_in(&mut self, name: &Symbol, step: Option<usize>, span: Span) {
         self.write(name, span);
-        self.binders.entry(name.clone()).or_default().entry(step).or_insert(span);
+        self.binders.or_insert(name, Binders::default()).add(step, span);
     }
 
     /// Is `name` bound for the whole procedure by what has been lowered so far?
@@ -76,7 +107,7 @@ impl Scope {
     }
 
     fn is_visible(&self, name: &Symbol, step: Option<usize>) -> bool {
-        self.binders.get(name).is_some_and(|binders| binders.contains_key(&None) || binders.contains_key(&step))
+        self.binders.get(name).is_some_and(|binders| binders.reach(step))
     }
 
     /// Notes that `name` is used here; checked when the whole procedure is known.
@@ -86,7 +117,7 @@ impl Scope {
     }
 
     fn write(&mut self, name: &Symbol, span: Span) {
-        self.written.entry(name.clone()).or_insert((0, span)).0 += 1;
+        self.written.or_insert(name, (0, span)).0 += 1;
     }
 
     /// Variables that are written once, with the place and the one that is certainly meant: it is written elsewhere.
@@ -95,18 +126,18 @@ impl Scope {
         if self.written.len() > COMPARED_MAX {
             return odd;
         }
-        let is_free = |name: &Symbol| !self.tags.contains_key(name);
-        for (name, (count, span)) in &self.written {
+        let is_free = |name: &Symbol| !self.tags.contains(name);
+        let written = self.written.in_order();
+        for (name, (count, span)) in &written {
             if *count > 1 || !is_free(name) {
                 continue;
             }
-            let others =
-                self.written.iter().filter(|(other, (count, _))| *count > 1 && is_free(other) && *other != name);
+            let others = written.iter().filter(|(other, (count, _))| *count > 1 && is_free(other) && other != name);
             let found = near(name.printed(), others.map(|(other, _)| other.printed()));
             if let Some(first) = found.first().filter(|_| is_certain(name.printed(), &found))
                 && !is_inflected(name.folded(), &first.name.to_lowercase())
             {
-                odd.insert(name.clone(), (*span, Symbol::new(first.name)));
+                odd.insert((*name).clone(), (*span, Symbol::new(first.name)));
             }
         }
         odd
@@ -127,7 +158,7 @@ impl Lowering {
             return;
         }
         for (name, step, span) in &scope.words {
-            if !scope.tags.contains_key(name) && scope.is_visible(name, *step) {
+            if !scope.tags.contains(name) && scope.is_visible(name, *step) {
                 self.suspects.push((name.clone(), *span));
             }
         }
@@ -135,12 +166,12 @@ impl Lowering {
         let mut reported: BTreeSet<&Symbol> = BTreeSet::new();
         for (name, (span, meant)) in &odd {
             reported.insert(name);
-            reported.extend(scope.written.get_key_value(meant).map(|(key, _)| key));
+            reported.insert(meant);
             let message = format!("`?{name}` stands only here, and looks like `?{meant}`");
             let fix = Fix::safe(format!("replace `?{name}` by `?{meant}`")).replace(*span, format!("?{meant}"));
             let unbound = !scope.is_visible(meant, None)
                 && scope.uses.iter().any(|(used, step, _)| used == meant && !scope.is_visible(used, *step))
-                || !scope.binders.contains_key(name);
+                || !scope.binders.contains(name);
             let (severity, code) = if unbound {
                 (Severity::Error, codes::UNBOUND_VARIABLE)
             } else {
@@ -158,13 +189,14 @@ impl Lowering {
             }
             let message = format!("nothing binds `?{name}`");
             let mut diagnostic = Diagnostic::error(codes::UNBOUND_VARIABLE, *span, message);
-            if let Some((_, binder)) = scope.binders.get(name).and_then(|binders| binders.first_key_value()) {
+            if let Some(binder) = scope.binders.get(name).and_then(Binders::first) {
                 diagnostic = diagnostic
-                    .label(*binder, "bound here, for this step only")
+                    .label(binder, "bound here, for this step only")
                     .reason("what a step's waitfor, select or forall binds is not seen by other clauses")
                     .help(format!("hand it on as the step's value: `=> ?{name}`"));
             } else {
-                let visible = scope.binders.keys().filter(|key| scope.is_visible(key, *step)).map(Symbol::printed);
+                let binders = scope.binders.keys_in_order().into_iter();
+                let visible = binders.filter(|key| scope.is_visible(key, *step)).map(Symbol::printed);
                 let fixes = renames_marked(*span, name.printed(), visible, |name| format!("?{name}"));
                 let reason = "a variable gets its value from the index, a `=>`, a waitfor, a select or a forall";
                 diagnostic = diagnostic.reason(reason).fixes(fixes);

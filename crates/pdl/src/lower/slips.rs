@@ -45,7 +45,7 @@ impl Lowering {
             return true;
         }
         let is_task = |item: &Datum| {
-            let tag = item.as_variable().is_some_and(|tag| self.scope.tags.contains_key(tag));
+            let tag = item.as_variable().is_some_and(|tag| self.scope.tags.contains(tag));
             tag || matches!(&item.kind, DatumKind::Indexical(name) if name.is("this-task"))
         };
         if let [task, relation, _] = items
@@ -62,7 +62,7 @@ impl Lowering {
         let [task] = items else { return false };
         if let Some(tag) = task.as_symbol()
             && OF_TASKS.contains(&name)
-            && self.scope.tags.contains_key(tag)
+            && self.scope.tags.contains(tag)
         {
             let message = format!("`{tag}` is a word here, not the step");
             let fix = Fix::safe(format!("write `?{tag}`")).insert_before(task.span, "?");
@@ -72,7 +72,7 @@ impl Lowering {
             self.report(diagnostic);
             return true;
         }
-        let is_tag = task.as_variable().is_some_and(|tag| self.scope.tags.contains_key(tag));
+        let is_tag = task.as_variable().is_some_and(|tag| self.scope.tags.contains(tag));
         let head = datum.head().filter(|head| is_tag && !OF_TASKS.contains(&head.folded()));
         let Some((head, first)) = head.and_then(|head| {
             let found = near(head.printed(), OF_TASKS.iter().copied());

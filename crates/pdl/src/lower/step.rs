@@ -132,7 +132,14 @@ impl Lowering {
             }
             "select" => step.select.push(self.select(clause)?),
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),
-            "priority" => step.priority.push(self.priority(clause)?),
+            "priority" => {
+                let clause = self.priority(clause)?;
+                // Most steps have one, and it is large.
+                if step.priority.is_empty() {
+                    step.priority.reserve_exact(1);
+                }
+                step.priority.push(clause);
+            }
             "rank" => step.rank = Some(Box::new(self.only_expression(clause)?)),
             "interrupt-cost" => step.interrupt_cost = Some(Box::new(self.only_expression(clause)?)),
             "repeating" => step.repeating = Some(Box::new(self.repetition(clause, true)?)),

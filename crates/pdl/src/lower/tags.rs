@@ -5,6 +5,7 @@ use super::step::StepSource;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
+use crate::lookup::Lookup;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{is_certain, near, renames_marked};
 use apex_model::symbol::Symbol;
@@ -17,14 +18,14 @@ impl Lowering {
     /// Fixes for `?name`, which is the tag of no step: a misspelt tag, or a step that nobody waits for, the nearest
     /// before it first.
     pub(crate) fn tags_for(&self, name: &Symbol, span: Span) -> Vec<Fix> {
-        let tags = self.scope.tags.keys().map(Symbol::printed);
+        let tags = self.scope.tags.keys_in_order().into_iter().map(Symbol::printed);
         let renames = renames_marked(span, name.printed(), tags, |tag| format!("?{tag}"));
         if !renames.is_empty() {
             return renames;
         }
         let own = self.scope.step.unwrap_or(usize::MAX);
         let before = self.scope.tag_order.iter().enumerate().rev().filter(|(number, _)| *number < own);
-        let free = before.map(|(_, tag)| tag).filter(|tag| !self.scope.named_tags.contains(*tag));
+        let free = before.map(|(_, tag)| tag).filter(|tag| !self.scope.times_named.contains(tag));
         free.take(OFFERED_MAX)
             .map(|tag| Fix::look(format!("wait for `?{tag}`, for which nobody waits")).replace(span, format!("?{tag}")))
             .collect()
@@ -36,7 +37,7 @@ impl Lowering {
         if self.scope.times_named.get(name).is_none_or(|count| *count < 2) {
             return false;
         }
-        let free = self.scope.tags.keys().filter(|tag| !self.scope.named_tags.contains(*tag));
+        let free = self.scope.tags.keys_in_order().into_iter().filter(|tag| !self.scope.times_named.contains(tag));
         let found = near(name.printed(), free.map(Symbol::printed));
         let Some(tag) =
             found.first().filter(|_| is_certain(name.printed(), &found)).map(|first| Symbol::new(first.name))
@@ -52,10 +53,10 @@ impl Lowering {
 
     /// Reports steps with the tag of another one.
     pub(crate) fn report_same_tags(&mut self, steps: &[StepSource<'_>]) -> bool {
-        let mut taken: BTreeMap<Symbol, &StepSource<'_>> = BTreeMap::new();
+        let mut taken: Lookup<&Symbol, &StepSource<'_>> = Lookup::default();
         let mut unique = true;
         for step in steps.iter().filter(|step| !step.tag.is("")) {
-            let Some(first) = taken.insert(step.tag.clone(), step) else { continue };
+            let Some(first) = taken.insert(&step.tag, step) else { continue };
             unique = false;
             let message = format!("two steps are tagged `{}`", step.tag);
             let diagnostic = Diagnostic::error(codes::DUPLICATE_TAG, step.tag_span, message)

@@ -22,6 +22,9 @@ pub(crate) enum Atom<'t> {
 
 /// What `text` is. Every text is something: what is nothing else is a symbol.
 pub(crate) fn classify(text: &str) -> Atom<'_> {
+    if is_plain_word(text) {
+        return Atom::Symbol(text);
+    }
     if text == "?" {
         return Atom::Anonymous;
     }
@@ -45,6 +48,11 @@ pub(crate) fn classify(text: &str) -> Atom<'_> {
         return Atom::Quantity(level);
     }
     Atom::Symbol(text)
+}
+
+/// Begins as nothing but a symbol does: with a letter other than those of `P5S` and `FL120`. Most words do.
+fn is_plain_word(text: &str) -> bool {
+    text.bytes().next().is_some_and(|first| first.is_ascii_alphabetic() && !matches!(first, b'P' | b'p' | b'F' | b'f'))
 }
 
 /// A number, or a number with a known unit behind it.

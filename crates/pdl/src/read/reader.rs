@@ -8,7 +8,7 @@ use apex_model::limits::SOURCE_BYTES_MAX;
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// The data of one source text.
@@ -36,12 +36,13 @@ pub(crate) fn read_file(file: u32, text: &str) -> ReadFile {
 /// Builds data as the structure of a text is told.
 struct Reader<'t> {
     file: u32,
+    /// Top-level data, and behind them the parts of open lists, outer ones first: each list is then made in its size.
     data: Vec<Datum>,
     open: Vec<Open>,
     /// Where the last token ended, in bytes.
     end: usize,
     /// Each name of the text once: equal names then are equal at a glance.
-    symbols: HashMap<&'t str, Symbol>,
+    symbols: FxHashMap<&'t str, Symbol>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -49,12 +50,13 @@ struct Reader<'t> {
 struct Open {
     at: Position,
     prefix: Option<SyntaxKind>,
-    items: Vec<Datum>,
+    /// How many data stood before its parts.
+    before: usize,
 }
 
 impl<'t> Sink<'t> for Reader<'t> {
     fn open(&mut self, _: SyntaxKind, at: Position) {
-        self.open.push(Open { at, prefix: None, items: Vec::new() });
+        self.open.push(Open { at, prefix: None, before: self.data.len() });
     }
 
     fn token(&mut self, kind: SyntaxKind, text: &'t str, at: Position) {
@@ -79,11 +81,12 @@ impl<'t> Sink<'t> for Reader<'t> {
 
     fn close(&mut self) {
         let Some(open) = self.open.pop() else { return };
+        let items: Vec<Datum> = self.data.drain(open.before.min(self.data.len())..).collect();
         let Some(prefix) = open.prefix else {
-            return self.push(list_kind(open.items), open.at);
+            return self.push(list_kind(items), open.at);
         };
         // A prefix before nothing has been reported.
-        let Some(inner) = open.items.into_iter().next().map(Box::new) else { return };
+        let Some(inner) = items.into_iter().next().map(Box::new) else { return };
         let kind = match prefix {
             SyntaxKind::Quote => DatumKind::Quote(inner),
             SyntaxKind::Backquote => DatumKind::Quasi(inner),
@@ -97,12 +100,19 @@ impl<'t> Sink<'t> for Reader<'t> {
 
 impl<'t> Reader<'t> {
     fn new(file: u32) -> Reader<'t> {
-        Reader { file, data: Vec::new(), open: Vec::new(), end: 0, symbols: HashMap::new(), diagnostics: Vec::new() }
+        Reader {
+            file,
+            data: Vec::new(),
+            open: Vec::new(),
+            end: 0,
+            symbols: FxHashMap::default(),
+            diagnostics: Vec::new(),
+        }
     }
 
     fn push(&mut self, kind: DatumKind, at: Position) {
         let span = self.span(at);
-        self.open.last_mut().map_or(&mut self.data, |open| &mut open.items).push(Datum { kind, span });
+        self.data.push(Datum { kind, span });
     }
 
     /// From `at` to the end of the last token.

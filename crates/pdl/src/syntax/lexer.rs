@@ -39,11 +39,17 @@ fn first_token(rest: &str, first: char) -> (SyntaxKind, usize, bool) {
         '#' if rest.starts_with("#'") => (SyntaxKind::HashQuote, 2, false),
         // A byte order mark.
         '\u{feff}' => (SyntaxKind::WhiteSpace, first.len_utf8(), false),
-        blank if blank.is_whitespace() => {
-            (SyntaxKind::WhiteSpace, rest.find(|c: char| !c.is_whitespace()).unwrap_or(rest.len()), false)
-        }
-        _ => (SyntaxKind::Atom, rest.find(ends_atom).unwrap_or(rest.len()), false),
+        blank if blank.is_whitespace() => (SyntaxKind::WhiteSpace, length_until(rest, |c| !c.is_whitespace()), false),
+        _ => (SyntaxKind::Atom, length_until(rest, ends_atom), false),
     }
+}
+
+/// Bytes before the first character that is `wanted`. Most texts are ASCII, whose bytes are characters.
+fn length_until(rest: &str, wanted: impl Fn(char) -> bool) -> usize {
+    let is_end = |byte: &u8| !byte.is_ascii() || wanted(char::from(*byte));
+    let ascii = rest.as_bytes().iter().position(is_end).unwrap_or(rest.len());
+    let after = rest.get(ascii..).unwrap_or_default();
+    ascii + after.find(wanted).unwrap_or(after.len())
 }
 
 /// True for characters that cannot be part of an atom.

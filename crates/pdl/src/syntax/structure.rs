@@ -193,7 +193,8 @@ impl<'t, S: Sink<'t>> Structure<S> {
         self.at.offset += text.len();
         // Only these may go on over several lines; the others are most of a text.
         let many_lines = matches!(token.kind, SyntaxKind::WhiteSpace | SyntaxKind::BlockComment | SyntaxKind::Text);
-        match text.rsplit_once('\n').filter(|_| many_lines) {
+        let lines = if many_lines { text.rsplit_once('\n') } else { None };
+        match lines {
             Some((before, last_line)) => {
                 self.at.line += 1 + before.bytes().filter(|byte| *byte == b'\n').count();
                 self.at.column = 1 + last_line.chars().count();

@@ -1,0 +1,69 @@
+//! Names to what is known of them, found by their hash. A program may have a hundred thousand names in one procedure, and
+//! comparing texts on the way down a tree is then most of the work of checking it.
+//!
+//! Looking up is all that is offered: who wants the names asks for them in order, so that no message depends on a hash.
+
+use rustc_hash::FxHashMap;
+use std::hash::Hash;
+
+/// A table that is looked up by key.
+#[derive(Clone, Debug)]
+pub(crate) struct Lookup<K, V>(FxHashMap<K, V>);
+
+impl<K, V> Default for Lookup<K, V> {
+    fn default() -> Lookup<K, V> {
+        Lookup(FxHashMap::default())
+    }
+}
+
+impl<K: Eq + Hash + Ord + Clone, V> Lookup<K, V> {
+    /// What is known of `key`.
+    pub(crate) fn get(&self, key: &K) -> Option<&V> {
+        // An empty table is asked often, and hashing is not free.
+        if self.0.is_empty() { None } else { self.0.get(key) }
+    }
+
+    pub(crate) fn contains(&self, key: &K) -> bool {
+        self.get(key).is_some()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Puts `value` in the place of what was there, which is handed back.
+    pub(crate) fn insert(&mut self, key: K, value: V) -> Option<V> {
+        self.0.insert(key, value)
+    }
+
+    pub(crate) fn remove(&mut self, key: &K) {
+        self.0.remove(key);
+    }
+
+    /// What is known of `key`, or `new` if nothing was.
+    pub(crate) fn or_insert(&mut self, key: &K, new: V) -> &mut V {
+        self.0.entry(key.clone()).or_insert(new)
+    }
+
+    /// All of it in the order of the keys.
+    pub(crate) fn in_order(&self) -> Vec<(&K, &V)> {
+        let mut all: Vec<(&K, &V)> = self.0.iter().collect();
+        all.sort_unstable_by(|one, other| one.0.cmp(other.0));
+        all
+    }
+
+    /// All keys in order.
+    pub(crate) fn keys_in_order(&self) -> Vec<&K> {
+        self.in_order().into_iter().map(|(key, _)| key).collect()
+    }
+}
+
+impl<K: Eq + Hash, V> FromIterator<(K, V)> for Lookup<K, V> {
+    fn from_iter<I: IntoIterator<Item = (K, V)>>(entries: I) -> Lookup<K, V> {
+        Lookup(entries.into_iter().collect())
+    }
+}
