@@ -105,7 +105,14 @@ pub fn check(scenario: &Scenario) -> Checked {
         apex_geo::functions::host_signatures().into_iter().map(HostSignature::pure).collect();
     let source = SourceText { name: PROGRAM_NAME.to_string(), text: scenario.pdl.clone() };
     let mut resolve = |requirement| resolve(requirement, &scenario.files);
-    apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &host, resolve: &mut resolve })
+    let mut checked =
+        apex_pdl::check(vec![source], CheckOptions { fragment: false, host: &host, resolve: &mut resolve });
+    if !checked.has_errors() && !checked.library.constants.is_empty() {
+        let host = apex_geo::functions::host_functions();
+        let failures = apex_executive::failing_constants(&Arc::new(checked.library.clone()), host);
+        apex_pdl::report_constants(&mut checked, failures);
+    }
+    checked
 }
 
 /// The checker's messages as its reader sees them.

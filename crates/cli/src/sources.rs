@@ -75,7 +75,12 @@ pub fn check_sources(
     resolve: &mut dyn FnMut(Requirement) -> Result<SourceText, String>,
 ) -> Checked {
     let host = host_signatures();
-    apex_pdl::check(sources, apex_pdl::CheckOptions { fragment, host: &host, resolve })
+    let mut checked = apex_pdl::check(sources, apex_pdl::CheckOptions { fragment, host: &host, resolve });
+    if !fragment && !checked.has_errors() && !checked.library.constants.is_empty() {
+        let library = Arc::new(checked.library.clone());
+        apex_pdl::report_constants(&mut checked, apex_executive::failing_constants(&library, host_functions()));
+    }
+    checked
 }
 
 /// Checks a program, prints its diagnostics and returns its library if it has no errors.

@@ -21,6 +21,7 @@ pub mod memory;
 pub mod planted;
 
 pub use apex_model::agent::Agent;
+pub use constants::failing_constants;
 pub use session::{Judgement, MonitorResult, MonitorSession, SessionTrouble, Telling};
 pub use step::step;
 

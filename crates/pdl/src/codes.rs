@@ -48,6 +48,7 @@ codes! {
     ENDLESS_REPETITION "E0111" "A step repeats without end at one instant.";
     REQUIREMENT_MISSING "E0112" "A required library or file could not be read.";
     RESOURCE_AMOUNT "E0113" "An amount is asked of a resource that has none.";
+    CONSTANT_FAILS "E0114" "A constant has no value.";
     UNKNOWN_FUNCTION "E0201" "No function has this name.";
     UNKNOWN_INDEXICAL "E0202" "No indexical has this name.";
     UNKNOWN_TAG "E0203" "No step of this procedure has this tag.";

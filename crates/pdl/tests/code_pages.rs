@@ -1,6 +1,10 @@
 //! Every code has a page, and the page's examples are true: the first yields the code, the corrected one does not.
 
-use apex_pdl::{CheckOptions, Checked, ErrorCode, Requirement, SourceText, check, error_code, error_codes, read_value};
+use apex_model::host::HostFunctions;
+use apex_pdl::{
+    CheckOptions, Checked, ErrorCode, Requirement, SourceText, check, error_code, error_codes, read_value,
+    report_constants,
+};
 
 fn checked(text: &str) -> Checked {
     let mut resolve = |requirement| match requirement {
@@ -10,7 +14,10 @@ fn checked(text: &str) -> Checked {
         _ => Err("there is no such file".to_string()),
     };
     let source = SourceText { name: "page.pdl".to_string(), text: text.to_string() };
-    check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve })
+    let mut checked = check(vec![source], CheckOptions { fragment: false, host: &[], resolve: &mut resolve });
+    let library = std::sync::Arc::new(checked.library.clone());
+    report_constants(&mut checked, apex_executive::failing_constants(&library, HostFunctions::default()));
+    checked
 }
 
 /// The codes of all messages about the example of this kind.
