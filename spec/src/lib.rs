@@ -6,6 +6,7 @@
 
 pub mod coverage;
 pub mod diff;
+pub mod explained;
 pub mod outside;
 pub mod page;
 pub mod projection;

@@ -1,8 +1,9 @@
 //! A question to a run: `why TASK@T` records it and asks the record, as the command `apex why` does.
 
 use crate::scenario::{self, PROGRAM_NAME, Scenario};
+use apex_runtime::error::RecordError;
 use apex_runtime::explain;
-use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
+use apex_runtime::record::{Program, RecordOptions, RecordReader, Recorder};
 
 /// What `apex why` or `apex why-not`, as `word` says, answers about the scenario's run. `question` is a task, resource or
 /// command, as the command takes it, and an instant: `take-picture@2s`.
@@ -13,21 +14,42 @@ pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String,
     let parts = question.rsplit_once('@');
     let (task, at) = parts.ok_or_else(|| format!("`{word} {question}`: expected a task and an instant, `TASK@2s`"))?;
     let at = scenario::read_time(at).map_err(|reason| format!("`{word} {question}`: {reason}"))?;
+    let Recorded { reader, program, .. } = &recorded(scenario)?;
+    let question = explain::Question::new(task.trim(), at);
+    let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
+    match word {
+        "why-not" => explain::why_not(reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
+        _ => explain::ask(reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
+    }
+}
+
+/// A run with its record, which is gone when this is dropped.
+pub struct Recorded {
+    /// Reads the record.
+    pub reader: RecordReader,
+    /// What was run.
+    pub program: Program,
+    _folder: tempfile::TempDir,
+}
+
+/// Runs the scenario and records it.
+///
+/// # Errors
+/// As [`answer`].
+pub fn recorded(scenario: &Scenario) -> Result<Recorded, String> {
     let program = scenario::program_of(scenario)?;
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let path = folder.path().join(PROGRAM_NAME).with_extension("apex");
-    let told = |error: apex_runtime::error::RecordError| error.to_string();
     let mut recorder = Recorder::create(&path, &program.0, RecordOptions::default()).map_err(told)?;
     recorder.program(&program.0).map_err(told)?;
     let end = scenario::run_observed(scenario, &program, &mut [&mut recorder])?.map_err(|error| error.to_string())?;
     recorder.finish(end.at, &end.reason.text()).map_err(told)?;
     let reader = RecordReader::open(&path).map_err(told)?;
-    let question = explain::Question::new(task.trim(), at);
-    let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
-    match word {
-        "why-not" => explain::why_not(&reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
-        _ => explain::ask(&reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
-    }
+    Ok(Recorded { reader, program, _folder: folder })
+}
+
+fn told(error: RecordError) -> String {
+    error.to_string()
 }
 
 #[cfg(test)]

@@ -20,7 +20,11 @@ fn two_agents_fly_one_aircraft_and_their_record_tells_them_apart() {
     desk.apex(&["why", "f.apex", "stay", "--at", "58"]).well().told(&["rotorcraft-1/T", "is ongoing at 58s"]);
     desk.apex(&["why", "f.apex", "T0"])
         .complained(2, &["Several agents have a task T0", "camera-operator/T0 (operate"]);
-    desk.apex(&["why", "f.apex", "pilot/T0"]).complained(2, &["AGENT/TASK"]);
+    let unknown = ["No agent is called pilot; the record has rotorcraft-1, camera-operator."];
+    desk.apex(&["why", "f.apex", "pilot/T0"]).complained(2, &unknown);
+    desk.apex(&["why", "f.apex", "pilot/stay"]).complained(2, &unknown);
+    desk.apex(&["why-not", "f.apex", "pilot/T0"]).complained(2, &unknown);
+    desk.apex(&["why-not", "f.apex", "pilot/stay"]).complained(2, &unknown);
     desk.apex(&["trace", "f.apex", "--agent", "pilot"]).complained(2, &["No agent is called pilot"]);
     let lines = desk.apex(&["trace", "f.apex", "--json", "--object", "camera-operator/T0"]).well().json_lines();
     assert!(lines.iter().all(|line| line["agent"] == "camera-operator" && line["task"] == "T0"), "{lines:?}");
@@ -41,6 +45,11 @@ fn a_flight_is_flown_reported_and_confirmed() {
         "apex serve f.apex --open",
     ]);
     assert_eq!(desk.names(), ["f.apex"], "one file, without companions");
+    for question in ["why", "why-not"] {
+        let unknown = ["No agent is called nobody; the record has "];
+        desk.apex(&[question, "f.apex", "nobody/T0"]).complained(2, &unknown);
+        desk.apex(&[question, "f.apex", "nobody/camera-1"]).complained(2, &unknown);
+    }
     desk.apex(&["replay", "f.apex"]).well().told(&["The record is confirmed: "]);
     let replayed = desk.apex(&["replay", "f.apex", "--json"]).well().json_lines();
     assert_eq!(replayed[0]["equal"], true);

@@ -78,6 +78,8 @@ pub struct Holder {
     pub interrupt_cost: f64,
     /// How it got it, or why it was refused.
     pub because: Option<Link>,
+    /// What it waits for at the instant of the question, who waits: for this resource, who has it and why it stays so.
+    pub waits_for: Vec<Unmet>,
 }
 
 /// Why a command was sent.

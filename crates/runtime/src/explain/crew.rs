@@ -1,6 +1,6 @@
 //! Why, where several agents ran: `pilot/T12` names a task, and so does a name that only one of them has.
 
-use super::{Question, Why, find_task, why};
+use super::{Question, Why, find, find_task, why};
 use crate::error::RecordError;
 use crate::record::{LoadProgram, RecordReader};
 use apex_model::time::Time;
@@ -13,11 +13,7 @@ pub fn why_of_any(reader: &RecordReader, name: &str, at: Time, load: LoadProgram
     if !reader.has_several_agents() {
         return why(reader, name, at, load);
     }
-    let (agent, name) =
-        match name.split_once('/').and_then(|(agent, name)| Some((reader.agent_called(agent).ok()?, name))) {
-            Some(named) => named,
-            None => (only_agent_with(reader, name, at)?, name),
-        };
+    let (agent, name) = agent_and_name(reader, name, at)?;
     let mut found = why(&reader.of_agent(agent)?, name, at, load)?;
     if let Some(agent) = reader.agents().get(agent) {
         found.task = format!("{agent}/{}", found.task);
@@ -37,12 +33,25 @@ pub(super) fn addressed(
     if !reader.has_several_agents() {
         return Ok(None);
     }
-    let named = question.what.split_once('/');
-    let (agent, what) = match named.and_then(|(agent, what)| Some((reader.agent_called(agent).ok()?, what))) {
-        Some(named) => named,
-        None => (only_agent_with(reader, &question.what, question.at)?, question.what.as_str()),
-    };
+    let (agent, what) = agent_and_name(reader, &question.what, question.at)?;
     Ok(Some((reader.of_agent(agent)?, Question { what: what.to_owned(), ..question.clone() })))
+}
+
+/// The agent that `name` begins with, else the only one with such a task; and the name without the agent.
+fn agent_and_name<'n>(reader: &RecordReader, name: &'n str, at: Time) -> Result<(usize, &'n str), RecordError> {
+    let named = name.trim().split_once('/');
+    if let Some((agent, rest)) = named.and_then(|(agent, rest)| Some((reader.agent_called(agent).ok()?, rest))) {
+        return Ok((agent, rest));
+    }
+    if let Some((agent, _)) = named.filter(|(_, rest)| find::is_number(rest)) {
+        // The number is of that agent alone: no other one is meant.
+        reader.agent_called(agent)?;
+    }
+    let found = only_agent_with(reader, name, at);
+    match (found, find::agent_meant(name).map(|agent| reader.agent_called(agent))) {
+        (Err(_), Some(Err(no_agent))) => Err(no_agent),
+        (found, _) => Ok((found?, name)),
+    }
 }
 
 fn only_agent_with(reader: &RecordReader, name: &str, at: Time) -> Result<usize, RecordError> {

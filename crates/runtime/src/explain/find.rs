@@ -43,11 +43,31 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
 pub(super) fn without_agent<'a>(name: &'a str, agent: &str) -> Result<&'a str, RecordError> {
     match name.trim().split_once('/') {
         Some((first, rest)) if first.eq_ignore_ascii_case(agent) => Ok(rest),
-        Some((first, rest)) if is_number(rest) => Err(RecordError::Question(format!(
-            "This is the record of the agent {agent}; it has no tasks of `{first}`."
-        ))),
+        Some((first, rest)) if is_number(rest) => Err(RecordError::Question(no_agent(first, agent))),
         _ => Ok(name),
     }
+}
+
+fn no_agent(name: &str, agent: &str) -> String {
+    format!("No agent is called {name}; the record has {agent}.")
+}
+
+/// `error`, which is about `name`, with a remark if the name begins with an agent that this record does not have.
+pub(super) fn of_no_agent(error: RecordError, name: &str, agent: &str) -> RecordError {
+    match (error, agent_meant(name)) {
+        (RecordError::Question(text), Some(first)) => {
+            RecordError::Question(format!("{text} {}", no_agent(first, agent)))
+        }
+        (error, _) => error,
+    }
+}
+
+/// The agent that `pilot/take-off` seems to name; none for what only contains a `/`, as files and goals do.
+pub(super) fn agent_meant(name: &str) -> Option<&str> {
+    let (first, rest) = name.trim().split_once('/')?;
+    let is_word =
+        |text: &str| !text.is_empty() && text.chars().all(|each| each.is_alphanumeric() || "-_".contains(each));
+    (is_word(first) && !rest.is_empty() && !rest.contains(['/', ':'])).then_some(first)
 }
 
 /// `T12`, `12`
@@ -138,6 +158,15 @@ mod tests {
     fn numbers_tags_goals_and_parts_of_goals_name_tasks() {
         let names = ["T2", "t2", "2", "power", "POWER-UP CAMERA-1", "(power-up camera-1)", "camera-1"];
         assert!(names.into_iter().all(|name| ask(name) == "T2"));
+    }
+
+    #[test]
+    fn an_agent_before_a_name_is_told_from_a_path() {
+        assert_eq!(agent_meant("pilot/T0"), Some("pilot"));
+        assert_eq!(agent_meant("pilot-2/camera-1"), Some("pilot-2"));
+        for other in ["T0", "(fly a/b)", "lib/fire.pdl:12", "/T0", "pilot/"] {
+            assert_eq!(agent_meant(other), None, "{other}");
+        }
     }
 
     #[test]

@@ -72,7 +72,7 @@ fn ask_one(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) ->
         Ok(id) => why::of_task(scene, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
         Err(error) => match things::of_command(&scene, name)? {
             Some(answer) => Ok(Answer::Command(Box::new(answer))),
-            None => Err(error),
+            None => Err(find::of_no_agent(error, name, &scene.name)),
         },
     }
 }

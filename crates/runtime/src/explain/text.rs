@@ -136,12 +136,13 @@ fn write_holders(f: &mut fmt::Formatter<'_>, title: &str, holders: &[Holder]) ->
         return Ok(());
     }
     writeln!(f, "\n{title}:")?;
-    for Holder { task, goal, amount, priority, interrupt_cost, because } in holders {
+    for Holder { task, goal, amount, priority, interrupt_cost, because, waits_for } in holders {
         let amount = amount.as_ref().map(|amount| format!(" {amount},")).unwrap_or_default();
         writeln!(f, "  {task} {goal}:{amount} priority {priority}, interrupt cost {interrupt_cost}")?;
         if let Some(link) = because {
             link.write(f, 4, None)?;
         }
+        waits_for.iter().try_for_each(|unmet| writeln!(f, "    now it waits for {unmet}"))?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::chain::Chain;
 use super::link::Link;
 use super::log::{Log, Row};
 use super::scene::Scene;
+use super::why;
 use crate::error::RecordError;
 use apex_executive::Agent;
 use apex_executive::explanation::describe_task;
@@ -43,7 +44,9 @@ pub(super) fn of_resource(
         let lost = log.transition_before(task, "interrupted", i64::MAX)?;
         let last = [conflict, lost].into_iter().flatten().max_by_key(|row| row.id);
         let link = link(scene, &log, last)?;
-        waiting.push(holder(scene, agent, task, None, link));
+        let mut waiter = holder(scene, agent, task, None, link);
+        waiter.waits_for = why::waiting(agent, task);
+        waiting.push(waiter);
     }
     let about = scene.about(question, "resource", name);
     Ok(Some(ResourceAnswer { about, resource: found.name.to_string(), total: whole(found.total), holders, waiting }))
@@ -63,6 +66,7 @@ fn holder(scene: &Scene<'_>, agent: &Agent, task: TaskId, amount: Option<String>
         priority: view.as_ref().map_or(0.0, |view| view.priority),
         interrupt_cost: view.and_then(|view| view.interrupt_cost).unwrap_or_default(),
         because,
+        waits_for: Vec::new(),
     }
 }
 

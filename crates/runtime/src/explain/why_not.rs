@@ -36,7 +36,7 @@ pub(super) fn answer(scene: Scene<'_>, asked: &str) -> Result<WhyNot, RecordErro
     }
     match find::find_task(&scene.tasks, &name, scene.at).map(|row| row.id) {
         Ok(id) => of_task(scene, asked, id),
-        Err(error) => Err(near(&scene, &name, error)?),
+        Err(error) => Err(find::of_no_agent(near(&scene, &name, error)?, &name, &scene.name)),
     }
 }
 

@@ -1,0 +1,142 @@
+//! The text of an explanation and its data agree in every name, instant and cause, over the runs of all pages.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
+
+use apex_model::time::Time;
+use apex_runtime::explain::{self, Question};
+use apex_spec::explained::disagreements;
+use apex_spec::question::{Recorded, recorded};
+use apex_spec::{page, verdict};
+use serde_json::Value;
+
+/// Tasks asked about in one run, spread over all that there were.
+const TASKS_MAX: usize = 3;
+/// Spoilings tried of one answer.
+const TRIES_MAX: usize = 12;
+
+/// The answers about some tasks and all resources of a run, as data and as text.
+fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> {
+    let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
+    let mut found = Vec::new();
+    if reader.has_several_agents() {
+        return found;
+    }
+    let tasks = reader.tasks().unwrap();
+    let stride = tasks.len().div_ceil(TASKS_MAX).max(1);
+    for (number, task) in tasks.iter().step_by(stride).enumerate() {
+        // Early, late and at its end in turn.
+        let at = match number % 3 {
+            0 => task.created,
+            1 => Time::END,
+            _ => task.ended.unwrap_or(Time::END),
+        };
+        let question = Question::new(&task.id.to_string(), at);
+        let why = explain::ask(reader, &question, &load).unwrap();
+        found.push((serde_json::to_value(&why).unwrap(), why.to_string()));
+        let why_not = explain::why_not(reader, &question, &load).unwrap();
+        found.push((serde_json::to_value(&why_not).unwrap(), why_not.to_string()));
+    }
+    let mut names: Vec<String> = program.0.resources.keys().map(ToString::to_string).collect();
+    let needs = program.0.primitives.iter().flat_map(|each| &each.profile);
+    names.extend(needs.filter_map(|need| match &need.resource {
+        apex_model::expression::Template::Constant(name) => Some(name.to_string()),
+        _ => None,
+    }));
+    names.sort();
+    names.dedup();
+    let middle = tasks.get(tasks.len() / 2).map_or(Time::END, |task| task.created);
+    for name in names.iter().take(2) {
+        let asked = explain::ask(reader, &Question::new(name, middle), &load);
+        found.extend(asked.ok().map(|why| (serde_json::to_value(&why).unwrap(), why.to_string())));
+    }
+    found
+}
+
+fn all() -> Vec<(String, Value, String)> {
+    let mut all = Vec::new();
+    for path in page::files() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let runs = verdict::scenarios(&text).into_iter().filter(|(block, _)| block.kind == "trace");
+        for (block, scenario) in runs {
+            let Ok(run) = recorded(&scenario) else { continue };
+            all.extend(answers(&run).into_iter().map(|(data, text)| (format!("{name}:{}", block.line), data, text)));
+        }
+    }
+    all
+}
+
+/// The members of `data` that can be spoiled, as paths.
+fn paths(data: &Value, path: &str, found: &mut Vec<String>) {
+    match data {
+        Value::Object(members) => {
+            members.iter().for_each(|(name, part)| paths(part, &format!("{path}/{name}"), found));
+        }
+        Value::Array(parts) => {
+            parts.iter().enumerate().for_each(|(number, part)| paths(part, &format!("{path}/{number}"), found));
+            if !parts.is_empty() {
+                found.push(path.to_string());
+            }
+        }
+        Value::Null => {}
+        _ => found.push(path.to_string()),
+    }
+}
+
+/// Members that the text must show wherever they stand: when, who, what happened, why; and the lists of these.
+fn is_shown(path: &str) -> bool {
+    let parts: Vec<&str> = path.split('/').collect();
+    let own = ["because", "history", "waiting", "blocked"];
+    let shown = ["t", "what", "because", "causes", "state", "now", "history", "waiting", "goal"];
+    parts.last().is_some_and(|last| shown.contains(last))
+        && (parts.len() == 2 || own.contains(parts.get(1).unwrap_or(&"")))
+}
+
+/// Another value of the same kind; none where there is none that says something else.
+fn other(value: &Value) -> Option<Value> {
+    match value {
+        Value::Number(number) => number.as_f64().map(|number| Value::from(number + 0.625)),
+        Value::String(text) if !text.is_empty() => Some(Value::from(format!("{text} T77"))),
+        Value::Array(parts) => parts.split_last().map(|(_, rest)| Value::from(rest.to_vec())),
+        _ => None,
+    }
+}
+
+#[test]
+fn text_and_data_say_the_same_on_all_pages() {
+    let all = all();
+    assert!(all.len() > 1_000, "{} answers", all.len());
+    let mut wrong = Vec::new();
+    let (mut tried, mut blind) = (0, Vec::new());
+    for (number, (name, data, text)) in all.iter().enumerate() {
+        wrong.extend(disagreements(data, text).into_iter().map(|what| format!("{name}: {what}")));
+        // What is spoiled in the data of `why` is noticed.
+        if data.get("question") != Some(&Value::from("why")) || data.get("task").is_none() {
+            continue;
+        }
+        let mut members = Vec::new();
+        paths(data, "", &mut members);
+        // The middle of a long history is in the data alone, and the text says how much that is.
+        let is_long = data.get("history").and_then(Value::as_array).is_some_and(|moments| moments.len() > 40);
+        members.retain(|path| is_shown(path) && !(is_long && path.starts_with("/history/")));
+        let stride = members.len().div_ceil(TRIES_MAX).max(1);
+        for path in members.iter().skip(number % stride).step_by(stride) {
+            let mut spoiled = data.clone();
+            let place = spoiled.pointer_mut(path).unwrap();
+            let Some(value) = other(place) else { continue };
+            *place = value;
+            tried += 1;
+            if disagreements(&spoiled, text).is_empty() {
+                blind.push(format!("{name}: {path}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} facts:\n{}", wrong.len(), wrong.get(..wrong.len().min(25)).unwrap().join("\n"));
+    assert!(tried > 2_000, "{tried}");
+    assert!(
+        blind.is_empty(),
+        "{} of {tried} are not noticed:\n{}",
+        blind.len(),
+        blind.get(..blind.len().min(25)).unwrap().join("\n")
+    );
+}
