@@ -35,6 +35,20 @@ fn what_is_left_is_told_and_decides_how_it_ends() {
 }
 
 #[test]
+fn words_behind_a_missing_parenthesis_are_mended_in_the_same_run() {
+    let desk = Desk::new();
+    let right = "(procedure :sequential (index (do-domain))\n  (step greet (greet you))\n  (step wait (greet me) (waitfor (end ?greet)))\n  (step stop (terminate)))\n\n(primitive (index (greet ?who))\n  (duration 5s)\n  (on-start (print \"hello\" ?who)))\n";
+    let wrong = right
+        .replace("(step greet (greet you))", "(step greet (greet you)")
+        .replace("(waitfor", "(witfor")
+        .replace("duration", "durtion")
+        .replace("on-start", "on-strat");
+    desk.write("a.pdl", &wrong);
+    desk.apex(&["check", "--fix", "a.pdl"]).well().told(&["a.pdl: 4 fixes made; 1 procedure, 1 primitive, 0 errors"]);
+    assert_eq!(desk.read("a.pdl"), right);
+}
+
+#[test]
 fn a_dry_run_changes_nothing_and_prints_a_difference() {
     let desk = Desk::new();
     desk.write("a.pdl", MISSPELT);

@@ -99,7 +99,8 @@ fn fix_standard_input(options: &CheckOptions) -> Outcome<bool> {
 type Reader<'r> = &'r mut dyn FnMut(&Path) -> Outcome<String>;
 
 impl Program {
-    /// Checks and fixes until nothing safe is left to fix. A pass that leaves more errors than it found is taken back.
+    /// Checks and fixes until nothing safe is left to fix. A pass that leaves more errors than it found is taken back,
+    /// unless it mended the text's structure: what was wrong behind a missing `)` is seen only then.
     fn mend(&mut self, mut check: impl FnMut(Reader<'_>) -> Outcome<Checked>) -> Outcome<Checked> {
         let mut checked = check(&mut |path| self.read(path))?;
         for _ in 0..PASSES_MAX {
@@ -175,8 +176,12 @@ impl Program {
     }
 }
 
-fn errors(checked: &Checked) -> usize {
-    checked.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
+/// Errors of the text's structure, and the others.
+fn errors(checked: &Checked) -> (usize, usize) {
+    let errors = checked.diagnostics.iter().filter(|each| each.severity == Severity::Error);
+    let (structure, others): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
+        errors.partition(|each| each.code.starts_with("E00"));
+    (structure.len(), others.len())
 }
 
 /// The change of a text as a unified difference.
