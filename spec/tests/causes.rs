@@ -6,6 +6,10 @@
     reason = "a page or flight that cannot be read is a failed test"
 )]
 
+use apex_model::because::{Because, Evidence};
+use apex_model::effect::Effect;
+use apex_model::time::Time;
+use apex_model::value::Value;
 use apex_spec::rederive::mutation::{Spoiling, spoiled};
 use apex_spec::rederive::{Collector, Step, because_of, complaints};
 use apex_spec::scenario::Scenario;
@@ -87,6 +91,56 @@ fn a_spoiled_cause_is_noticed_whatever_its_kind() {
     let blind: Vec<_> = tried.iter().filter(|(_, (tries, noticed))| noticed < tries).collect();
     let kinds = tried.len();
     assert!(blind.is_empty(), "{} of {kinds} ways of spoiling are not always noticed: {blind:?}", blind.len());
+}
+
+/// Two conditions that hold together, against thresholds that are computed.
+const COMPUTED: &str = "
+(defconstant least (* 2 3))
+(procedure (index (do-domain)) (step w (watch 10)))
+(procedure (index (watch ?high))
+  (step a (print done) (waitfor (level tank > (* 2 ?high)) (pressure tank > least))))
+";
+const MEASURED: &str = r#"{"t": 1, "measurement": "(level tank)", "value": 15}
+{"t": 2, "measurement": "(level tank)", "value": 25}
+{"t": 3, "measurement": "(pressure tank)", "value": 5}
+{"t": 4, "measurement": "(pressure tank)", "value": 9}"#;
+
+#[test]
+fn samples_are_held_against_computed_thresholds_of_several_conditions() {
+    let scenario = Scenario { pdl: COMPUTED.into(), inputs: MEASURED.into(), ..Scenario::default() };
+    let (library, steps) = record(&scenario).pop().unwrap();
+    assert_eq!(complaints(&library, &steps), []);
+    let samples =
+        |because: &Because| because.evidence.iter().filter(|each| matches!(each, Evidence::Sample { .. })).count();
+    let mut tried = 0;
+    for (number, step) in steps.iter().enumerate() {
+        for (index, because) in step.effects.iter().enumerate().filter_map(|(at, each)| Some((at, because_of(each)?))) {
+            for spoil in 0..samples(because) {
+                // The sample before it, which was measured too, and does not meet the threshold.
+                let mut wrong = steps.clone();
+                let Effect::Decided(decision) = &mut wrong[number].effects[index] else { continue };
+                let mut count = 0;
+                decision.because.evidence = because
+                    .evidence
+                    .iter()
+                    .cloned()
+                    .map(|mut each| {
+                        if let Evidence::Sample { value, at, .. } = &mut each {
+                            if count == spoil {
+                                let (earlier, low) = if *at == Time::from_seconds(2.0) { (1.0, 15) } else { (3.0, 5) };
+                                (*at, *value) = (Time::from_seconds(earlier), Value::Integer(low));
+                            }
+                            count += 1;
+                        }
+                        each
+                    })
+                    .collect();
+                tried += 1;
+                assert!(!complaints(&library, &wrong).is_empty(), "{:?}", wrong[number].effects[index]);
+            }
+        }
+    }
+    assert!(tried >= 2, "{tried}");
 }
 
 #[test]

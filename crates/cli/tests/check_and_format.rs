@@ -39,7 +39,7 @@ fn json_names_every_part_of_a_diagnostic() {
     assert_eq!(error["file"], "a.pdl");
     assert_eq!((error["line"].as_u64(), error["column"].as_u64()), (Some(3), Some(11)));
     assert!(error["code"].is_string() && error["message"].is_string(), "{error}");
-    assert!(error["help"][0].as_str().unwrap().starts_with("write a procedure for it"), "{error}");
+    assert!(error["fixes"][0]["title"].as_str().unwrap().starts_with("write a procedure for it"), "{error}");
 }
 
 #[test]

@@ -2,11 +2,11 @@
 
 use super::Step;
 use super::numbers;
+use super::thresholds::Thresholds;
 use super::world::World;
 use apex_model::because::{Because, Evidence};
 use apex_model::condition::{Condition, ConditionKind, Constraint, MeasurementCondition, Relation};
 use apex_model::effect::{DecisionKind, Effect};
-use apex_model::expression::ExprKind;
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::task::{TaskId, TaskState};
@@ -15,11 +15,22 @@ use apex_model::value::Value;
 
 /// Looks for all evidence of `because`, which `task` may use.
 pub(super) fn check(world: &World<'_>, step: &Step, task: TaskId, because: &Because) -> Result<(), String> {
-    let condition = because.place.and_then(|place| condition_at(world, place));
+    let conditions = because.place.map(|place| conditions_at(world, place)).unwrap_or_default();
     let mut leaves = Vec::new();
-    condition.into_iter().for_each(|condition| collect(condition, &mut leaves));
+    conditions.iter().for_each(|condition| collect(condition, &mut leaves));
     for evidence in because.evidence.iter() {
         one(world, step, task, evidence, &leaves).map_err(|what| format!("{}: {what}", evidence.text()))?;
+    }
+    // All conditions of a clause hold together: each that compares samples rests on one.
+    let measured = |condition: &&&Condition| matches!(condition.kind, ConditionKind::Measurement(_));
+    let together = conditions.len() > 1 && !because.evidence.is_empty();
+    for condition in conditions.iter().filter(measured).take(if together { usize::MAX } else { 0 }) {
+        let rests = because.evidence.iter().any(|evidence| match evidence {
+            Evidence::Sample { variable, .. } => is_of(&variable.to_string(), &condition.kind),
+            Evidence::Estimate(_) | Evidence::Aggregate(_) | Evidence::Run { .. } => true,
+            _ => false,
+        });
+        require(rests, "one of several conditions rests on no sample")?;
     }
     Ok(())
 }
@@ -36,7 +47,7 @@ fn one(
             in_time(world, *at)?;
             let variable = variable.to_string();
             was_measured(world, &variable, value, *at)?;
-            meets_a_threshold(&variable, value, leaves)?;
+            meets_a_threshold(&Thresholds { world, task }, &variable, value, leaves)?;
             in_window(world, task, *at, leaves)
         }
         Evidence::Event { form, at } => {
@@ -129,30 +140,39 @@ fn was_measured(world: &World<'_>, variable: &str, value: &Value, at: Time) -> R
     require(known.iter().any(|(when, other)| *when == at && close(other)), "no such sample then")
 }
 
-/// A condition that compares the variable with a number must hold of the sample.
-fn meets_a_threshold(variable: &str, value: &Value, leaves: &[&ConditionKind]) -> Result<(), String> {
-    let of_variable = |leaf: &&ConditionKind| match leaf {
+/// Is the condition about this variable?
+fn is_of(variable: &str, leaf: &ConditionKind) -> bool {
+    match leaf {
         ConditionKind::Measurement(measurement) => {
             variable.trim_start_matches('(').starts_with(measurement.variable.attribute.printed())
         }
         _ => false,
-    };
+    }
+}
+
+/// A condition that compares the variable with a number must hold of the sample.
+fn meets_a_threshold(
+    thresholds: &Thresholds<'_, '_>,
+    variable: &str,
+    value: &Value,
+    leaves: &[&ConditionKind],
+) -> Result<(), String> {
+    let of_variable = |leaf: &&ConditionKind| is_of(variable, leaf);
     let mut relevant = leaves.iter().copied().filter(|leaf| of_variable(leaf)).peekable();
     if leaves.is_empty() || relevant.peek().is_none() {
         return require(leaves.is_empty(), "the condition waits for another variable");
     }
     let holds = relevant.any(|leaf| match leaf {
-        ConditionKind::Measurement(measurement) => thresholds_hold(measurement, value),
+        ConditionKind::Measurement(measurement) => thresholds_hold(thresholds, measurement, value),
         _ => false,
     });
     require(holds, "it does not meet the condition's threshold")
 }
 
-fn thresholds_hold(measurement: &MeasurementCondition, value: &Value) -> bool {
+fn thresholds_hold(thresholds: &Thresholds<'_, '_>, measurement: &MeasurementCondition, value: &Value) -> bool {
     measurement.value.iter().all(|constraint| {
         let Constraint::Compare { relation, right, tolerance: None } = constraint else { return true };
-        let ExprKind::Constant(right) = &right.kind else { return true };
-        let (Some((own, a)), Some((wanted, b))) = (value.as_number(), right.as_number()) else { return true };
+        let (Some((own, a)), Some((wanted, b))) = (value.as_number(), thresholds.number(right)) else { return true };
         if a != b {
             return true;
         }
@@ -203,13 +223,16 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     }
 }
 
-/// The condition that stands at `place`; none where several are joined.
-fn condition_at<'a>(world: &World<'a>, place: Place) -> Option<&'a Condition> {
+/// The condition that stands at `place`, with those of its waitfor that hold together with it: they are told as one.
+fn conditions_at<'a>(world: &World<'a>, place: Place) -> Vec<&'a Condition> {
     let library = world.library;
     let at = |condition: &&Condition| condition.place == place;
-    library.procedures.iter().find_map(|procedure| {
+    let mut steps = library.procedures.iter().flat_map(|procedure| &procedure.steps);
+    if let Some(step) = steps.find(|step| step.waitfor.first().is_some_and(|first| first.place == place)) {
+        return step.waitfor.iter().collect();
+    }
+    let found = library.procedures.iter().find_map(|procedure| {
         let steps = procedure.steps.iter();
-        let single = steps.clone().filter(|step| step.waitfor.len() == 1).flat_map(|step| &step.waitfor);
         let own = [&procedure.transitions].into_iter().chain(steps.map(|step| &step.transitions)).flat_map(|clauses| {
             [
                 &clauses.end_when,
@@ -221,6 +244,7 @@ fn condition_at<'a>(world: &World<'a>, place: Place) -> Option<&'a Condition> {
             .into_iter()
             .flat_map(|clause| clause.as_deref())
         });
-        single.chain(own).find(at)
-    })
+        own.into_iter().find(at)
+    });
+    found.into_iter().collect()
 }

@@ -5,6 +5,7 @@ mod ends;
 mod evidence;
 pub mod mutation;
 mod numbers;
+mod thresholds;
 mod world;
 
 use apex_model::because::Because;

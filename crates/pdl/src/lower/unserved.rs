@@ -9,7 +9,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
 use crate::print::{pattern_text, template_text};
-use crate::read::Datum;
+use crate::read::{Datum, DatumKind};
 use crate::suggest::{is_certain, near, renames};
 use apex_model::library::Library;
 use apex_model::source::Place;
@@ -170,7 +170,35 @@ impl<'s, 'l> Search<'s, 'l> {
         let text = template_text(&goal.template);
         let heads = index.by_head.keys().map(|head| head.printed()).chain(ACTIVITIES.iter().copied());
         let fixes = renames(source.head_span(), source.head().map_or("", Symbol::printed), heads);
+        if fixes.is_empty()
+            && let Some(skeleton) = self.skeleton(source)
+        {
+            return diagnostic.fix(skeleton);
+        }
         diagnostic.fixes_or_help(fixes, || format!("write a procedure for it: `(procedure (index {text}) ..)`"))
+    }
+
+    /// A procedure for the goal at the end of its file, which only says that it is still to be written.
+    fn skeleton(&self, goal: &Datum) -> Option<Fix> {
+        let text = &self.library.sources.get(usize::try_from(goal.span.file).ok()?)?.text;
+        let items = goal.as_list()?.iter().enumerate();
+        let words: Option<Vec<String>> = items.map(|(number, item)| self.index_part(item, number)).collect();
+        let index = format!("({})", words?.join(" "));
+        let end = u32::try_from(text.len()).ok()?;
+        let span = crate::diagnostic::Span { start: end, end, ..goal.span };
+        let line_end = if text.ends_with('\n') { "" } else { "\n" };
+        let body = format!("(step todo (print \"{} is still to be written\"))", index.replace(['"', '\\'], "'"));
+        let form = format!("{line_end}\n(procedure :sequential (index {index})\n  {body})\n");
+        Some(Fix::look(format!("write a procedure for it: `(procedure (index {index}) ..)`")).insert_before(span, form))
+    }
+
+    /// What an index says where a goal says this: the same word, or a variable for what the goal fills in.
+    fn index_part(&self, item: &Datum, number: usize) -> Option<String> {
+        match &item.kind {
+            DatumKind::Variable(name) | DatumKind::Bound(name) | DatumKind::Indexical(name) => Some(format!("?{name}")),
+            DatumKind::Symbol(_) | DatumKind::Integer(_) | DatumKind::Text(_) => self.text(item),
+            _ => Some(format!("?part-{number}")),
+        }
     }
 
     fn nearest(&self, source: &Datum) -> Option<Nearest<'s>> {

@@ -5,7 +5,7 @@
 
 use super::SyntaxKind;
 use super::lexer::tokens;
-use super::shape::{Piece, PieceKind, cost, is_form};
+use super::shape::{Piece, PieceKind, clause_meant, cost, is_form};
 
 /// A change of one parenthesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,8 @@ fn pieces(text: &str) -> Vec<Piece<'_>> {
         };
         if let Some(kind) = kind {
             let first_column = first.then_some(column);
-            pieces.push(Piece { kind, text: token.text, start: offset, first_column, column, line });
+            let length = token.text.len();
+            pieces.push(Piece { kind, text: token.text, start: offset, length, first_column, column, line });
         }
         first &= token.kind == SyntaxKind::WhiteSpace;
         offset += token.text.len();
@@ -118,8 +119,37 @@ fn balance(form: &[Piece<'_>]) -> Balance {
     }
 }
 
-/// The change that leaves the least doubt, and whether it leaves none.
+/// The change that leaves the least doubt, and whether it leaves none. Where misspelt clauses keep every change doubtful,
+/// the form is looked at as if they were written right: what is certain then is meant, whatever the words.
 fn best(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
+    let as_written = least_doubtful(form, lacking);
+    if as_written.is_some_and(|(_, is_certain)| is_certain) {
+        return as_written;
+    }
+    let as_meant = spelt_right(form).and_then(|form| least_doubtful(&form, lacking));
+    // Offsets are those of the text as written: words were exchanged, not moved.
+    as_meant.filter(|(_, is_certain)| *is_certain).or(as_written)
+}
+
+/// The form with its misspelt clauses spelt right; none if there are none.
+fn spelt_right<'t>(form: &[Piece<'t>]) -> Option<Vec<Piece<'t>>> {
+    let mut meant = form.to_vec();
+    let mut exchanged = false;
+    for (number, piece) in form.iter().enumerate().skip(1) {
+        let heads_list = form.get(number - 1).is_some_and(|before| before.kind == PieceKind::Open);
+        if piece.kind == PieceKind::Other
+            && heads_list
+            && let Some(word) = clause_meant(piece.text)
+            && let Some(place) = meant.get_mut(number)
+        {
+            place.text = word;
+            exchanged = true;
+        }
+    }
+    exchanged.then_some(meant)
+}
+
+fn least_doubtful(form: &[Piece<'_>], lacking: Balance) -> Option<(Repair, bool)> {
     let mut found: Option<(usize, bool, Candidate)> = None;
     let candidates: Vec<Candidate> = match lacking {
         Balance::LacksClose => (0..form.len()).map(Candidate::CloseAfter).collect(),
@@ -189,7 +219,7 @@ impl Candidate {
             Candidate::Remove(_) => Repair::Remove { at: piece.start },
             Candidate::OpenBefore(_) => Repair::Open { at: piece.start },
             Candidate::CloseAfter(at) => {
-                Repair::Close { at: piece.start + piece.text.len(), opened: innermost(form.get(..=at)?)? }
+                Repair::Close { at: piece.start + piece.length, opened: innermost(form.get(..=at)?)? }
             }
         })
     }

@@ -3,6 +3,7 @@
 
 use crate::check::FORMS;
 use crate::lower::{PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
+use crate::suggest::{is_certain, near};
 use apex_model::builtins::built_in;
 
 /// A token that matters for structure.
@@ -11,6 +12,8 @@ pub(super) struct Piece<'t> {
     pub(super) kind: PieceKind,
     pub(super) text: &'t str,
     pub(super) start: usize,
+    /// Of the text as written, in bytes.
+    pub(super) length: usize,
     /// Column from 1, if it is the first on its line.
     pub(super) first_column: Option<usize>,
     pub(super) column: usize,
@@ -34,6 +37,16 @@ const ARITY: usize = 1;
 /// Is this a form of the top level, which stands nowhere else? An agent stands in applications too.
 pub(super) fn is_form(word: &str) -> bool {
     FORMS.contains(&word) && word != "agent"
+}
+
+/// The clause or form that this misspelt word is certainly meant to be; none for what is one, or is a function.
+pub(super) fn clause_meant(word: &str) -> Option<&'static str> {
+    let known = || STEP_CLAUSES.iter().chain(PROCEDURE_CLAUSES).chain(PRIMITIVE_CLAUSES).chain(FORMS).copied();
+    if built_in(word).is_some() || known().any(|name| name == word) {
+        return None;
+    }
+    let found = near(word, known());
+    found.first().filter(|_| is_certain(word, &found)).map(|first| first.name)
 }
 
 /// Is this a clause that only steps have?
