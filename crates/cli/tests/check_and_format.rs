@@ -18,7 +18,12 @@ fn a_mistake_is_named_with_file_line_and_column() {
     let desk = Desk::new();
     desk.write("a.pdl", UNKNOWN_GOAL);
     let said = desk.apex(&["check", "a.pdl"]).complained(2, &[]);
-    said.told(&["no procedure, primitive or solver serves `(make coffee)`", "--> a.pdl:3:11", "help:", "1 error,"]);
+    said.told(&[
+        "no procedure, primitive or solver serves `(make coffee)`",
+        "--> a.pdl:3:11",
+        "possible fix:",
+        "1 error,",
+    ]);
 }
 
 #[test]

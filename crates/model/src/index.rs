@@ -154,17 +154,18 @@ impl ProcedureIndex {
                 counts: endless_only || ends_by_itself(step),
             }
         });
+        let steps = steps.collect();
         ProcedureIndex {
             tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
-            steps: steps.collect(),
-            changing: changing(procedure, results),
+            steps,
+            changing: changing(procedure, awaited.producers.into_keys()),
         }
     }
 }
 
 /// Results of steps, and variables that are assigned by hooks, activities and `select`.
-fn changing(procedure: &Procedure, results: Vec<BTreeSet<Symbol>>) -> BTreeSet<Symbol> {
-    let mut names: BTreeSet<Symbol> = results.into_iter().flatten().collect();
+fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTreeSet<Symbol> {
+    let mut names: BTreeSet<Symbol> = results.collect();
     let mut see = |expr: &Expr| {
         if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
             names.insert(name.clone());

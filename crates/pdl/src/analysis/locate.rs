@@ -172,7 +172,7 @@ pub(crate) fn closing(form: Span) -> Span {
 }
 
 /// Every part of `datum` in order of writing.
-fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
+pub(crate) fn each(datum: &Datum, visit: &mut dyn FnMut(&Datum)) {
     visit(datum);
     match &datum.kind {
         DatumKind::List(items) => items.iter().for_each(|item| each(item, visit)),

@@ -1,12 +1,14 @@
 //! What is defined and never used: variables, and in a program with agents whole definitions.
 
 use super::bound::by_pattern;
+use super::locate::each;
 use super::methods::Method;
 use super::{Program, Report, walk};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
 use crate::print::pattern_text;
+use crate::suggest::{is_certain, near};
 use apex_model::condition::{Condition, ConditionKind, Constraint};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::Library;
@@ -16,7 +18,7 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use apex_model::variables;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
     let is_own = |place: Place| !program.foreign.contains(&place.file);
@@ -60,12 +62,35 @@ fn variables_of(procedure: &Procedure, report: &mut Report<'_>) {
                 let diagnostic = Diagnostic::new(Severity::Warning, codes::UNUSED_VARIABLE, span, message)
                     .reason("no clause of this procedure needs the result of the step")
                     .help("remove the `=>`, or write `?` for a part that is not needed");
+                let diagnostic = match misspelt_use(procedure, name, report) {
+                    Some((span, other)) => diagnostic
+                        .label(span, format!("`?{other}` stands only here"))
+                        .fix(Fix::look(format!("replace `?{other}` by `?{name}`")).replace(span, format!("?{name}"))),
+                    None => diagnostic,
+                };
                 let result = report.locator.result(step.place, name);
                 report.add(diagnostic.fixes(result.map(|result| Fix::look("remove the `=>`").replace(result, ""))));
             }
         }
     }
     walk::procedure(procedure, &mut |expr| unused_let(expr, report));
+}
+
+/// A variable that stands once in the procedure and is certainly a misspelling of `name`.
+fn misspelt_use(procedure: &Procedure, name: &Symbol, report: &mut Report<'_>) -> Option<(Span, Symbol)> {
+    let datum = report.locator.datum(procedure.place)?;
+    let mut found: BTreeMap<Symbol, (usize, Span)> = BTreeMap::new();
+    each(&datum, &mut |part| {
+        if let Some(variable) = part.as_variable() {
+            found.entry(variable.clone()).or_insert((0, part.span)).0 += 1;
+        }
+    });
+    let is_tag = |variable: &Symbol| procedure.steps.iter().any(|step| step.tag == *variable);
+    found.retain(|variable, (count, _)| *count == 1 && variable != name && !is_tag(variable));
+    let nearest = near(name.printed(), found.keys().map(Symbol::printed));
+    let first = nearest.first().filter(|_| is_certain(name.printed(), &nearest))?;
+    let other = Symbol::new(first.name);
+    found.get(&other).map(|(_, span)| (*span, other.clone()))
 }
 
 /// Every variable that a clause of the procedure uses; what a `=>` or a `select` gives a value does not count.

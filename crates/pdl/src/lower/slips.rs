@@ -14,6 +14,12 @@ use std::collections::BTreeSet;
 /// Names of conditions that are no likely names of events.
 const CONDITIONS: &[&str] =
     &["episode", "atomic-episode", "measurement", "in-order", "cyclic", "timestamp", "and", "or", "not"];
+/// Words by which authors mean that a task has ended.
+const ENDED: &[&str] =
+    &["ended", "finished", "done", "complete", "completed", "over", "stopped", "finish", "succeeded"];
+/// Relations as other languages write them, with their names here.
+const FOREIGN_RELATIONS: &[(&str, &str)] =
+    &[("==", "="), ("!=", "/="), ("<>", "/="), ("=<", "<="), ("≤", "<="), ("≥", ">="), ("≠", "/=")];
 /// What is said of a task in a condition.
 const OF_TASKS: &[&str] = &["end", "start", "terminated", "end-of"];
 
@@ -59,6 +65,9 @@ impl Lowering {
             self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
             return true;
         }
+        if self.report_foreign_relation(datum) {
+            return true;
+        }
         let [task] = items else { return false };
         if let Some(tag) = task.as_symbol()
             && OF_TASKS.contains(&name)
@@ -74,15 +83,52 @@ impl Lowering {
         }
         let is_tag = task.as_variable().is_some_and(|tag| self.scope.tags.contains(tag));
         let head = datum.head().filter(|head| is_tag && !OF_TASKS.contains(&head.folded()));
-        let Some((head, first)) = head.and_then(|head| {
+        let Some((head, meant)) = head.and_then(|head| {
             let found = near(head.printed(), OF_TASKS.iter().copied());
-            found.first().copied().map(|first| (head, first))
+            let meant =
+                if ENDED.contains(&head.folded()) { Some("end") } else { found.first().map(|first| first.name) };
+            meant.map(|meant| (head, meant))
         }) else {
             return false;
         };
         let message = format!("nothing is called `{head}` of a step");
-        let fix = Fix::safe(format!("replace `{head}` by `{}`", first.name)).replace(datum.head_span(), first.name);
+        let fix = Fix::safe(format!("replace `{head}` by `{meant}`")).replace(datum.head_span(), meant);
         self.report(Diagnostic::error(codes::UNKNOWN_CONDITION, datum.head_span(), message).fix(fix));
+        true
+    }
+}
+
+impl Lowering {
+    /// Reports a comparison that is written as in another language: it would be an event that never comes.
+    fn report_foreign_relation(&mut self, datum: &Datum) -> bool {
+        let items = datum.as_list().unwrap_or_default();
+        if let [relation, Datum { kind: DatumKind::List(variable), span }, _] = items
+            && super::constraint::relation_named(relation).is_some()
+            && let Some(first) = variable.first()
+        {
+            let name = relation.as_symbol().map_or("=", Symbol::printed);
+            let opening = Span { end: first.span.start, ..relation.span };
+            let closing = Span { start: span.end.saturating_sub(1), ..*span };
+            let fix = Fix::safe(format!("write `(VARIABLE {name} VALUE)`"));
+            let message = "a comparison begins with the state variable";
+            let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, relation.span, message)
+                .reason("as it stands it is an event with these words, which never comes")
+                .fix(fix.replace(opening, "").replace(closing, format!(" {name}")));
+            self.report(diagnostic);
+            return true;
+        }
+        let foreign = items.iter().skip(1).find_map(|item| {
+            let name = item.as_symbol()?;
+            let (_, own) = FOREIGN_RELATIONS.iter().find(|(foreign, _)| name.is(foreign))?;
+            Some((item.span, name, *own))
+        });
+        let Some((span, name, own)) = foreign else { return false };
+        let fix = Fix::safe(format!("replace `{name}` by `{own}`")).replace(span, own);
+        self.report(
+            Diagnostic::error(codes::MALFORMED_CONDITION, span, format!("no relation is called `{name}`"))
+                .reason("as it stands this is an event with these words, which never comes")
+                .fix(fix),
+        );
         true
     }
 }

@@ -5,6 +5,7 @@ use super::activity::swap;
 use super::clauses::groups;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames;
 use apex_model::expression::Expr;
@@ -50,6 +51,34 @@ pub(crate) const STEP_CLAUSES: &[&str] = &[
     "resume-when",
     "suspend",
     "suspend-when",
+];
+/// Words that authors write for clauses with another name.
+const MEANT: &[(&str, &str)] = &[
+    ("when", "waitfor"),
+    ("after", "waitfor"),
+    ("wait", "waitfor"),
+    ("wait-until", "waitfor"),
+    ("await", "waitfor"),
+    ("requires", "waitfor"),
+    ("precondition", "waitfor"),
+    ("preconditions", "waitfor"),
+    ("on-fail", "on-failure"),
+    ("on-error", "on-failure"),
+    ("repeat", "repeating"),
+    ("loop", "repeating"),
+    ("respond", "responding"),
+    ("until", "end-when"),
+    ("stop-when", "end-when"),
+    ("resource", "profile"),
+    ("resources", "profile"),
+    ("needs", "profile"),
+    ("uses", "profile"),
+    ("foreach", "forall"),
+    ("for-each", "forall"),
+    ("on-begin", "on-start"),
+    ("on-stop", "on-end"),
+    ("on-finish", "on-end"),
+    ("goal", "index"),
 ];
 /// Clauses that may stand several times.
 const REPEATABLE: &[&str] =
@@ -187,7 +216,15 @@ impl Lowering {
         let message = format!("{of} has no clause `{name}`");
         let diagnostic = Diagnostic::error(codes::UNKNOWN_CLAUSE, clause.span, message);
         let span = clause.head_span();
-        let fixes = renames(span, name.printed(), known.iter().copied());
+        let mut fixes = renames(span, name.printed(), known.iter().copied());
+        let meant = MEANT.iter().find(|(word, clause)| name.is(word) && known.contains(clause));
+        if let Some((_, clause)) = meant.filter(|_| fixes.is_empty()) {
+            fixes.push(Fix::look(format!("replace `{name}` by `{clause}`")).replace(span, *clause));
+        }
+        let is_like_step = known.contains(&"step") && clause.tail().first().is_some_and(|first| first.head().is_some());
+        if is_like_step && fixes.is_empty() {
+            fixes.push(Fix::look(format!("make it a step: `(step {name} ..)`")).insert_before(span, "step "));
+        }
         self.report(diagnostic.fixes_or_help(fixes, || format!("its clauses are {}", known.join(" "))));
     }
 

@@ -37,6 +37,9 @@ pub(crate) const ACTIVITIES: &[&str] = &[
     "plan",
 ];
 
+/// Words that authors write for `terminate`.
+const ENDINGS: &[&str] = &["end", "finish", "stop", "done", "exit", "return", "quit", "complete"];
+
 /// An index that nearly serves a goal.
 struct Nearest<'s> {
     served: &'s Served,
@@ -173,7 +176,13 @@ impl<'s, 'l> Search<'s, 'l> {
         if fixes.is_empty()
             && let Some(skeleton) = self.skeleton(source)
         {
-            return diagnostic.fix(skeleton);
+            let is_end = |items: &[Datum]| matches!(items, [word] if ENDINGS.iter().any(|ending| word.is(ending)));
+            let terminate = source.as_list().filter(|items| is_end(items));
+            let terminate = terminate.map(|_| {
+                Fix::look("replace it by `terminate`, which ends the procedure")
+                    .replace(source.head_span(), "terminate")
+            });
+            return diagnostic.fixes(terminate).fix(skeleton);
         }
         diagnostic.fixes_or_help(fixes, || format!("write a procedure for it: `(procedure (index {text}) ..)`"))
     }
