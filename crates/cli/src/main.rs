@@ -5,6 +5,7 @@
 mod commands;
 mod console;
 mod mission;
+mod monitor;
 mod options;
 mod output;
 mod outside;
@@ -29,6 +30,8 @@ fn main() -> ExitCode {
         Command::Why(options) => commands::why::run(&options),
         Command::WhyNot(options) => commands::why_not::run(&options),
         Command::Trace(options) => commands::trace::run(&options),
+        Command::Monitor(options) => commands::monitor::run(&options),
+        Command::Export(options) => commands::export::run(&options),
         Command::Plan(options) => commands::plan::run(&options),
         Command::Serve(options) => commands::serve::run(&options),
     };

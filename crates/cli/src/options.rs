@@ -38,6 +38,10 @@ pub enum Command {
     WhyNot(WhyNotOptions),
     /// Print what happened in a flight, filtered.
     Trace(TraceOptions),
+    /// Watch conditions over a flight log, a flight record or lines of JSON, and print every result.
+    Monitor(MonitorOptions),
+    /// Write the samples and events of a flight record or log as a table, CSV or Parquet.
+    Export(ExportOptions),
     /// Plan a mission without flying it and print the plan.
     Plan(PlanOptions),
     /// Open Sherpa, the web page, on a flight record.
@@ -225,6 +229,72 @@ pub struct TraceOptions {
     /// Print JSON lines.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `apex monitor`
+#[derive(Args)]
+pub struct MonitorOptions {
+    /// Conditions, such as '(roll-angle aircraft-1 > 15deg)'.
+    #[arg(value_name = "CONDITION")]
+    pub conditions: Vec<String>,
+    /// A file of conditions; may be given several times.
+    #[arg(long, value_name = "FILE")]
+    pub condition_file: Vec<PathBuf>,
+    /// What to watch: JSON lines, a flight record, or a log (.ulg, .bin, .log, .tlog, .mcap, .csv); default is standard input.
+    #[arg(long, value_name = "FILE")]
+    pub inputs: Option<PathBuf>,
+    /// From when on evidence counts; default is the input's first instant.
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
+    pub created: Option<String>,
+    /// PDL with declarations of state variables, functions and constants; may be given several times.
+    #[arg(long, value_name = "FILE")]
+    pub library: Vec<PathBuf>,
+    /// Which fields of a log are which state variables; default is what ships for the log's format.
+    #[arg(long, value_name = "FILE")]
+    pub mapping: Option<PathBuf>,
+    /// Keep the log's own clock instead of counting from its beginning.
+    #[arg(long)]
+    pub log_time: bool,
+    /// List the fields of the log, with counts, rates and ranges, and what they are mapped to.
+    #[arg(long)]
+    pub fields: bool,
+    /// End with exit code 1 unless this is the verdict of every condition.
+    #[arg(long, value_name = "VERDICT", value_parser = ["satisfied", "not-satisfied", "unknown"])]
+    pub expect: Option<String>,
+    /// Print JSON lines.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex export`
+#[derive(Args)]
+pub struct ExportOptions {
+    /// A flight record, a log (.ulg, .bin, .log, .tlog, .mcap, .csv) or JSON lines; `-` is standard input.
+    pub inputs: PathBuf,
+    /// The table's format; default is what the name of the file says, else CSV.
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<ExportFormat>,
+    /// Where the table goes; default is standard output, for CSV.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// PDL with declarations of state variables; a record brings its own.
+    #[arg(long, value_name = "FILE")]
+    pub library: Vec<PathBuf>,
+    /// Which fields of a log are which state variables; default is what ships for the log's format.
+    #[arg(long, value_name = "FILE")]
+    pub mapping: Option<PathBuf>,
+    /// Keep the log's own clock instead of counting from its beginning.
+    #[arg(long)]
+    pub log_time: bool,
+}
+
+/// Formats of tables.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum ExportFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
 }
 
 /// `apex plan`

@@ -8,7 +8,7 @@ use apex_model::library::{AgentDeclaration, Library};
 use apex_model::source::SourceFile;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_pdl::{Checked, HostSignature, Requirement, SourceText};
+use apex_pdl::{Checked, CheckedConditions, HostSignature, Requirement, SourceText};
 use rust_embed::RustEmbed;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -83,6 +83,32 @@ pub fn check_sources(
     checked
 }
 
+/// Checks texts that require files of `folder`, or one another.
+pub fn check_texts(texts: Vec<SourceText>, folder: &Path) -> Checked {
+    let known = texts.clone();
+    check_sources(texts, false, &mut |requirement| resolve_among(&known, folder, requirement))
+}
+
+/// Checks conditions in terms of what `texts` declare.
+pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, folder: &Path) -> CheckedConditions {
+    let host = host_signatures();
+    let known = texts.clone();
+    let resolve = &mut |requirement| resolve_among(&known, folder, requirement);
+    apex_pdl::check_conditions(texts, conditions, apex_pdl::CheckOptions { fragment: false, host: &host, resolve })
+}
+
+/// A required text among `known` ones, else beside them, else one that ships.
+fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
+    let wanted = match &requirement {
+        Requirement::File { name, .. } => name.clone(),
+        Requirement::Library(name) => format!("{name}.pdl"),
+    };
+    match known.iter().find(|text| Path::new(&text.name).ends_with(&wanted)) {
+        Some(text) => Ok(text.clone()),
+        None => resolve(folder, requirement, &mut read_text),
+    }
+}
+
 /// Checks a program, prints its diagnostics and returns its library if it has no errors.
 ///
 /// # Errors
@@ -94,7 +120,7 @@ pub fn load_program(path: &Path) -> Outcome<Arc<Library>> {
 }
 
 /// Prints what a person who runs the program must know: not the notes.
-fn print_warnings_and_errors(checked: &Checked) {
+pub fn print_warnings_and_errors(checked: &Checked) {
     let serious: Vec<_> =
         checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
     if !serious.is_empty() {

@@ -1,9 +1,11 @@
 //! One file per command.
 pub mod check;
 pub mod explain;
+pub mod export;
 mod fix;
 pub mod fly;
 pub mod format;
+pub mod monitor;
 pub mod plan;
 pub mod replay;
 pub mod run;

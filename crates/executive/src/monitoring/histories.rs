@@ -24,6 +24,8 @@ pub(crate) struct Recording {
     pub(crate) stimulus: Option<Stimulus>,
     /// A sentence for the trace when the sample was refused or kept aside.
     pub(crate) trouble: Option<String>,
+    /// What the history did with it; none when it was refused.
+    pub(crate) recorded: Option<Recorded>,
 }
 
 /// Puts a measurement into its history. A bare number takes the unit that the variable is declared with; a value that
@@ -48,7 +50,7 @@ pub(crate) fn record_sample(
                     "the sample {found} of {variable} was refused: it is declared in {}, which measures {}",
                     unit.name, unit.dimension
                 );
-                return Recording { stimulus: None, trouble: Some(message) };
+                return Recording { stimulus: None, trouble: Some(message), recorded: None };
             }
         },
     };
@@ -58,15 +60,16 @@ pub(crate) fn record_sample(
     match recorded {
         Recorded::Appended | Recorded::Inserted | Recorded::Replaced => {
             let newest = recorded == Recorded::Appended;
-            Recording { stimulus: Some(Stimulus::Sample { variable, value, at, sequence, newest }), trouble: None }
+            let stimulus = Some(Stimulus::Sample { variable, value, at, sequence, newest });
+            Recording { stimulus, trouble: None, recorded: Some(recorded) }
         }
-        Recorded::Repeated | Recorded::Missing => Recording { stimulus: None, trouble: None },
+        Recorded::Repeated | Recorded::Missing => Recording { stimulus: None, trouble: None, recorded: Some(recorded) },
         Recorded::TooLate => {
             let message = format!(
                 "the sample {value} of {variable} at {at} came too late and is kept aside; (state-variable ({} ?) :lateness D) accepts later ones",
                 variable.attribute
             );
-            Recording { stimulus: None, trouble: Some(message) }
+            Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded) }
         }
     }
 }

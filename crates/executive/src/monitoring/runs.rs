@@ -101,7 +101,7 @@ pub(super) fn with_newest(part: &EpisodePart, state: &ObjectRun) -> Option<Run> 
 }
 
 /// The gap between the run and the newest sample, if it is too long.
-fn gap_cut(part: &EpisodePart, state: &ObjectRun) -> Option<Duration> {
+pub(super) fn gap_cut(part: &EpisodePart, state: &ObjectRun) -> Option<Duration> {
     let gap = state.newest.at - state.run.as_ref()?.last;
     part.gap_max.filter(|most| gap > *most).map(|_| gap)
 }

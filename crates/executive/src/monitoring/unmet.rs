@@ -7,7 +7,7 @@
 //! PDL: all conditions.
 //! Paper: section V, explanation of behaviour.
 
-use super::runs::with_newest;
+use super::runs::{gap_cut, with_newest};
 use super::time_conditions::{Kind, span};
 use super::{Asking, Truth, logic, measurement, task_state};
 use crate::control::selection::head;
@@ -226,7 +226,7 @@ fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
         let silence = asking.now - state.newest.at;
         if silence > most {
             now.push_str(&format!("; no sample for {silence}, more than the gap of {most} allowed"));
-        } else if let Some(gap) = state.gap {
+        } else if let Some(gap) = gap_cut(leaf, state).or(state.gap) {
             now.push_str(&format!("; a gap of {gap} > {most} cut it before"));
         }
     }

@@ -11,12 +11,12 @@ use apex_model::bindings::Bindings;
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
-use apex_model::history::Histories;
+use apex_model::history::{Histories, Recorded};
 use apex_model::host::HostFunctions;
 use apex_model::interests::Interests;
 use apex_model::library::Library;
 use apex_model::limits::SESSION_TROUBLES_MAX;
-use apex_model::monitor::{Satisfaction, Unmet, Verdict};
+use apex_model::monitor::{Interest, Satisfaction, Unmet, Verdict};
 use apex_model::monitor_set::Found;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -202,8 +202,9 @@ impl MonitorSession {
         self.touch_all();
     }
 
-    /// A measurement, in the declared unit where it is a bare number.
-    pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) {
+    /// A measurement, in the declared unit where it is a bare number. What became of it; none when it was refused, and a
+    /// trouble says why.
+    pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();
         let World { histories, library, .. } = &mut self.world;
@@ -212,6 +213,7 @@ impl MonitorSession {
         if let Some(message) = recording.trouble {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
+        recording.recorded
     }
 
     /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
@@ -249,6 +251,11 @@ impl MonitorSession {
         self.end_instant();
     }
 
+    /// Time has come to `at`, and more of that instant may follow.
+    pub fn advance_to(&mut self, at: Time) {
+        self.come_to(at);
+    }
+
     /// Nothing more comes: results whose interval could still grow are told as closed.
     pub fn finish(&mut self) {
         self.end_instant();
@@ -284,6 +291,12 @@ impl MonitorSession {
     /// What is remembered, with counts of late, replaced and missing samples.
     pub fn histories(&self) -> &Histories {
         &self.world.histories
+    }
+
+    /// What a condition must be told of, as far as it is known; empty while it is waited for.
+    pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
+        let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
+        monitor.map(monitoring::interests).unwrap_or_default()
     }
 
     /// What can be said about a condition at the last instant that is over; none when it is not watched.

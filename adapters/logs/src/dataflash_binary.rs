@@ -1,0 +1,206 @@
+//! DataFlash as bytes, `.bin`: each message begins with A3 95 and its type; messages of type 128 tell the others' formats
+//! (ArduPilot developer documentation, "Logging").
+
+use crate::bytes::{Bytes, array, text, u16_at, u32_at};
+use crate::dataflash::{Format, Stamper};
+use crate::{Cell, Damages, LogReader, Message, TOPICS_MAX, Topic};
+use std::collections::BTreeMap;
+use std::io::{self, Read};
+
+/// What each message begins with.
+pub(crate) const MAGIC: [u8; 2] = [0xa3, 0x95];
+/// The type of messages that define formats, and their length.
+const FORMAT_TYPE: u8 = 128;
+const FORMAT_LENGTH: usize = 89;
+const HEADER: usize = 3;
+
+/// Reads a binary DataFlash log.
+pub(crate) struct DataFlashBinary<R> {
+    bytes: Bytes<R>,
+    formats: BTreeMap<u8, Format>,
+    topics: Vec<Topic>,
+    stamper: Stamper,
+    damages: Damages,
+    ended: bool,
+}
+
+impl<R: Read> DataFlashBinary<R> {
+    pub(crate) fn new(input: R) -> DataFlashBinary<R> {
+        DataFlashBinary {
+            bytes: Bytes::new(input),
+            formats: BTreeMap::new(),
+            topics: Vec::new(),
+            stamper: Stamper::default(),
+            damages: Damages::default(),
+            ended: false,
+        }
+    }
+
+    /// Takes in one message or passes over one byte; false at the end.
+    fn step(&mut self) -> io::Result<bool> {
+        let at = self.bytes.offset;
+        let header = self.bytes.peek(HEADER)?;
+        let Some(kind) = header.get(2).copied().filter(|_| header.starts_with(&MAGIC)) else {
+            if header.is_empty() {
+                return Ok(false);
+            }
+            self.bytes.skip(1);
+            return self.look_for_next(at);
+        };
+        let known = self.formats.get(&kind).map(|format| format.length);
+        let length = known.unwrap_or(if kind == FORMAT_TYPE { FORMAT_LENGTH } else { 0 });
+        if length < HEADER {
+            self.damages.add(|| format!("byte {at}: no definition of messages of type {kind}"));
+            self.bytes.skip(HEADER);
+            return self.look_for_next(at);
+        }
+        let whole = self.bytes.peek(length)?.to_vec();
+        if whole.len() < length {
+            self.damages.add(|| format!("byte {at}: the log ends within a message"));
+            self.bytes.skip(length);
+            return Ok(false);
+        }
+        self.bytes.skip(length);
+        let payload = whole.get(HEADER..).unwrap_or_default();
+        if kind == FORMAT_TYPE {
+            self.define(payload, at);
+        } else if let Some(format) = self.formats.get(&kind) {
+            let row = Message { topic: format.topic, values: values(&format.letters, payload), ..Message::default() };
+            self.stamper.push(format, row);
+        }
+        Ok(true)
+    }
+
+    fn look_for_next(&mut self, at: u64) -> io::Result<bool> {
+        self.damages.add(|| format!("byte {at}: no message begins here; looking for the next one"));
+        loop {
+            let window = self.bytes.peek(1 << 12)?;
+            if window.len() < MAGIC.len() {
+                let rest = window.len();
+                self.bytes.skip(rest);
+                return Ok(false);
+            }
+            let found = window.windows(MAGIC.len()).position(|pair| pair == MAGIC);
+            let passed = found.unwrap_or(window.len() - 1);
+            self.bytes.skip(passed);
+            if found.is_some() {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn define(&mut self, payload: &[u8], at: u64) {
+        let (Some(kind), Some(length)) = (payload.first().copied(), payload.get(1).copied()) else { return };
+        let part = |from: usize, to: usize| text(payload.get(from..to).unwrap_or_default());
+        let (name, letters, columns) = (part(2, 6), part(6, 22), part(22, 86));
+        if kind == FORMAT_TYPE {
+            return;
+        }
+        let columns: Vec<String> =
+            columns.split(',').map(|column| column.trim().to_string()).filter(|column| !column.is_empty()).collect();
+        let sizes: Option<usize> = letters.chars().map(size).sum();
+        if sizes.is_none_or(|sizes| sizes + HEADER != usize::from(length)) {
+            return self.damages.add(|| format!("byte {at}: the definition of `{name}` contradicts itself"));
+        }
+        let known = self.formats.get(&kind).map(|format| format.topic);
+        if known.is_none() && self.topics.len() >= TOPICS_MAX {
+            return;
+        }
+        let number = known.unwrap_or(self.topics.len());
+        let (format, topic) = Format::new(number, &name, usize::from(length), &letters, &columns);
+        match known.and_then(|known| self.topics.get_mut(known)) {
+            Some(slot) => *slot = topic,
+            None => self.topics.push(topic),
+        }
+        self.formats.insert(kind, format);
+    }
+}
+
+/// Bytes of a field with this letter.
+fn size(letter: char) -> Option<usize> {
+    Some(match letter {
+        'b' | 'B' | 'M' => 1,
+        'h' | 'H' | 'c' | 'C' | 'g' => 2,
+        'i' | 'I' | 'f' | 'e' | 'E' | 'L' | 'n' => 4,
+        'd' | 'q' | 'Q' => 8,
+        'N' => 16,
+        'Z' | 'a' => 64,
+        _ => return None,
+    })
+}
+
+fn values(letters: &[char], payload: &[u8]) -> Vec<Cell> {
+    let mut at = 0;
+    let mut values = Vec::with_capacity(letters.len());
+    for letter in letters {
+        let length = size(*letter).unwrap_or_default();
+        values.push(value(*letter, payload, at, length));
+        at += length;
+    }
+    values
+}
+
+/// Letters `c C e E` are hundredths, `L` are degrees in ten-millionths.
+fn value(letter: char, payload: &[u8], at: usize, length: usize) -> Cell {
+    let i16_at = || array(payload, at).map(i16::from_le_bytes).map(f64::from);
+    let i32_at = || array(payload, at).map(i32::from_le_bytes).map(f64::from);
+    let number = match letter {
+        'b' => array(payload, at).map(i8::from_le_bytes).map(f64::from),
+        'B' | 'M' => payload.get(at).map(|byte| f64::from(*byte)),
+        'h' => i16_at(),
+        'H' => u16_at(payload, at).map(f64::from),
+        'c' => i16_at().map(|number| number / 100.0),
+        'C' => u16_at(payload, at).map(|number| f64::from(number) / 100.0),
+        'g' => u16_at(payload, at).map(half),
+        'i' => i32_at(),
+        'I' => u32_at(payload, at).map(f64::from),
+        'f' => array(payload, at).map(f32::from_le_bytes).map(f64::from),
+        'e' => i32_at().map(|number| number / 100.0),
+        'E' => u32_at(payload, at).map(|number| f64::from(number) / 100.0),
+        'L' => i32_at().map(|number| number / 1e7),
+        'd' => array(payload, at).map(f64::from_le_bytes),
+        'q' => array(payload, at).map(i64::from_le_bytes).map(|number| number as f64),
+        'Q' => array(payload, at).map(u64::from_le_bytes).map(|number| number as f64),
+        'n' | 'N' | 'Z' => return Cell::Text(text(payload.get(at..at + length).unwrap_or_default())),
+        _ => None,
+    };
+    number.map_or(Cell::Nothing, Cell::Number)
+}
+
+/// A number of sixteen bits with five of exponent (IEEE 754 binary16).
+fn half(bits: u16) -> f64 {
+    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+    sign * match exponent {
+        0 => fraction / 16_777_216.0,
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        exponent => (1.0 + fraction / 1024.0) * libm::exp2(f64::from(exponent - 15)),
+    }
+}
+
+impl<R: Read> LogReader for DataFlashBinary<R> {
+    fn next(&mut self, message: &mut Message) -> io::Result<bool> {
+        loop {
+            if let Some(ready) = self.stamper.take() {
+                *message = ready;
+                return Ok(true);
+            }
+            if self.ended {
+                return Ok(false);
+            }
+            if !self.step()? {
+                self.ended = true;
+                self.stamper.end();
+            }
+        }
+    }
+
+    fn topics(&self) -> &[Topic] {
+        &self.topics
+    }
+
+    fn damages(&self) -> &Damages {
+        &self.damages
+    }
+}

@@ -1,0 +1,88 @@
+//! What a log holds: fields with counts, rates and ranges.
+
+use crate::{Cell, LogReader, Message};
+use apex_model::time::Time;
+use std::io;
+
+/// One field over a whole log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldSummary {
+    /// `TOPIC.FIELD`.
+    pub name: String,
+    /// How often it has a value.
+    pub count: u64,
+    /// Messages of its topic per second.
+    pub rate_per_s: Option<f64>,
+    /// The least and greatest number, if it has numbers.
+    pub range: Option<(f64, f64)>,
+    /// The first text, if it has texts.
+    pub text: Option<String>,
+}
+
+/// Reads a log to its end; the fields in the order of their appearance, and the first and last instant.
+///
+/// # Errors
+/// The log cannot be read from its medium.
+pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Option<(Time, Time)>)> {
+    let mut found: Vec<(u64, Option<(Time, Time)>, Vec<Seen>)> = Vec::new();
+    let mut span: Option<(Time, Time)> = None;
+    let mut message = Message::default();
+    while reader.next(&mut message)? {
+        let at = message.at;
+        let wider = |span: Option<(Time, Time)>| Some(span.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
+        span = wider(span);
+        if found.len() <= message.topic {
+            found.resize(message.topic + 1, Default::default());
+        }
+        let Some((messages, own_span, fields)) = found.get_mut(message.topic) else { continue };
+        *messages += 1;
+        *own_span = wider(*own_span);
+        if fields.len() < message.values.len() {
+            fields.resize(message.values.len(), Seen::default());
+        }
+        fields.iter_mut().zip(&message.values).for_each(|(seen, cell)| seen.add(cell));
+    }
+    let mut summaries = Vec::new();
+    for (topic, (messages, own_span, fields)) in reader.topics().iter().zip(found) {
+        let seconds = own_span.map_or(0.0, |(from, to)| (to - from).seconds());
+        let rate_per_s = (seconds > 0.0 && messages > 1).then(|| (messages - 1) as f64 / seconds);
+        let whole = Seen { count: messages, ..Seen::default() };
+        if topic.fields.is_empty() {
+            summaries.push(whole.summary(topic.name.clone(), rate_per_s));
+        }
+        for (name, seen) in topic.fields.iter().zip(fields) {
+            summaries.push(seen.summary(format!("{}.{name}", topic.name), rate_per_s));
+        }
+    }
+    Ok((summaries, span))
+}
+
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    count: u64,
+    range: Option<(f64, f64)>,
+    text: Option<String>,
+}
+
+impl Seen {
+    fn add(&mut self, cell: &Cell) {
+        match cell {
+            Cell::Nothing => return,
+            Cell::Number(number) if number.is_nan() => {}
+            Cell::Number(number) => {
+                self.range = Some(
+                    self.range.map_or((*number, *number), |(least, most)| (least.min(*number), most.max(*number))),
+                );
+            }
+            Cell::Text(text) => {
+                self.text.get_or_insert_with(|| text.clone());
+            }
+        }
+        self.count += 1;
+    }
+
+    fn summary(self, name: String, rate_per_s: Option<f64>) -> FieldSummary {
+        let Seen { count, range, text } = self;
+        FieldSummary { name, count, rate_per_s, range, text }
+    }
+}

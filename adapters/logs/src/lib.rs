@@ -1,0 +1,107 @@
+//! Logs of real flights as samples: PX4 ULog, ArduPilot DataFlash (text and binary), MAVLink telemetry logs, MCAP and CSV.
+//!
+//! One file a format, each a [`LogReader`]: it reads forward in bounded memory, never panics on any bytes, passes over what is
+//! damaged and says where. A [`Mapping`] makes state variables of fields.
+
+mod bytes;
+mod csv_table;
+mod dataflash;
+mod dataflash_binary;
+mod dataflash_text;
+mod fields;
+mod json_fields;
+mod mapping;
+mod mavlink;
+mod mavlink_messages;
+mod mcap;
+mod open;
+mod ordered;
+mod ulog;
+mod ulog_format;
+
+pub use fields::{FieldSummary, survey};
+pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};
+pub use open::{Format, open};
+pub use ordered::Ordered;
+
+use apex_model::time::Time;
+use std::io;
+
+/// Kinds of messages of a log that are told apart, at most.
+pub const TOPICS_MAX: usize = 4_096;
+/// Fields of one kind of message, at most.
+pub const FIELDS_MAX: usize = 4_096;
+/// Bytes of one message or line, at most; a longer one is damage.
+pub const MESSAGE_BYTES_MAX: usize = 1 << 24;
+/// Damaged places that are described; further ones are counted.
+pub const DAMAGES_MAX: usize = 20;
+
+/// A kind of message with its fields.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Topic {
+    /// Its name in the log.
+    pub name: String,
+    /// The names of its fields; elements of arrays are fields of their own, `q[0]`.
+    pub fields: Vec<String>,
+}
+
+/// The value of one field.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Cell {
+    /// Not in this message.
+    #[default]
+    Nothing,
+    /// A number, as the log's format scales it.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+/// One message of a log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Message {
+    /// Which of [`LogReader::topics`].
+    pub topic: usize,
+    /// When, by the log's own clock.
+    pub at: Time,
+    /// The values in the order of the topic's fields; trailing ones may be missing.
+    pub values: Vec<Cell>,
+}
+
+/// Places of a log that could not be read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Damages {
+    /// The first of them: where, and what is wrong there.
+    pub first: Vec<String>,
+    /// How many there are.
+    pub count: u64,
+}
+
+impl Damages {
+    pub(crate) fn add(&mut self, what: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.first.len() < DAMAGES_MAX {
+            self.first.push(what());
+        }
+    }
+}
+
+/// Reads a log from its beginning to its end.
+pub trait LogReader {
+    /// Fills `message` with the next one; false at the end. Damaged places are passed over and noted.
+    ///
+    /// # Errors
+    /// The log cannot be read from its medium.
+    fn next(&mut self, message: &mut Message) -> io::Result<bool>;
+
+    /// The kinds of messages known so far; a number once given stays.
+    fn topics(&self) -> &[Topic];
+
+    /// When the log began by its own clock, where it says so; known after the first message.
+    fn began(&self) -> Option<Time> {
+        None
+    }
+
+    /// What could not be read so far.
+    fn damages(&self) -> &Damages;
+}

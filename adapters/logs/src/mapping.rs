@@ -1,0 +1,178 @@
+//! Fields of logs as state variables.
+
+use crate::{Cell, Message, Topic};
+use apex_model::event::StateVariable;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// How a field becomes a state variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// `TOPIC.FIELD`; of a table the column. With [`Take`] the quaternion, whose elements are `[0]` to `[3]`.
+    pub field: String,
+    /// The state variable.
+    pub variable: StateVariable,
+    /// What is computed of the field.
+    pub take: Take,
+    /// The number in the log is multiplied by this,
+    pub scale: f64,
+    /// and then this is added: the number in the unit in which the variable is declared.
+    pub offset: f64,
+    /// Words for numbers, such as the modes of an autopilot.
+    pub words: Vec<(f64, Value)>,
+    /// A number that means "not known".
+    pub missing: Option<f64>,
+}
+
+/// What is computed of a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Take {
+    /// The value itself.
+    Value,
+    /// The angle to the right of the horizon, of a quaternion (w, x, y, z), rad.
+    Roll,
+    /// The angle above the horizon, of a quaternion, rad.
+    Pitch,
+    /// The angle from north, of a quaternion, rad, 0 to 2 pi.
+    Heading,
+}
+
+/// Which state variables come of which fields.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mapping {
+    /// In order; several fields may make one variable: the first that the log has counts.
+    pub entries: Vec<Entry>,
+}
+
+/// A sample of a state variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampled {
+    /// Which entry of the mapping made it.
+    pub entry: usize,
+    /// Its value, a bare number in the declared unit, or a symbol or text.
+    pub value: Value,
+    /// When, by the log's clock.
+    pub at: Time,
+}
+
+/// Makes samples of messages.
+#[derive(Debug)]
+pub struct Sampler {
+    mapping: Mapping,
+    /// For each topic, entries and the indexes of their fields.
+    topics: Vec<(usize, Vec<(usize, usize)>)>,
+    /// Samples made by each entry.
+    counts: Vec<u64>,
+    /// Which entry makes each variable: where several could, the first that the log has.
+    chosen: Vec<Option<usize>>,
+}
+
+impl Sampler {
+    /// A sampler for a log.
+    pub fn new(mapping: Mapping) -> Sampler {
+        let (counts, chosen) = (vec![0; mapping.entries.len()], vec![None; mapping.entries.len()]);
+        Sampler { mapping, topics: Vec::new(), counts, chosen }
+    }
+
+    /// The mapping.
+    pub fn mapping(&self) -> &Mapping {
+        &self.mapping
+    }
+
+    /// How many samples each entry has made.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// Appends the samples of `message` to `samples`.
+    pub fn sample(&mut self, topics: &[Topic], message: &Message, samples: &mut Vec<Sampled>) {
+        let Some(topic) = topics.get(message.topic) else { return };
+        while self.topics.len() <= message.topic {
+            self.topics.push((usize::MAX, Vec::new()));
+        }
+        let stale = self.topics.get(message.topic).is_some_and(|(fields, _)| *fields != topic.fields.len());
+        if stale {
+            let found = self.fields_of(topic);
+            if let Some(slot) = self.topics.get_mut(message.topic) {
+                *slot = (topic.fields.len(), found);
+            }
+        }
+        let wanted = self.topics.get(message.topic).map(|(_, wanted)| wanted.as_slice()).unwrap_or_default();
+        for (number, field) in wanted {
+            let Some(entry) = self.mapping.entries.get(*number) else { continue };
+            if let Some(value) = entry.value(&message.values, *field) {
+                if let Some(count) = self.counts.get_mut(*number) {
+                    *count += 1;
+                }
+                samples.push(Sampled { entry: *number, value, at: message.at });
+            }
+        }
+    }
+
+    /// The entries that this topic serves, unless another field serves their variables already.
+    fn fields_of(&mut self, topic: &Topic) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        for (number, entry) in self.mapping.entries.iter().enumerate() {
+            let Some(field) = entry.field_in(topic) else { continue };
+            let same = |other: &Entry| other.variable == entry.variable;
+            let first = self.mapping.entries.iter().position(same).unwrap_or(number);
+            let Some(slot) = self.chosen.get_mut(first) else { continue };
+            if *slot.get_or_insert(number) == number {
+                found.push((number, field));
+            }
+        }
+        found
+    }
+}
+
+impl Entry {
+    /// The index of its field among those of `topic`.
+    fn field_in(&self, topic: &Topic) -> Option<usize> {
+        let wanted = self.field.strip_prefix(&topic.name).and_then(|rest| rest.strip_prefix('.'));
+        // The only topic of a table has no name of its own.
+        let wanted = if topic.name == "csv" { Some(wanted.unwrap_or(&self.field)) } else { wanted }?;
+        let wanted = if self.take == Take::Value { wanted.to_string() } else { format!("{wanted}[0]") };
+        topic.fields.iter().position(|field| *field == wanted)
+    }
+
+    fn value(&self, values: &[Cell], field: usize) -> Option<Value> {
+        let number = match (self.take, values.get(field)?) {
+            (Take::Value, Cell::Text(text)) => return Some(self.word_for(text)),
+            (Take::Value, Cell::Number(number)) => *number,
+            (_, Cell::Number(w)) => {
+                let part = |index: usize| match values.get(field + index) {
+                    Some(Cell::Number(number)) => Some(*number),
+                    _ => None,
+                };
+                angle(self.take, [*w, part(1)?, part(2)?, part(3)?])
+            }
+            (_, Cell::Nothing | Cell::Text(_)) => return None,
+        };
+        if self.missing == Some(number) {
+            return None;
+        }
+        if let Some((_, word)) = self.words.iter().find(|(known, _)| *known == number) {
+            return Some(word.clone());
+        }
+        Some(Value::Real(number * self.scale + self.offset))
+    }
+
+    /// A text of the log: a symbol where it is one word, so that conditions can name it.
+    fn word_for(&self, text: &str) -> Value {
+        let one_word =
+            !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
+        if one_word { Value::symbol(&text.to_ascii_lowercase().replace('_', "-")) } else { Value::text(text) }
+    }
+}
+
+fn angle(take: Take, [w, x, y, z]: [f64; 4]) -> f64 {
+    match take {
+        Take::Value => w,
+        Take::Roll => libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+        Take::Pitch => libm::asin((2.0 * (w * y - z * x)).clamp(-1.0, 1.0)),
+        Take::Heading => {
+            let heading = libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+            if heading < 0.0 { heading + std::f64::consts::TAU } else { heading }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Samples in order of time: logs write topics one after the other, so neighbours may be out of order.
+
+use crate::Sampled;
+use apex_model::time::{Duration, Time};
+use std::collections::BinaryHeap;
+
+/// Samples wait until one comes that is so much later.
+const WINDOW: Duration = Duration(1_000_000_000);
+/// Samples that wait, at most.
+const WAITING_MAX: usize = 100_000;
+
+/// Puts samples into order of time as far as they are at most a second apart in the log.
+#[derive(Debug, Default)]
+pub struct Ordered {
+    waiting: BinaryHeap<Waiting>,
+    newest: Option<Time>,
+    number: u64,
+}
+
+#[derive(Debug)]
+struct Waiting {
+    sampled: Sampled,
+    number: u64,
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Waiting) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Waiting {}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Waiting) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Waiting {
+    /// The earliest is the greatest; of one instant the first that came.
+    fn cmp(&self, other: &Waiting) -> std::cmp::Ordering {
+        (other.sampled.at, other.number).cmp(&(self.sampled.at, self.number))
+    }
+}
+
+impl Ordered {
+    /// A sample has been read.
+    pub fn push(&mut self, sampled: Sampled) {
+        self.newest = self.newest.max(Some(sampled.at));
+        self.number += 1;
+        self.waiting.push(Waiting { sampled, number: self.number });
+    }
+
+    /// The next sample that nothing can come before any more; at the end of the log all of them.
+    pub fn pop(&mut self, at_end: bool) -> Option<Sampled> {
+        let first = self.waiting.peek()?;
+        let over = self.newest.is_some_and(|newest| newest - first.sampled.at >= WINDOW);
+        if at_end || over || self.waiting.len() > WAITING_MAX {
+            self.waiting.pop().map(|each| each.sampled)
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Formats of ULog messages: `name:type field;type field;..`, with arrays and formats within formats.
+
+use crate::bytes::{array, text, u16_at, u32_at, u64_at};
+use crate::{Cell, FIELDS_MAX};
+use std::collections::BTreeMap;
+
+/// Formats within formats.
+const DEPTH_MAX: usize = 8;
+
+/// One value of a message.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf {
+    pub(crate) name: String,
+    offset: usize,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+    Bool,
+    Text(usize),
+}
+
+impl Kind {
+    fn named(name: &str) -> Option<Kind> {
+        Some(match name {
+            "int8_t" => Kind::I8,
+            "uint8_t" => Kind::U8,
+            "int16_t" => Kind::I16,
+            "uint16_t" => Kind::U16,
+            "int32_t" => Kind::I32,
+            "uint32_t" => Kind::U32,
+            "int64_t" => Kind::I64,
+            "uint64_t" => Kind::U64,
+            "float" => Kind::F32,
+            "double" => Kind::F64,
+            "bool" => Kind::Bool,
+            "char" => Kind::Text(1),
+            _ => return None,
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Kind::I8 | Kind::U8 | Kind::Bool => 1,
+            Kind::I16 | Kind::U16 => 2,
+            Kind::I32 | Kind::U32 | Kind::F32 => 4,
+            Kind::I64 | Kind::U64 | Kind::F64 => 8,
+            Kind::Text(length) => length,
+        }
+    }
+}
+
+impl Leaf {
+    /// Its value in `payload`; nothing where the message ends before.
+    pub(crate) fn value(&self, payload: &[u8]) -> Cell {
+        let at = self.offset;
+        let number = match self.kind {
+            Kind::I8 => array(payload, at).map(i8::from_le_bytes).map(f64::from),
+            Kind::U8 | Kind::Bool => payload.get(at).map(|byte| f64::from(*byte)),
+            Kind::I16 => array(payload, at).map(i16::from_le_bytes).map(f64::from),
+            Kind::U16 => u16_at(payload, at).map(f64::from),
+            Kind::I32 => array(payload, at).map(i32::from_le_bytes).map(f64::from),
+            Kind::U32 => u32_at(payload, at).map(f64::from),
+            Kind::I64 => array(payload, at).map(i64::from_le_bytes).map(|number| number as f64),
+            Kind::U64 => u64_at(payload, at).map(|number| number as f64),
+            Kind::F32 => array(payload, at).map(f32::from_le_bytes).map(f64::from),
+            Kind::F64 => array(payload, at).map(f64::from_le_bytes),
+            Kind::Text(length) => {
+                let bytes = payload.get(at..).unwrap_or_default();
+                return Cell::Text(text(bytes.get(..length).unwrap_or(bytes)));
+            }
+        };
+        number.map_or(Cell::Nothing, Cell::Number)
+    }
+
+    /// Its value as whole microseconds, if it is a `uint64_t`.
+    pub(crate) fn microseconds(&self, payload: &[u8]) -> Option<u64> {
+        (self.kind == Kind::U64).then(|| u64_at(payload, self.offset)).flatten()
+    }
+}
+
+/// The formats of one log by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Formats(BTreeMap<String, Vec<(String, String)>>);
+
+impl Formats {
+    /// Takes a definition in. False when it is none.
+    pub(crate) fn define(&mut self, definition: &str) -> bool {
+        let Some((name, fields)) = definition.split_once(':') else { return false };
+        let parts = fields.split(';').filter(|part| !part.trim().is_empty());
+        let fields: Option<Vec<(String, String)>> = parts
+            .map(|part| part.trim().split_once(' ').map(|(kind, name)| (kind.to_string(), name.trim().to_string())))
+            .collect();
+        let Some(fields) = fields.filter(|fields| fields.len() <= FIELDS_MAX) else { return false };
+        self.0.insert(name.to_string(), fields);
+        true
+    }
+
+    /// All values of a message of format `name`, and how many bytes they take.
+    ///
+    /// # Errors
+    /// Which definition is missing or wrong.
+    pub(crate) fn leaves(&self, name: &str) -> Result<(Vec<Leaf>, usize), String> {
+        let mut leaves = Vec::new();
+        let mut offset = 0;
+        self.collect(name, "", 0, &mut offset, &mut leaves)?;
+        Ok((leaves, offset))
+    }
+
+    fn collect(
+        &self,
+        format: &str,
+        prefix: &str,
+        depth: usize,
+        offset: &mut usize,
+        leaves: &mut Vec<Leaf>,
+    ) -> Result<(), String> {
+        let fields = self.0.get(format).ok_or_else(|| format!("the format `{format}` is not defined"))?;
+        if depth > DEPTH_MAX {
+            return Err(format!("the format `{format}` holds itself, or is nested too deep"));
+        }
+        for (kind, name) in fields {
+            let (kind, count) = counted(kind).ok_or_else(|| format!("the type `{kind}` is none"))?;
+            let plain = Kind::named(kind);
+            if plain == Some(Kind::Text(1)) {
+                push(leaves, format!("{prefix}{name}"), *offset, Kind::Text(count.unwrap_or(1)), format)?;
+                *offset += count.unwrap_or(1);
+                continue;
+            }
+            for index in 0..count.unwrap_or(1) {
+                let name = count.map_or_else(|| format!("{prefix}{name}"), |_| format!("{prefix}{name}[{index}]"));
+                match plain {
+                    Some(plain) => {
+                        if !name.starts_with("_padding") {
+                            push(leaves, name, *offset, plain, format)?;
+                        }
+                        *offset += plain.size();
+                    }
+                    None => self.collect(kind, &format!("{name}."), depth + 1, offset, leaves)?,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn push(leaves: &mut Vec<Leaf>, name: String, offset: usize, kind: Kind, format: &str) -> Result<(), String> {
+    if leaves.len() >= FIELDS_MAX {
+        return Err(format!("the format `{format}` has more than {FIELDS_MAX} fields"));
+    }
+    leaves.push(Leaf { name, offset, kind });
+    Ok(())
+}
+
+/// `float[4]` as `float` and 4.
+fn counted(kind: &str) -> Option<(&str, Option<usize>)> {
+    match kind.split_once('[') {
+        None => Some((kind, None)),
+        Some((plain, count)) => {
+            let count: usize = count.strip_suffix(']')?.parse().ok()?;
+            (count <= usize::from(u16::MAX)).then_some((plain, Some(count)))
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! `apex export`: the samples and events of a flight record, a log or lines of JSON as a table.
+
+use crate::monitor::input::Source;
+use crate::options::{ExportFormat, ExportOptions};
+use crate::output::Listened;
+use crate::sources;
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_executive::MonitorSession;
+use apex_model::event::{EventKind, Message, StateVariable};
+use apex_model::library::Library;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_pdl::SourceText;
+use apex_tables::{CsvWriter, ParquetWriter, Row, TableWriter};
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Writes every sample and event with what became of it.
+pub fn run(options: &ExportOptions) -> Outcome {
+    let mut source = Source::of(&options.inputs, options.mapping.as_deref(), options.log_time)?;
+    let library = Arc::new(library(options, &mut source)?);
+    let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
+        .map_err(|reason| Trouble::user("the library cannot be used").because(reason))?;
+    let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
+    if let Some(path) = out {
+        refuse_to_overwrite(path, &options.inputs)?;
+    }
+    let format = format_of(options, out)?;
+    let standard = Listened::standard();
+    let gone = standard.gone();
+    let writer: Box<dyn TableWriter> = match (format, out) {
+        (ExportFormat::Csv, None) => Box::new(CsvWriter::new(standard).map_err(|error| unwritten(None, &error))?),
+        (ExportFormat::Csv, Some(path)) => {
+            Box::new(CsvWriter::new(created(path)?).map_err(|error| unwritten(out, &error))?)
+        }
+        (ExportFormat::Parquet, Some(path)) => {
+            Box::new(ParquetWriter::new(created(path)?, facts(&library)).map_err(|error| unwritten(out, &error))?)
+        }
+        (ExportFormat::Parquet, None) => {
+            return Err(Trouble::user("a Parquet table needs a file").help("name it with `--out FILE.parquet`"));
+        }
+    };
+    let mut table = Table { session, writer, rows: 0, now: Time::BEGINNING };
+    let fed = source.feed(&library, &mut |at, kind| table.take(at, kind).map_err(|error| unwritten(out, &error)));
+    if gone.get() {
+        return Ok(());
+    }
+    // What was read before a fault is in the table.
+    let rows = table.rows;
+    table.writer.finish().map_err(|error| unwritten(out, &error))?;
+    fed?;
+    if let Some(path) = out {
+        crate::output::complain(format_args!("{rows} rows in {}", path.display()));
+    }
+    Ok(())
+}
+
+/// A table from the session's point of view: what it records, row by row.
+struct Table {
+    session: MonitorSession,
+    writer: Box<dyn TableWriter>,
+    rows: i64,
+    now: Time,
+}
+
+impl Table {
+    fn take(&mut self, at: Time, kind: EventKind) -> std::io::Result<()> {
+        match kind {
+            EventKind::Measurement(variable, value) | EventKind::Told(_, Message::Measurement(variable, value)) => {
+                self.sample(&variable, value, at)
+            }
+            EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => {
+                let stamp = self.stamp(at);
+                let row = Row::event(stamp, &form);
+                self.writer.write(row)
+            }
+            EventKind::CommandAcknowledged(..)
+            | EventKind::SolverReported(..)
+            | EventKind::OperatorAnswered(..)
+            | EventKind::Woken
+            | EventKind::Stop(_) => {
+                self.now = self.now.max(at);
+                Ok(())
+            }
+        }
+    }
+
+    fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> std::io::Result<()> {
+        let stamp = self.stamp(at);
+        let recorded = self.session.sample(variable, value.clone(), at);
+        // Nothing is watched: nothing is kept that grows.
+        self.session.advance_to(at);
+        self.session.take_troubles();
+        let declared = self.session.library().state_variables.get(&variable.attribute);
+        let row = Row::sample(stamp, variable, &value, declared.and_then(|declared| declared.unit.as_ref()), recorded);
+        self.writer.write(row)
+    }
+
+    /// Number, own instant and instant of arrival of the next row.
+    fn stamp(&mut self, at: Time) -> (i64, Time, Time) {
+        self.rows += 1;
+        self.now = self.now.max(at);
+        (self.rows, at, self.now)
+    }
+}
+
+fn library(options: &ExportOptions, source: &mut Source) -> Outcome<Library> {
+    let mut texts: Vec<SourceText> = Vec::new();
+    for path in &options.library {
+        texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
+    }
+    let folder = options.library.first().and_then(|path| path.parent()).map(Path::to_path_buf).unwrap_or_default();
+    texts.extend(source.recorded_texts(texts.is_empty())?);
+    let known = sources::check_texts(texts.clone(), &folder);
+    if let Some(declarations) = source.declarations(&known.library)? {
+        texts.push(declarations);
+    }
+    let checked = sources::check_texts(texts, &folder);
+    if checked.has_errors() {
+        sources::print_warnings_and_errors(&checked);
+        return Err(Trouble::told());
+    }
+    Ok(checked.library)
+}
+
+/// The format that was asked for, or the one that the file's name says.
+fn format_of(options: &ExportOptions, out: Option<&Path>) -> Outcome<ExportFormat> {
+    let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match (options.format, extension.as_deref()) {
+        (Some(format), _) => Ok(format),
+        (None, Some("parquet" | "pq")) => Ok(ExportFormat::Parquet),
+        (None, None | Some("csv")) => Ok(ExportFormat::Csv),
+        (None, Some(other)) => Err(Trouble::user(format!("`.{other}` does not say which format is wanted"))
+            .help("add `--format csv` or `--format parquet`")),
+    }
+}
+
+/// Units of the state variables, and what the columns mean.
+fn facts(library: &Library) -> Vec<(String, String)> {
+    let unit =
+        |(attribute, declared): (&apex_model::symbol::Symbol, &apex_model::library::StateVariableDeclaration)| {
+            declared.unit.as_ref().map(|unit| (format!("unit {attribute}"), unit.to_string()))
+        };
+    let mut facts: Vec<(String, String)> = library.state_variables.iter().filter_map(unit).collect();
+    facts.push(("t_ns".into(), "nanoseconds of mission time".into()));
+    facts
+}
+
+fn refuse_to_overwrite(out: &Path, inputs: &Path) -> Outcome {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    if real(out).is_some() && real(out) == real(inputs) {
+        return Err(Trouble::user(format!("the table would be written over its source, {}", out.display()))
+            .help("give `--out` another file"));
+    }
+    Ok(())
+}
+
+fn created(path: &Path) -> Outcome<BufWriter<File>> {
+    let file = File::create(path).map_err(|error| unwritten(Some(path), &error))?;
+    Ok(BufWriter::new(file))
+}
+
+fn unwritten(path: Option<&Path>, error: &std::io::Error) -> Trouble {
+    let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
+    Trouble::failure(format!("cannot write {name}"))
+        .because(error)
+        .help("the table is incomplete; look at the place and the space there")
+}

@@ -1,0 +1,205 @@
+//! `apex monitor`: conditions over a log, a flight record, a file of inputs or standard input.
+
+use crate::monitor::input::Source;
+use crate::monitor::telling::{Style, placed, verdict_word};
+use crate::options::MonitorOptions;
+use crate::output::Listened;
+use crate::trouble::{Outcome, Trouble, read_text};
+use crate::{output, sources};
+use apex_executive::MonitorSession;
+use apex_model::clause::MonitorId;
+use apex_model::condition::Condition;
+use apex_model::event::{EventKind, Message};
+use apex_model::library::Library;
+use apex_model::monitor::Interest;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_pdl::{CheckedConditions, SourceText};
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::sync::Arc;
+
+/// Watches the conditions over the input and prints what comes of them.
+pub fn run(options: &MonitorOptions) -> Outcome {
+    let path = options.inputs.as_deref();
+    let path = path.unwrap_or_else(|| std::path::Path::new("-"));
+    let mut source = Source::of(path, options.mapping.as_deref(), options.log_time)?;
+    if options.fields {
+        return list_fields(source, options.json);
+    }
+    let created = options.created.as_deref().map(|text| sources::parse_time(text, "--created")).transpose()?;
+    let CheckedConditions { checked, conditions } = conditions(options, &mut source)?;
+    let style = Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1 };
+    let library = Arc::new(checked.library);
+    let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
+        .map_err(|reason| Trouble::user("the library cannot be used").because(reason))?;
+    let mut watching = Watching { session, conditions, created, style, out: Listened::standard(), heard: false };
+    let gone = watching.out.gone();
+    let fed = source.feed(&library, &mut |at, kind| watching.take(at, kind));
+    // A reader such as `head` that has seen enough.
+    if gone.get() {
+        return Ok(());
+    }
+    // What was read before a fault is told all the same.
+    let verdicts = watching.end()?;
+    fed?;
+    match &options.expect {
+        Some(expected) if verdicts.iter().any(|verdict| verdict != expected) => {
+            Err(Trouble::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn list_fields(mut source: Source, json: bool) -> Outcome {
+    // Which state variables come of the fields is part of the answer, where a mapping is known.
+    let mapped = source.declarations(&Library::default());
+    match source {
+        Source::Log(log) => log.list_fields(json),
+        _ => mapped.and(Err(Trouble::user("`--fields` is for logs")
+            .because("lines of JSON and flight records name state variables themselves")
+            .help("`apex trace RECORD --type measurement` lists the samples of a record"))),
+    }
+}
+
+/// Checks the conditions and everything that they need.
+fn conditions(options: &MonitorOptions, source: &mut Source) -> Outcome<CheckedConditions> {
+    let mut texts: Vec<SourceText> = Vec::new();
+    for (index, text) in options.conditions.iter().enumerate() {
+        texts.push(SourceText { name: format!("<condition {}>", index + 1), text: text.clone() });
+    }
+    for path in &options.condition_file {
+        texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
+    }
+    if texts.is_empty() {
+        return Err(Trouble::user("there is no condition to watch")
+            .help("give one, such as '(roll-angle aircraft-1 > 15deg)', or `--condition-file FILE`; `--fields` lists what a log holds"));
+    }
+    let mut library_texts: Vec<SourceText> = Vec::new();
+    for path in &options.library {
+        library_texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
+    }
+    library_texts.extend(source.recorded_texts(library_texts.is_empty())?);
+    let folder = options.library.first().and_then(|path| path.parent()).map(std::path::Path::to_path_buf);
+    let folder = folder.unwrap_or_default();
+    let known = sources::check_texts(library_texts.clone(), &folder).library;
+    if let Some(declarations) = source.declarations(&known)? {
+        library_texts.push(declarations);
+    }
+    let read = sources::check_conditions(library_texts, texts, &folder);
+    sources::print_warnings_and_errors(&read.checked);
+    if read.checked.has_errors() {
+        return Err(Trouble::told());
+    }
+    Ok(read)
+}
+
+/// A session with what is told of it.
+struct Watching {
+    session: MonitorSession,
+    conditions: Vec<Condition>,
+    created: Option<Time>,
+    style: Style,
+    out: Listened,
+    heard: bool,
+}
+
+impl Watching {
+    fn take(&mut self, at: Time, kind: EventKind) -> Outcome {
+        if !self.heard {
+            self.begin(self.created.unwrap_or(at))?;
+        }
+        match kind {
+            EventKind::Measurement(variable, value) | EventKind::Told(_, Message::Measurement(variable, value)) => {
+                self.session.sample(&variable, value, at);
+            }
+            EventKind::Occurrence(form) | EventKind::Told(_, Message::Occurrence(form)) => self.session.event(form, at),
+            EventKind::CommandAcknowledged(..)
+            | EventKind::SolverReported(..)
+            | EventKind::OperatorAnswered(..)
+            | EventKind::Woken
+            | EventKind::Stop(_) => self.session.advance_to(at),
+        }
+        self.tell()
+    }
+
+    fn begin(&mut self, created_at: Time) -> Outcome {
+        self.heard = true;
+        for condition in self.conditions.clone() {
+            self.session.watch(condition, created_at).map_err(|trouble| {
+                Trouble::user(placed(&trouble.message, trouble.place, self.session.library()))
+                    .because("it must be known when the condition begins to be watched")
+            })?;
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self) -> Outcome {
+        for trouble in self.session.take_troubles() {
+            let message = placed(&trouble.message, trouble.place, self.session.library());
+            output::complain(format_args!("warning: at {}: {message}", trouble.at));
+        }
+        for result in self.session.take_results() {
+            if let Some(text) = self.style.result(&result) {
+                self.write(&text)?;
+            }
+        }
+        if self.style.live {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Tells what is left, the verdicts, and what was never heard of.
+    fn end(&mut self) -> Outcome<Vec<String>> {
+        if !self.heard {
+            self.begin(self.created.unwrap_or(Time::ZERO))?;
+        }
+        let now = self.session.now().max(self.created.unwrap_or(Time::ZERO));
+        self.session.advance(now);
+        self.session.finish();
+        self.tell()?;
+        let mut verdicts = Vec::new();
+        for number in 0..self.conditions.len() as u64 {
+            let Some(judgement) = self.session.verdict(MonitorId(number)) else { continue };
+            verdicts.push(verdict_word(&judgement.verdict).to_string());
+            let text = self.style.verdict(number + 1, &judgement, now);
+            self.write(&text)?;
+        }
+        self.flush()?;
+        self.tell_unheard();
+        Ok(verdicts)
+    }
+
+    /// A condition about a variable that never had a sample is mostly a slip of the pen.
+    fn tell_unheard(&self) {
+        let histories = self.session.histories();
+        let heard: BTreeSet<&Symbol> = histories.iter().map(|(variable, _)| &variable.attribute).collect();
+        let listed: Vec<String> = histories.iter().map(|(variable, _)| variable.to_string()).take(30).collect();
+        for number in 0..self.conditions.len() as u64 {
+            for interest in self.session.interests(MonitorId(number)) {
+                let unheard = match &interest {
+                    Interest::Variable(variable) if histories.get(variable).is_none() => variable.to_string(),
+                    Interest::Attribute(attribute) if !heard.contains(attribute) => format!("({attribute} ..)"),
+                    _ => continue,
+                };
+                output::complain(format_args!(
+                    "note: there is no sample of {unheard} in this input; it has {}",
+                    if listed.is_empty() { "none at all".to_string() } else { listed.join(" ") }
+                ));
+            }
+        }
+    }
+
+    fn write(&mut self, text: &str) -> Outcome {
+        self.out.write_all(text.as_bytes()).map_err(unwritten)
+    }
+
+    fn flush(&mut self) -> Outcome {
+        self.out.flush().map_err(unwritten)
+    }
+}
+
+fn unwritten(error: std::io::Error) -> Trouble {
+    Trouble::failure("cannot write to standard output").because(error)
+}

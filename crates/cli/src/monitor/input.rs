@@ -1,0 +1,219 @@
+//! What is watched or exported: a log, a flight record, or lines of JSON, as measurements and events in order of time.
+
+use super::mapping_file::{self, MappingFile};
+use crate::trouble::{Outcome, Trouble, unreadable};
+use crate::{commands, output, recording};
+use apex_logs::{Format, LogReader, Message, Ordered, Sampler};
+use apex_model::event::EventKind;
+use apex_model::library::Library;
+use apex_model::source::SourceFile;
+use apex_model::time::{Duration, Time};
+use apex_pdl::SourceText;
+use apex_runtime::input_lines::read_live;
+use apex_runtime::record::RecordReader;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// Where the data come from.
+pub enum Source {
+    /// Lines of JSON on standard input, told as they come.
+    Lines,
+    /// A file of such lines.
+    LinesFile(PathBuf),
+    /// A flight record.
+    Record(RecordReader),
+    /// A log of another system.
+    Log(Log),
+}
+
+/// A log and how it is to be understood.
+pub struct Log {
+    path: PathBuf,
+    format: Format,
+    mapping: Option<MappingFile>,
+    own_time: bool,
+}
+
+/// First bytes of a flight record.
+const RECORD_MAGIC: &[u8] = b"SQLite format 3\0";
+
+impl Source {
+    /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts.
+    pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool) -> Outcome<Source> {
+        let mapping = mapping.map(mapping_file::read).transpose()?;
+        if path.as_os_str() == "-" {
+            return no_mapping(Source::Lines, mapping.is_some());
+        }
+        if path.is_dir() {
+            return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
+        }
+        let mut first = vec![0; 512];
+        let mut file = File::open(path).map_err(|error| unreadable(path, &error))?;
+        let length = file.read(&mut first).map_err(|error| unreadable(path, &error))?;
+        first.truncate(length);
+        if first.starts_with(RECORD_MAGIC) {
+            return no_mapping(Source::Record(recording::open(path)?), mapping.is_some());
+        }
+        let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
+        let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
+        let begins = first.iter().find(|byte| !byte.is_ascii_whitespace());
+        if lines || (begins.is_some_and(|byte| b"{#".contains(byte)) && extension.to_ascii_lowercase() != "csv") {
+            return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
+        }
+        let Some(format) = Format::of(&first, &extension) else {
+            return Err(Trouble::user(format!("{} is in no format that is known here", path.display()))
+                .because("neither its first bytes nor its name's ending say what it is")
+                .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
+        };
+        Ok(Source::Log(Log { path: path.to_path_buf(), format, mapping, own_time }))
+    }
+
+    /// Texts that declare the state variables of the source, beside those of `library`.
+    pub fn declarations(&mut self, library: &Library) -> Outcome<Option<SourceText>> {
+        let Source::Log(log) = self else { return Ok(None) };
+        if log.mapping.is_none() {
+            log.mapping = match mapping_file::shipped(log.format) {
+                Some(shipped) => Some(shipped?),
+                None => log.of_columns()?,
+            };
+        }
+        let Some(mapping) = &log.mapping else {
+            return Err(Trouble::user(format!("{} needs a mapping", log.path.display()))
+                .because(format!("nothing says what the fields of a log in {} mean", log.format.name()))
+                .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
+        };
+        let text = mapping.declarations_beside(library);
+        Ok(Some(SourceText { name: mapping.name.clone(), text }))
+    }
+
+    /// The PDL in a flight record, where it is `wanted`: it declares the record's state variables.
+    pub fn recorded_texts(&self, wanted: bool) -> Outcome<Vec<SourceText>> {
+        let Source::Record(reader) = self else { return Ok(Vec::new()) };
+        if !wanted {
+            return Ok(Vec::new());
+        }
+        let recorded = reader.pdl_sources().map_err(|error| Trouble::failure(error.to_string()))?;
+        let text = |source: SourceFile| SourceText { name: source.name.to_string(), text: source.text.to_string() };
+        Ok(recorded.into_iter().map(text).collect())
+    }
+
+    /// Hands everything over, in order of time.
+    pub fn feed(self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+        match self {
+            Source::Lines => feed_lines(sink),
+            Source::LinesFile(path) => {
+                commands::run::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
+            }
+            Source::Record(reader) => feed_record(&reader, sink),
+            Source::Log(log) => log.feed(library, sink),
+        }
+    }
+}
+
+fn no_mapping(source: Source, mapped: bool) -> Outcome<Source> {
+    if mapped {
+        return Err(Trouble::user("`--mapping` has no meaning for this input")
+            .because("its lines name state variables themselves")
+            .help("leave the option out"));
+    }
+    Ok(source)
+}
+
+fn feed_lines(sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+    let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
+    let mut now = Time::ZERO;
+    for (number, line) in std::io::stdin().lock().lines().enumerate() {
+        let line = line.map_err(|error| Trouble::failure("cannot read standard input").because(error))?;
+        let text = line.trim();
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        let input = read_live(text, now, &read_value)
+            .map_err(|fault| Trouble::user(format!("<standard input>:{}: {fault}", number + 1)))?;
+        now = now.max(input.at);
+        sink(input.at, input.kind)?;
+    }
+    Ok(())
+}
+
+fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+    let failed = |error: apex_runtime::RecordError| Trouble::failure(error.to_string());
+    for step in reader.steps().map_err(failed)?.without_effects() {
+        for event in step.map_err(failed)?.batch.events {
+            sink(event.at, event.kind)?;
+        }
+    }
+    Ok(())
+}
+
+impl Log {
+    fn reader(&self) -> Outcome<Box<dyn LogReader>> {
+        let file = File::open(&self.path).map_err(|error| unreadable(&self.path, &error))?;
+        let time = self.mapping.as_ref().and_then(|mapping| mapping.time.clone());
+        Ok(self.format.reader(BufReader::new(file), time))
+    }
+
+    fn unread(&self, error: &std::io::Error) -> Trouble {
+        Trouble::failure(format!("cannot read {} to its end", self.path.display())).because(error)
+    }
+
+    /// The mapping that the names of a table's columns make.
+    fn of_columns(&self) -> Outcome<Option<MappingFile>> {
+        if self.format != Format::Csv {
+            return Ok(None);
+        }
+        let mut reader = self.reader()?;
+        reader.next(&mut Message::default()).map_err(|error| self.unread(&error))?;
+        Ok(reader.topics().first().map(|topic| mapping_file::of_columns(topic, None)))
+    }
+
+    fn feed(mut self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+        let mut reader = self.reader()?;
+        let mapping = self.mapping.take().unwrap_or_default().mapping(library)?;
+        let mut sampler = Sampler::new(mapping);
+        let (mut message, mut samples, mut ordered) = (Message::default(), Vec::new(), Ordered::default());
+        let mut origin: Option<Duration> = self.own_time.then_some(Duration::ZERO);
+        loop {
+            let more = reader.next(&mut message).map_err(|error| self.unread(&error))?;
+            if more {
+                // Mission time 0 is where the log says that it begins, else its first message.
+                let began = reader.began().unwrap_or(message.at);
+                let origin = *origin.get_or_insert(began - Time::ZERO);
+                message.at = message.at - origin;
+                sampler.sample(reader.topics(), &message, &mut samples);
+                samples.drain(..).for_each(|sampled| ordered.push(sampled));
+            }
+            while let Some(sampled) = ordered.pop(!more) {
+                let Some(entry) = sampler.mapping().entries.get(sampled.entry) else { continue };
+                sink(sampled.at, EventKind::Measurement(entry.variable.clone(), sampled.value))?;
+            }
+            if !more {
+                break;
+            }
+        }
+        tell_damages(&self.path, &*reader);
+        Ok(())
+    }
+
+    /// Prints what the log holds.
+    pub fn list_fields(&self, json: bool) -> Outcome {
+        let mut reader = self.reader()?;
+        let (fields, span) = apex_logs::survey(&mut *reader).map_err(|error| self.unread(&error))?;
+        super::field_list::print(self.format, &fields, span, self.mapping.as_ref(), json)?;
+        tell_damages(&self.path, &*reader);
+        Ok(())
+    }
+}
+
+/// Says what could not be read.
+fn tell_damages(path: &Path, reader: &dyn LogReader) {
+    let damages = reader.damages();
+    for what in &damages.first {
+        output::complain(format_args!("note: {}: {what}", path.display()));
+    }
+    let more = damages.count.saturating_sub(damages.first.len() as u64);
+    if more > 0 {
+        output::complain(format_args!("note: {}: and {more} more places like these", path.display()));
+    }
+}

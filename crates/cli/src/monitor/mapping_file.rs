@@ -1,0 +1,254 @@
+//! Files that say which fields of a log are which state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and
+//! declarations of the state variables.
+
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_logs::{Entry, Mapping, Take};
+use apex_logs::{Format, Topic};
+use apex_model::event::StateVariable;
+use apex_model::library::Library;
+use apex_model::quantity::{Dimension, unit_named};
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use std::path::Path;
+
+/// A mapping as it is written.
+#[derive(Debug, Default)]
+pub struct MappingFile {
+    /// What to call it in messages.
+    pub name: String,
+    /// Fields, with the units that their numbers are in.
+    pub entries: Vec<(Entry, Option<Symbol>)>,
+    /// The column of the time of a table, and the nanoseconds of its unit.
+    pub time: Option<(String, f64)>,
+    /// Declarations of state variables by attribute, as text.
+    pub declarations: Vec<(Symbol, String)>,
+}
+
+/// The mapping that ships for logs of `format`.
+pub fn shipped(format: Format) -> Option<Outcome<MappingFile>> {
+    let (name, text) = match format {
+        Format::ULog => ("px4", include_str!("../../mappings/px4.pdl")),
+        Format::DataFlashBinary | Format::DataFlashText => ("ardupilot", include_str!("../../mappings/ardupilot.pdl")),
+        Format::TelemetryLog => ("mavlink", include_str!("../../mappings/mavlink.pdl")),
+        Format::Mcap | Format::Csv => return None,
+    };
+    Some(parse(&format!("the mapping `{name}`"), text))
+}
+
+/// Reads a mapping from a file.
+pub fn read(path: &Path) -> Outcome<MappingFile> {
+    parse(&path.display().to_string(), &read_text(path)?)
+}
+
+/// Every column of a table as a state variable of its name.
+pub fn of_columns(topic: &Topic, time: Option<&str>) -> MappingFile {
+    let attribute = |column: &str| -> String {
+        let letter = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '-' };
+        column.chars().map(letter).collect()
+    };
+    let columns = topic.fields.iter().filter(|column| !column.is_empty() && Some(column.as_str()) != time);
+    let entries = columns.map(|column| {
+        let variable = StateVariable::new(Symbol::new(&attribute(column)), Value::symbol("aircraft-1"));
+        (plain(column, variable), None)
+    });
+    MappingFile { name: "the columns' names".to_string(), entries: entries.collect(), ..MappingFile::default() }
+}
+
+fn plain(field: &str, variable: StateVariable) -> Entry {
+    let (take, words) = (Take::Value, Vec::new());
+    Entry { field: field.to_string(), variable, take, scale: 1.0, offset: 0.0, words, missing: None }
+}
+
+impl MappingFile {
+    /// The declarations that `library` lacks, as PDL.
+    pub fn declarations_beside(&self, library: &Library) -> String {
+        let missing =
+            self.declarations.iter().filter(|(attribute, _)| !library.state_variables.contains_key(attribute));
+        missing.map(|(_, text)| format!("{text}\n")).collect()
+    }
+
+    /// The mapping with numbers in the units that `library` declares.
+    ///
+    /// # Errors
+    /// A field's unit measures something else than its state variable is declared in.
+    pub fn mapping(self, library: &Library) -> Outcome<Mapping> {
+        let name = self.name;
+        let entries = self.entries.into_iter().map(|(mut entry, unit)| {
+            let declared = library.state_variables.get(&entry.variable.attribute);
+            let declared = declared.and_then(|declared| unit_named(declared.unit.as_ref()?.printed()));
+            let Some(unit) = unit.and_then(|unit| unit_named(unit.printed())) else { return Ok(entry) };
+            let (scale, dimension) = declared.map_or((1.0, Dimension::NONE), |to| (to.factor, to.dimension));
+            if dimension != unit.dimension {
+                let Entry { field, variable, .. } = &entry;
+                return Err(Trouble::user(format!("{name}: the field `{field}` is in {}", unit.name))
+                    .because(format!("{variable} is declared as {dimension}"))
+                    .help(format!(
+                        "declare it: (state-variable ({} ?object) :unit {})",
+                        variable.attribute, unit.name
+                    )));
+            }
+            entry.scale *= unit.factor / scale;
+            entry.offset *= unit.factor / scale;
+            Ok(entry)
+        });
+        Ok(Mapping { entries: entries.collect::<Outcome<_>>()? })
+    }
+}
+
+fn parse(name: &str, text: &str) -> Outcome<MappingFile> {
+    let wrong = |form: &Value, why: String| {
+        Trouble::user(format!("{name}: `{}` is no part of a mapping", shortened(form))).because(why).help(
+            "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)",
+        )
+    };
+    // One list around all forms, in one line with the first, so that lines in messages are the file's.
+    let whole = apex_pdl::read_value(&format!("({text}\n)")).map_err(|diagnostic| {
+        let at = format!("{name}:{}", diagnostic.span.line);
+        Trouble::user(format!("{at}: {}", diagnostic.message))
+    })?;
+    let mut file = MappingFile { name: name.to_string(), ..MappingFile::default() };
+    for form in whole.as_list().unwrap_or_default() {
+        let items = form.as_list().unwrap_or_default();
+        let head = items.first().and_then(Value::as_symbol).map(Symbol::folded);
+        let read = match head {
+            Some("map") => entry(items).map(|entry| file.entries.push(entry)),
+            Some("time") => time(items).map(|time| file.time = Some(time)),
+            Some("state-variable") => declaration(form, items).map(|known| file.declarations.push(known)),
+            _ => Err("it begins with neither `map` nor `time` nor `state-variable`".to_string()),
+        };
+        read.map_err(|why| wrong(form, why))?;
+    }
+    Ok(file)
+}
+
+fn shortened(form: &Value) -> String {
+    let text = form.to_string();
+    if text.chars().count() > 60 { text.chars().take(57).chain("..".chars()).collect() } else { text }
+}
+
+fn declaration(form: &Value, items: &[Value]) -> Result<(Symbol, String), String> {
+    let variable = items.get(1).and_then(Value::as_list).and_then(<[Value]>::first).and_then(Value::as_symbol);
+    let attribute = variable.ok_or("its second word is not (ATTRIBUTE ?object)")?;
+    Ok((attribute.clone(), form.to_string()))
+}
+
+fn time(items: &[Value]) -> Result<(String, f64), String> {
+    let column = items.get(1).map(word).ok_or("the column is missing")?;
+    let mut nanoseconds = 1e9;
+    for (name, value) in options(items.get(2..).unwrap_or_default())? {
+        match name.as_str() {
+            ":unit" => {
+                nanoseconds =
+                    unit(value)?.filter(|unit| unit.dimension == Dimension::TIME).ok_or("the unit is no time")?.factor
+                        * 1e9
+            }
+            other => return Err(format!("`{other}` has no meaning here")),
+        }
+    }
+    Ok((column, nanoseconds))
+}
+
+fn entry(items: &[Value]) -> Result<(Entry, Option<Symbol>), String> {
+    let field = items.get(1).map(word).ok_or("the field is missing")?;
+    let form = items.get(2).and_then(Value::as_list).unwrap_or_default();
+    let (Some(attribute), objects) = (form.first().and_then(Value::as_symbol), form.get(1..).unwrap_or_default())
+    else {
+        return Err("its third word is not (ATTRIBUTE OBJECT)".to_string());
+    };
+    let object = match objects {
+        [one] => one.clone(),
+        several => Value::list(several.iter().cloned()),
+    };
+    let mut entry = plain(&field, StateVariable::new(attribute.clone(), object));
+    let mut own_unit = None;
+    for (name, value) in options(items.get(3..).unwrap_or_default())? {
+        match name.as_str() {
+            ":unit" => own_unit = unit(value)?.map(|unit| Symbol::new(unit.name)),
+            ":scale" => entry.scale = number(value)?,
+            ":offset" => entry.offset = number(value)?,
+            ":missing" => entry.missing = Some(number(value)?),
+            ":take" => {
+                entry.take = match word(value).as_str() {
+                    "roll" => Take::Roll,
+                    "pitch" => Take::Pitch,
+                    "heading" => Take::Heading,
+                    other => return Err(format!("`:take {other}` is not known: roll, pitch and heading are")),
+                };
+            }
+            ":words" => {
+                let pairs = value.as_list().unwrap_or_default().iter().map(|pair| match pair.as_list() {
+                    Some([known, word]) => Ok((number(known)?, word.clone())),
+                    _ => Err(format!("`{pair}` is not (NUMBER WORD)")),
+                });
+                entry.words = pairs.collect::<Result<_, String>>()?;
+            }
+            other => return Err(format!("`{other}` has no meaning here")),
+        }
+    }
+    Ok((entry, own_unit))
+}
+
+fn options(items: &[Value]) -> Result<Vec<(String, &Value)>, String> {
+    let pairs = items.chunks(2).map(|pair| match pair {
+        [name, value] => Ok((word(name), value)),
+        [name, ..] => Err(format!("`{name}` has no value")),
+        [] => Err("an option is missing".to_string()),
+    });
+    pairs.collect()
+}
+
+fn word(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.to_string(),
+        Value::Symbol(symbol) => symbol.printed().to_string(),
+        other => other.to_string(),
+    }
+}
+
+fn number(value: &Value) -> Result<f64, String> {
+    match value.as_number() {
+        Some((number, Dimension::NONE)) => Ok(number),
+        _ => Err(format!("`{value}` is no number")),
+    }
+}
+
+fn unit(value: &Value) -> Result<Option<&'static apex_model::quantity::Unit>, String> {
+    let name = word(value);
+    unit_named(&name).map(Some).ok_or_else(|| format!("`{name}` is no unit"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_mappings_are_whole_and_their_units_fit() {
+        for format in [Format::ULog, Format::DataFlashText, Format::TelemetryLog] {
+            let file = shipped(format).unwrap().unwrap();
+            let declarations = file.declarations_beside(&Library::default());
+            let source = apex_pdl::SourceText { name: file.name.clone(), text: declarations };
+            let checked = crate::sources::check_sources(vec![source], false, &mut |_| Err(String::new()));
+            assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+            let attributes: Vec<_> = file.entries.iter().map(|(entry, _)| entry.variable.attribute.clone()).collect();
+            assert!(attributes.iter().all(|each| checked.library.state_variables.contains_key(each)), "{attributes:?}");
+            assert!(checked.library.state_variables.keys().all(|each| attributes.contains(each)));
+            file.mapping(&checked.library).unwrap();
+        }
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for (text, expected) in [
+            ("(mapp \"a\" (b c))", "neither `map` nor `time`"),
+            ("(map \"a\" b)", "not (ATTRIBUTE OBJECT)"),
+            ("(map \"a\" (b c) :unit furlong)", "`furlong` is no unit"),
+            ("(map \"a\" (b c) :take yaw)", "roll, pitch and heading are"),
+            ("(map \"a\" (b c) :scale)", "`:scale` has no value"),
+            ("(time \"a\" :unit m)", "the unit is no time"),
+            ("\n(map \"a", "m:2:"),
+        ] {
+            let said = parse("m", text).unwrap_err().to_string();
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Results of conditions for people and for programs.
+
+use apex_executive::{Judgement, MonitorResult, Telling};
+use apex_model::library::Library;
+use apex_model::monitor::{Unmet, Verdict};
+use apex_model::source::Place;
+use apex_model::time::Time;
+use serde_json::{Value as Json, json};
+use std::fmt::Write;
+
+/// How results are told.
+#[derive(Clone, Copy)]
+pub struct Style {
+    /// As JSON.
+    pub json: bool,
+    /// Also at once what is not final yet: somebody is watching.
+    pub live: bool,
+    /// Several conditions are watched: each line says which.
+    pub several: bool,
+}
+
+impl Style {
+    /// A result as a line or lines; nothing where a later one will say more.
+    pub fn result(self, result: &MonitorResult) -> Option<String> {
+        let number = result.watch.0 + 1;
+        let satisfaction = &result.result;
+        let (start, end) = satisfaction.interval;
+        let evidence: Vec<String> = satisfaction.evidence.iter().map(|evidence| evidence.text()).collect();
+        let open = result.telling == Telling::Recognised { open: true };
+        if self.json {
+            let bindings: serde_json::Map<String, Json> = satisfaction
+                .bindings
+                .iter()
+                .map(|(name, value)| (name.printed().to_string(), Json::String(value.to_string())))
+                .collect();
+            let telling = if result.telling == Telling::Closed { "closed" } else { "recognised" };
+            let line = json!({
+                "condition": number, "telling": telling, "open": open, "start_s": start.seconds(),
+                "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "bindings": bindings,
+                "evidence": evidence,
+            });
+            return Some(format!("{line}\n"));
+        }
+        if open && !self.live {
+            return None;
+        }
+        let mut text = if self.several { format!("{number}: ") } else { String::new() };
+        if start == end {
+            let _ = write!(text, "at {start}");
+        } else {
+            let _ = write!(text, "{start} to {end} ({:.3} s)", (end - start).seconds());
+        }
+        let known_at = satisfaction.recognised_at;
+        let _ = match result.telling {
+            Telling::Recognised { open: true } => write!(text, ", recognised at {known_at}, goes on"),
+            _ if known_at == end && start == end => Ok(()),
+            _ => write!(text, ", recognised at {known_at}"),
+        };
+        let bindings: Vec<String> =
+            satisfaction.bindings.iter().map(|(name, value)| format!("?{name} = {value}")).collect();
+        if !bindings.is_empty() {
+            let _ = write!(text, ", {}", bindings.join(", "));
+        }
+        let _ = writeln!(text, "\n  because {}", evidence.join(", "));
+        Some(text)
+    }
+
+    /// What can be said about a condition at the end.
+    pub fn verdict(self, number: u64, judgement: &Judgement, now: Time) -> String {
+        let word = verdict_word(&judgement.verdict);
+        if self.json {
+            let because: Vec<Json> = judgement.because.iter().map(unmet_json).collect();
+            let line = json!({
+                "condition": number, "verdict": word, "results": judgement.results, "until_s": now.seconds(),
+                "because": because,
+            });
+            return format!("{line}\n");
+        }
+        let mut text = if self.several { format!("{number}: ") } else { String::new() };
+        let results = match judgement.results {
+            1 => "1 result".to_string(),
+            several => format!("{several} results"),
+        };
+        let _ = writeln!(text, "{word} up to {now}, {results}");
+        for Unmet { what, now, since, .. } in &judgement.because {
+            let since = since.map(|since| format!(", since {since}")).unwrap_or_default();
+            let colon = if now.is_empty() { "" } else { ": " };
+            let _ = writeln!(text, "  {what}{colon}{now}{since}");
+        }
+        text
+    }
+}
+
+/// A verdict as programs and `--expect` name it.
+pub fn verdict_word(verdict: &Verdict) -> &'static str {
+    match verdict {
+        Verdict::Satisfied(_) => "satisfied",
+        Verdict::NotSatisfied => "not-satisfied",
+        Verdict::Unknown => "unknown",
+    }
+}
+
+fn unmet_json(unmet: &Unmet) -> Json {
+    json!({
+        "what": unmet.what, "now": unmet.now, "since_s": unmet.since.map(Time::seconds),
+        "until_s": unmet.until.map(Time::seconds),
+    })
+}
+
+/// A sentence with its place in a text, where it has one.
+pub fn placed(message: &str, place: Option<Place>, library: &Library) -> String {
+    match place {
+        Some(place) => format!("{}: {message}", library.describe_place(place)),
+        None => message.to_string(),
+    }
+}
