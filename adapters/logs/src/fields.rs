@@ -19,17 +19,23 @@ pub struct FieldSummary {
     pub text: Option<String>,
 }
 
+/// First and last instant.
+pub type Span = (Time, Time);
+
+/// Messages of a topic, their span, and their fields.
+type SeenTopic = (u64, Option<Span>, Vec<Seen>);
+
 /// Reads a log to its end; the fields in the order of their appearance, and the first and last instant.
 ///
 /// # Errors
 /// The log cannot be read from its medium.
-pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Option<(Time, Time)>)> {
-    let mut found: Vec<(u64, Option<(Time, Time)>, Vec<Seen>)> = Vec::new();
-    let mut span: Option<(Time, Time)> = None;
+pub fn survey(reader: &mut dyn LogReader) -> io::Result<(Vec<FieldSummary>, Option<Span>)> {
+    let mut found: Vec<SeenTopic> = Vec::new();
+    let mut span: Option<Span> = None;
     let mut message = Message::default();
     while reader.next(&mut message)? {
         let at = message.at;
-        let wider = |span: Option<(Time, Time)>| Some(span.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
+        let wider = |span: Option<Span>| Some(span.map_or((at, at), |(from, to)| (from.min(at), to.max(at))));
         span = wider(span);
         if found.len() <= message.topic {
             found.resize(message.topic + 1, Default::default());

@@ -1,5 +1,7 @@
 //! What was written is read: every format, field by field.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "what cannot be read is a failed test")]
+
 mod builders;
 
 use apex_logs::{Cell, Entry, Format, LogReader, Mapping, Message, Sampled, Sampler, Take, open, survey};

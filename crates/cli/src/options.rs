@@ -38,7 +38,7 @@ pub enum Command {
     WhyNot(WhyNotOptions),
     /// Print what happened in a flight, filtered.
     Trace(TraceOptions),
-    /// Watch conditions over a flight log, a flight record or lines of JSON, and print every result.
+    /// Watch conditions over a log, a flight record or lines of JSON, and print every result.
     Monitor(MonitorOptions),
     /// Write the samples and events of a flight record or log as a table, CSV or Parquet.
     Export(ExportOptions),

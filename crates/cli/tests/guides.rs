@@ -64,3 +64,20 @@ fn the_guide_to_asking_why_shows_what_is_answered() {
     assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
     assert!(real.contains("(calibration-due camera-1) came from outside") && real.contains("Near it are"), "{real}");
 }
+
+#[test]
+fn the_guide_to_monitoring_a_log_shows_what_is_printed() {
+    let desk = tempfile::TempDir::new().unwrap();
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guides/monitoring-a-log.md");
+    let text = fs::read_to_string(&guide).unwrap();
+    for (mark, file) in [("```csv\n", "flight.csv"), ("```pdl\n", "names.pdl")] {
+        let block = text.split(mark).nth(1).unwrap().split("```").next().unwrap();
+        fs::write(desk.path().join(file), block).unwrap();
+    }
+    let real = played(&text, desk.path());
+    if std::env::var("UPDATE").is_ok_and(|value| value == "1") {
+        fs::write(&guide, &real).unwrap();
+    }
+    assert!(text == real || std::env::var("UPDATE").is_ok(), "the guide differs; UPDATE=1 rewrites it:\n{real}");
+    assert!(real.contains("a gap of P3S > P1S cut it before"), "{real}");
+}

@@ -1,6 +1,7 @@
 //! Small logs of every format, made from the formats' specifications.
 
 #![allow(dead_code, reason = "each test program uses some of them")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a log that cannot be made is a failed test")]
 
 /// A ULog with `vehicle_attitude` (nested and array fields) and `battery_status`, a text and a drop-out.
 /// Roll is `i` degrees at `i` tenths of a second.

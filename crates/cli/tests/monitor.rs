@@ -1,0 +1,189 @@
+//! `apex monitor` and `apex export`: conditions over inputs, records and logs, real ones where they are at hand.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a file that cannot be read is a failed test")]
+
+mod common;
+
+use common::{Desk, Said};
+use std::path::Path;
+
+/// Real logs for tests; they are no part of the project.
+const LOGS: &str = "/work/shared/data/flight-logs";
+
+/// The path of a real log; none where there are none, which is said.
+fn log(name: &str) -> Option<String> {
+    let path = Path::new(LOGS).join(name);
+    if path.is_file() {
+        return Some(path.display().to_string());
+    }
+    eprintln!("skipped: {} is not here", path.display());
+    None
+}
+
+const GAPPED: &str = r#"{"t": 0, "measurement": "(roll-angle uav)", "value": 20}
+{"t": 1, "measurement": "(roll-angle uav)", "value": 20}
+{"t": 3.4, "measurement": "(roll-angle uav)", "value": 21}
+{"t": 4, "event": "(go 1)"}
+"#;
+
+const STEEP: &str = "(:episode (roll-angle uav) :quality (:max-gap 1s) :value (> 15) :timing (:duration (>= 5s)))";
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("i.jsonl", GAPPED);
+    desk
+}
+
+/// Results that were told, by the condition's number.
+fn results(said: &Said, condition: u64) -> usize {
+    let of = |line: &&str| {
+        line.contains(&format!("\"condition\":{condition},")) && line.contains("\"telling\":\"recognised\"")
+    };
+    said.out.lines().filter(of).count()
+}
+
+#[test]
+fn results_and_verdicts_are_told_with_their_reasons() {
+    let said =
+        desk().apex(&["monitor", STEEP, "(:in-order (roll-angle ?who > 20) (go ?n))", "--inputs", "i.jsonl"]).well();
+    assert!(said.out.contains("2: 3.4s to 4s (0.600 s), recognised at 4s, ?who = uav, ?n = 1\n"), "{}", said.out);
+    assert!(said.out.contains("  because (roll-angle uav) = 21 at 3.4s, (go 1) at 4s\n"), "{}", said.out);
+    assert!(said.out.contains("1: unknown up to 4s, 0 results\n"), "{}", said.out);
+    assert!(said.out.contains("a gap of P2.4S > P1S cut it before"), "{}", said.out);
+}
+
+#[test]
+fn standard_input_is_told_as_it_comes_and_json_tells_the_same() {
+    let said = desk().apex_hearing(&["monitor", "(go ?n)"], GAPPED);
+    assert_eq!(said.out, "at 4s, ?n = 1\n  because (go 1) at 4s\nsatisfied up to 4s, 1 result\n");
+    let said = desk().apex(&["monitor", "(go ?n)", "--json", "--inputs", "i.jsonl"]).well();
+    let lines: Vec<serde_json::Value> = said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines[0]["bindings"]["n"], "1");
+    assert_eq!(lines[0]["recognised_at_s"], 4.0);
+    assert_eq!(lines[1]["verdict"], "satisfied");
+}
+
+#[test]
+fn a_library_declares_units_and_functions_and_conditions_come_from_files() {
+    let desk = desk();
+    desk.write("d.pdl", "(state-variable (roll-angle ?a) :unit deg) (defconstant steep 20deg)");
+    desk.write("c.pdl", "; two of them\n(roll-angle uav > steep)\n(:delay 2s)\n");
+    let arguments =
+        ["monitor", "--condition-file", "c.pdl", "--library", "d.pdl", "--inputs", "i.jsonl", "--created", "1"];
+    let said = desk.apex(&arguments).well();
+    assert!(said.out.contains("1: at 3.4s\n  because (roll-angle uav) = 21deg at 3.4s"), "{}", said.out);
+    assert!(said.out.contains("2: at 3s\n"), "{}", said.out);
+}
+
+#[test]
+fn mistakes_say_what_to_do() {
+    let desk = desk();
+    desk.apex(&["monitor", "--inputs", "i.jsonl"]).complained(2, &["there is no condition to watch", "--fields"]);
+    desk.apex(&["monitor", "(roll-angle uav > ", "--inputs", "i.jsonl"])
+        .complained(2, &["<condition 1>:1:", "never closed"]);
+    desk.apex(&["monitor", "(a b)", "--inputs", "nothing.ulg"]).complained(2, &["cannot read nothing.ulg"]);
+    desk.apex(&["monitor", "(a b)", "--mapping", "i.jsonl", "--inputs", "i.jsonl"]).complained(2, &["i.jsonl"]);
+    desk.apex(&["monitor", "--fields", "--inputs", "i.jsonl"]).complained(2, &["`--fields` is for logs"]);
+    desk.write("x.dat", "something");
+    desk.apex(&["monitor", "(a b)", "--inputs", "x.dat"]).complained(2, &["x.dat is in no format that is known"]);
+    desk.write("x.mcap", "\u{89}");
+    desk.apex(&["monitor", "(a b)", "--inputs", "x.mcap"]).complained(2, &["x.mcap needs a mapping"]);
+    let said = desk.apex(&["monitor", "(rol uav > 3)", "--expect", "satisfied", "--inputs", "i.jsonl"]);
+    said.complained(
+        1,
+        &["there is no sample of (rol uav)", "it has (roll-angle uav)", "not every verdict is `satisfied`"],
+    );
+}
+
+#[test]
+fn tables_need_no_mapping_and_take_one() {
+    let desk = Desk::new();
+    desk.write("f.csv", "time_ms,Roll Deg,rssi\n0,1,-50\n500,0.3,-61\n1000,0.4,\n");
+    let said =
+        desk.apex(&["monitor", "(roll-deg aircraft-1 < 0.5)", "(rssi aircraft-1 < -60)", "--inputs", "f.csv"]).well();
+    assert!(said.out.contains("1: satisfied up to 1s, 2 results"), "{}", said.out);
+    assert!(said.out.contains("2: satisfied up to 1s, 1 result\n"), "{}", said.out);
+    desk.write("m.pdl", "(state-variable (roll-angle ?a) :unit deg)\n(map \"Roll Deg\" (roll-angle uav) :unit rad)\n");
+    let said = desk.apex(&["monitor", "(roll-angle uav > 20deg)", "--inputs", "f.csv", "--mapping", "m.pdl"]).well();
+    assert!(said.out.contains("= 57.2957795131deg at 0s"), "{}", said.out);
+    assert!(said.out.contains("2 results"), "{}", said.out);
+    let said = desk.apex(&["monitor", "--fields", "--inputs", "f.csv", "--mapping", "m.pdl"]).well();
+    assert!(said.out.contains("-> (roll-angle uav)"), "{}", said.out);
+}
+
+#[test]
+fn a_flight_record_is_watched_in_terms_of_its_own_program() {
+    let desk = Desk::with_flight();
+    let said = desk.apex(&["monitor", "(calibration-due ?camera)", "(altitude ?who > 30m)", "--inputs", "flight.apex"]);
+    assert!(
+        said.out.contains("1: at 40s, ?camera = camera-1\n  because (calibration-due camera-1) at 40s"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("2: satisfied"), "{} {}", said.out, said.err);
+}
+
+#[test]
+fn what_became_of_each_sample_is_in_the_table() {
+    let desk = Desk::new();
+    desk.write("d.pdl", "(state-variable (x ?a) :unit m :lateness 2s)");
+    let lines = [(1, "5"), (2, "6"), (2, "7"), (2, "7"), (9, "8"), (8, "1"), (3, "2"), (10, "\"far\"")];
+    let line =
+        |(at, value): &(i32, &str)| format!("{{\"t\": {at}, \"measurement\": \"(x uav)\", \"value\": {value}}}\n");
+    // Standard input keeps the order of arrival.
+    let input: String = lines.iter().map(line).collect();
+    let said = desk.apex_hearing(&["export", "-", "--library", "d.pdl"], &input);
+    let statuses: Vec<&str> = said.out.lines().skip(1).filter_map(|line| line.rsplit(',').next()).collect();
+    let expected = ["kept", "kept", "replaced", "repeated", "kept", "inserted", "late", "refused"];
+    assert_eq!(statuses, expected, "{}", said.out);
+    assert!(said.out.contains("\n6,8000000000,9000000000,sample,(x uav),1,m,,inserted\n"), "{}", said.out);
+    desk.write("i.jsonl", GAPPED);
+    desk.apex(&["export", "i.jsonl", "--out", "t.parquet"]).complained(0, &["4 rows in t.parquet"]);
+    let bytes = std::fs::read(desk.path("t.parquet")).unwrap();
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+    desk.apex(&["export", "i.jsonl", "--format", "parquet"]).complained(2, &["needs a file"]);
+    desk.apex(&["export", "i.jsonl", "--out", "i.jsonl"]).complained(2, &["written over its source"]);
+}
+
+/// Counts that a plain scan of the files' bytes gives, made apart from these readers.
+#[test]
+fn rolls_above_fifteen_degrees_are_found_in_real_logs() {
+    let right = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (> 15deg))";
+    let left = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (< -15deg))";
+    for (name, to_the_right, to_the_left) in [
+        ("frr_ekf_failure.ulg", 3, 5),
+        ("frr_gps_interference.ulg", 0, 0),
+        ("mcap_test_ulog.ulg", 1, 0),
+        ("pyulog_sample_log_small.ulg", 0, 0),
+        ("vtol.tlog", 60, 5),
+        ("ap_tradheli_brownout.log", 2, 0),
+    ] {
+        let Some(path) = log(name) else { continue };
+        let said = Desk::new().apex(&["monitor", right, left, "--json", "--inputs", &path]);
+        assert_eq!((results(&said, 1), results(&said, 2)), (to_the_right, to_the_left), "{name}: {}", said.err);
+    }
+    let Some(path) = log("frr_ekf_failure.ulg") else { return };
+    let said = Desk::new().apex(&["monitor", right, "--inputs", &path]).well();
+    assert!(said.out.contains("19.147946s to 24.597885s (5.450 s)"), "{}", said.out);
+    assert!(said.out.contains("from 19.147946s to 24.597885s, 110 samples"), "{}", said.out);
+}
+
+#[test]
+fn dips_of_the_signal_are_found_in_a_real_log() {
+    let Some(path) = log("frr_gps_interference.ulg") else { return };
+    let dips = "(:episode (rssi aircraft-1) :quality :no-constraints :value (< -60))";
+    let said = Desk::new().apex(&["monitor", "(rssi aircraft-1 < -60)", dips, "--json", "--inputs", &path]);
+    assert_eq!((results(&said, 1), results(&said, 2)), (20, 12), "{}", said.err);
+}
+
+#[test]
+fn a_real_log_that_is_cut_gives_what_is_left_and_says_where() {
+    let Some(path) = log("frr_ekf_failure.ulg") else { return };
+    let desk = Desk::new();
+    let bytes = std::fs::read(path).unwrap();
+    std::fs::write(desk.path("cut.ulg"), &bytes[..1_000_000]).unwrap();
+    let right = "(:episode (roll-angle aircraft-1) :quality (:max-gap 1s) :value (> 15deg))";
+    let said = desk.apex(&["monitor", right, "--inputs", "cut.ulg"]);
+    let said = said.complained(0, &["cut.ulg: byte 999981: the log ends within a message"]);
+    assert!(said.out.contains("2 results"), "{}", said.out);
+}
