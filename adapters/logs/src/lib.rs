@@ -19,7 +19,7 @@ mod ordered;
 mod ulog;
 mod ulog_format;
 
-pub use fields::{FieldSummary, survey};
+pub use fields::{FieldSummary, Span, survey};
 pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};
 pub use open::{Format, open};
 pub use ordered::Ordered;

@@ -58,7 +58,7 @@ impl Source {
         let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         let lines = ["json", "jsonl", "ndjson"].contains(&extension.to_ascii_lowercase().as_str());
         let begins = first.iter().find(|byte| !byte.is_ascii_whitespace());
-        if lines || (begins.is_some_and(|byte| b"{#".contains(byte)) && extension.to_ascii_lowercase() != "csv") {
+        if lines || (begins.is_some_and(|byte| b"{#".contains(byte)) && !extension.eq_ignore_ascii_case("csv")) {
             return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
         }
         let Some(format) = Format::of(&first, &extension) else {
