@@ -78,6 +78,15 @@ pub enum Evidence {
         /// The instant.
         at: Time,
     },
+    /// An expression that was true.
+    Function {
+        /// The expression, as PDL text.
+        what: String,
+        /// Its value.
+        value: Value,
+        /// When.
+        at: Time,
+    },
     /// Something that did not happen.
     Absence {
         /// The condition, as PDL text.
@@ -193,6 +202,7 @@ impl Evidence {
             }
             Evidence::Instant { since: Some(since), at } => format!("{} after {since}, at {at}", *at - *since),
             Evidence::Instant { since: None, at } => format!("it is {at}"),
+            Evidence::Function { what, value, at } => format!("{what} is {value} at {at}"),
             Evidence::Absence { what, at } => format!("no {what} up to {at}"),
             Evidence::Estimate(estimate) => estimate.text(),
             Evidence::Aggregate(aggregate) => aggregate.text(),

@@ -170,6 +170,8 @@ pub struct EpisodeCondition {
     pub variable: VariablePattern,
     /// The required sampling quality; stating none is a load-time error.
     pub quality: Quality,
+    /// `:any`: any two samples of a run bound an episode, not only the whole run (`monitoring.md` rule 7).
+    pub any: bool,
     /// Must hold of every value in the run.
     pub value: Vec<Constraint>,
     /// Must hold of the first value.
@@ -223,4 +225,25 @@ pub enum AllenRelation {
     During,
     Contains,
     Cotemporal,
+}
+
+impl AllenRelation {
+    /// The relation's keyword, without its colon.
+    pub fn word(self) -> &'static str {
+        match self {
+            AllenRelation::Before => "before",
+            AllenRelation::After => "after",
+            AllenRelation::Meets => "meets",
+            AllenRelation::MetBy => "met-by",
+            AllenRelation::Overlaps => "overlaps",
+            AllenRelation::OverlappedBy => "overlapped-by",
+            AllenRelation::Starts => "starts",
+            AllenRelation::StartedBy => "started-by",
+            AllenRelation::Finishes => "finishes",
+            AllenRelation::FinishedBy => "finished-by",
+            AllenRelation::During => "during",
+            AllenRelation::Contains => "contains",
+            AllenRelation::Cotemporal => "cotemporal",
+        }
+    }
 }

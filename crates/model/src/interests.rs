@@ -22,6 +22,7 @@ pub struct Interests {
     any_event: MonitorSet,
     tasks: BTreeMap<TaskId, MonitorSet>,
     any_task: MonitorSet,
+    every_step: MonitorSet,
 }
 
 /// Monitors of samples of one variable.
@@ -112,6 +113,7 @@ impl Interests {
             Interest::AnyEvent => self.any_event.insert(monitor),
             Interest::Task(task) => self.tasks.entry(*task).or_default().insert(monitor),
             Interest::AnyTask => self.any_task.insert(monitor),
+            Interest::EveryStep => self.every_step.insert(monitor),
         };
     }
 
@@ -133,6 +135,9 @@ impl Interests {
             Interest::Task(task) => drop_from(&mut self.tasks, task, monitor),
             Interest::AnyTask => {
                 self.any_task.remove(monitor);
+            }
+            Interest::EveryStep => {
+                self.every_step.remove(monitor);
             }
         }
     }
@@ -236,6 +241,11 @@ impl Interests {
         if watchers.is_empty() {
             self.variables.remove(variable);
         }
+    }
+
+    /// Who is judged at every instant at which anything happens.
+    pub fn of_every_step(&self, found: &mut Found) {
+        self.every_step.collect_into(found);
     }
 
     /// True when nobody must be told of transitions of `task`.

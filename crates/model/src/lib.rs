@@ -31,6 +31,7 @@ pub mod interests;
 pub mod library;
 pub mod limits;
 pub mod monitor;
+pub mod monitor_order;
 pub mod monitor_set;
 mod pairs;
 pub mod pattern;

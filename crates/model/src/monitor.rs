@@ -8,6 +8,7 @@ use crate::condition::{EpisodeCondition, MeasurementCondition, Relation, Timing}
 use crate::event::StateVariable;
 use crate::evidence_list::EvidenceList;
 use crate::expression::Expr;
+use crate::monitor_order::{AbsentPart, AllenPart, FunctionPart};
 use crate::pattern::Pattern;
 use crate::source::Place;
 use crate::symbol::Symbol;
@@ -78,6 +79,8 @@ pub enum Interest {
     Task(TaskId),
     /// Transitions of all tasks: the task is not known yet.
     AnyTask,
+    /// Every instant at which anything happens.
+    EveryStep,
 }
 
 /// Part of a condition that does not hold: what `apex why` prints.
@@ -181,6 +184,12 @@ pub enum PartKind {
     Timestamp(Box<TimePart>),
     /// So long after the window's start.
     Delay(Box<TimePart>),
+    /// Each part has an Allen relation to the next.
+    Allen(Box<AllenPart>),
+    /// A whole window without the part.
+    Absent(Box<AbsentPart>),
+    /// An expression is true.
+    Function(Box<FunctionPart>),
 }
 
 /// Parts under `:and`, `:or`, `:in-order`.
@@ -294,6 +303,19 @@ impl Newest {
                 Newest::Several(map)
             }
         };
+    }
+
+    /// Takes the results of all newest samples out, in order of the objects' first appearance.
+    pub fn take_results(&mut self) -> Vec<Satisfaction> {
+        let mut taken: Vec<(u64, Satisfaction)> = match self {
+            Newest::None => Vec::new(),
+            Newest::One(_, sample) => sample.result.take().map(|result| (sample.rank, result)).into_iter().collect(),
+            Newest::Several(map) => {
+                map.values_mut().filter_map(|sample| Some((sample.rank, sample.result.take()?))).collect()
+            }
+        };
+        taken.sort_by_key(|(rank, _)| *rank);
+        taken.into_iter().map(|(_, result)| result).collect()
     }
 
     /// All newest samples, in order of their objects.

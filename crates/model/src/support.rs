@@ -17,17 +17,16 @@ pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
             parts.iter().find_map(unsupported_condition)
         }
-        ConditionKind::Not(part) => unsupported_condition(part),
-        ConditionKind::Absent(..) => Some(":absent"),
-        ConditionKind::Allen { .. } => Some("an Allen relation"),
-        ConditionKind::Function(_) => Some(":function"),
+        ConditionKind::Allen { parts, .. } => parts.iter().find_map(unsupported_condition),
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => unsupported_condition(part),
         ConditionKind::Probing { .. } => Some(":probing"),
         ConditionKind::Cyclic { .. } => Some(":cyclic"),
         ConditionKind::Delay(..)
         | ConditionKind::Timestamp(..)
         | ConditionKind::Event { .. }
         | ConditionKind::TaskEnded(_)
-        | ConditionKind::TaskState { .. } => None,
+        | ConditionKind::TaskState { .. }
+        | ConditionKind::Function(_) => None,
     }
 }
 

@@ -89,6 +89,10 @@ fn one(
             in_time(world, *at)?;
             require(since.is_none_or(|since| since <= *at), "it ends before it begins")
         }
+        Evidence::Function { what, value, at } => {
+            require(!what.is_empty() && value.is_true(), "it is not true")?;
+            require(*at == world.now, "it is told of another instant")
+        }
         Evidence::Absence { what, at } => {
             require(!what.is_empty(), "nothing is named")?;
             require(*at == world.now, "it is told of another instant")
@@ -216,9 +220,10 @@ fn may_fit(pattern: &Pattern, value: &Value) -> bool {
 /// The parts of a condition that can be evidence.
 fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
     match &condition.kind {
-        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
-            parts.iter().for_each(|part| collect(part, leaves));
-        }
+        ConditionKind::And(parts, _)
+        | ConditionKind::Or(parts, _)
+        | ConditionKind::InOrder(parts, _)
+        | ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, leaves)),
         leaf => leaves.push(leaf),
     }
 }

@@ -104,6 +104,7 @@ fn shifted_evidence(evidence: &Evidence) -> Evidence {
         | Evidence::TaskEnd { at, .. }
         | Evidence::Run { end: at, .. }
         | Evidence::Instant { at, .. }
+        | Evidence::Function { at, .. }
         | Evidence::Absence { at, .. } => *at = later(*at),
         Evidence::Estimate(estimate) => estimate.extent.0 = later(estimate.extent.0),
         Evidence::Aggregate(aggregate) => aggregate.interval.1 = later(aggregate.interval.1),

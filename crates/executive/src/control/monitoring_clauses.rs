@@ -176,6 +176,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
             tell(cycle, *id, stimulus);
         }
     }
+    cycle.agent.interests.of_every_step(&mut cycle.work.touched);
     let mut touched = std::mem::take(&mut cycle.work.touched);
     touched.sort_unstable();
     touched.dedup();
@@ -292,6 +293,7 @@ fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> O
         | Evidence::TaskState { .. }
         | Evidence::TaskEnd { .. }
         | Evidence::Instant { .. }
+        | Evidence::Function { .. }
         | Evidence::Absence { .. }
         | Evidence::Estimate(_)
         | Evidence::Aggregate(_) => None,

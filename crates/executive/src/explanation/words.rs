@@ -119,8 +119,9 @@ pub(crate) fn episode(condition: &EpisodeCondition) -> String {
         Quality::MaximumGap(gap) => format!("(:max-gap {})", expression(gap)),
     };
     format!(
-        "(:episode ({}) :quality {quality}{}{}{}{}{})",
+        "(:episode ({}){} :quality {quality}{}{}{}{}{})",
         variable(&condition.variable),
+        if condition.any { " :any" } else { "" },
         option(":value", &condition.value),
         option(":first-value", &condition.first_value),
         option(":last-value", &condition.last_value),

@@ -9,14 +9,16 @@
 
 use super::specificity::variables;
 use super::time_conditions::Kind;
-use super::{Troubles, episode, event, measurement, reach, task_state, time_conditions};
-use crate::expression::{EvaluationError, Surroundings};
+use super::{Troubles, absence, episode, event, measurement, reach, replay, task_state, time_conditions};
+use crate::expression::arithmetic::duration;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
+use apex_model::monitor_order::{AllenPart, FunctionPart, Side};
 use apex_model::support::unsupported_condition;
 use apex_model::symbol::Symbol;
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -28,6 +30,8 @@ struct Role {
     any_pair: bool,
     /// Ends and states of tasks count that stand already.
     standing: bool,
+    /// Whole runs are asked for: what may still undo a run is judged when it is over.
+    whole_runs: bool,
 }
 
 /// The tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
@@ -40,7 +44,7 @@ pub(super) fn tree(
     (keep, standing): (Keep, bool),
     surroundings: &dyn Surroundings,
 ) -> Result<Part, EvaluationError> {
-    part(condition, Role { window, keep, any_pair: false, standing }, surroundings)
+    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, surroundings)
 }
 
 fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
@@ -63,7 +67,9 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
                 window = whole_past;
             }
-            PartKind::Episode(Box::new(episode::create(episode, role.any_pair, surroundings)?))
+            let mut part = episode::create(episode, role.any_pair || episode.any, surroundings)?;
+            part.at_close |= role.whole_runs && !episode.last_value.is_empty();
+            PartKind::Episode(Box::new(part))
         }
         ConditionKind::Event { pattern, timing } => {
             if !timing.start.is_empty() || !timing.end.is_empty() {
@@ -99,16 +105,48 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
         ConditionKind::Delay(from, to) => {
             PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, surroundings)?)
         }
-        ConditionKind::Absent(..)
-        | ConditionKind::Allen { .. }
-        | ConditionKind::Function(_)
-        | ConditionKind::Probing { .. }
+        ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, surroundings)?)),
+        ConditionKind::Absent(inner, length) => {
+            let inner = part(inner, Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role }, surroundings)?;
+            PartKind::Absent(Box::new(absence::create(inner, length, window.start, surroundings)?))
+        }
+        ConditionKind::Function(expression) => {
+            let expression = expression.clone();
+            PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
+        }
+        ConditionKind::Probing { .. }
         | ConditionKind::Cyclic { .. } => {
             let name = unsupported_condition(condition).unwrap_or("this condition");
             return Err(EvaluationError { message: format!("{name} is not supported yet"), place: condition.place });
         }
     };
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
+}
+
+fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<AllenPart, EvaluationError> {
+    let ConditionKind::Allen { relation, parts, tolerance, constraints } = &condition.kind else {
+        return Err(EvaluationError { message: "this is no relation in time".into(), place: condition.place });
+    };
+    let tolerance = match tolerance {
+        Some(tolerance) => {
+            let value = evaluate(tolerance, surroundings)?;
+            duration(&value).map_err(|message| EvaluationError { message, place: tolerance.place })?
+        }
+        None => Duration::ZERO,
+    };
+    let inner = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    Ok(AllenPart {
+        relation: *relation,
+        tolerance,
+        shares: share_variables(parts, surroundings),
+        sides: vec![Side::default(); parts.len()],
+        parts: parts.iter().map(|each| part(each, inner, surroundings)).collect::<Result<_, _>>()?,
+        constraints: constraints.clone(),
+        found: Vec::new(),
+        passing: Vec::new(),
+        undecided: false,
+        decides_at: None,
+    })
 }
 
 fn time_part(
@@ -227,5 +265,15 @@ pub(super) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubl
             composite.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
         }
         PartKind::Not(inner) => look_back(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            // This says what is not remembered any more; then all is looked at in order.
+            leaf.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
+            replay::replay(part, None, surroundings, troubles);
+        }
+        PartKind::Absent(leaf) => {
+            look_back(&mut leaf.part, surroundings, troubles);
+            replay::replay(part, None, surroundings, troubles);
+        }
+        PartKind::Function(_) => {}
     }
 }

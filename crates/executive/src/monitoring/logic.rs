@@ -8,7 +8,7 @@
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
 use super::time_conditions::{Kind, delays};
-use super::{Asking, Truth, episode, measurement, task_state, time_conditions};
+use super::{Asking, Truth, absence, allen, episode, measurement, task_state, time_conditions};
 use crate::expression::{WithBindings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
@@ -31,6 +31,9 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
         PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => Truth::of(leaf.reached.is_some(), leaf.span.is_none()),
         PartKind::Not(inner) => asking.of_everything(|asking| truth(inner, asking)).negated(),
+        PartKind::Allen(leaf) => allen::truth(leaf, asking),
+        PartKind::Absent(leaf) => absence::truth(leaf),
+        PartKind::Function(leaf) => Truth::of(leaf.holds.is_some(), leaf.value.is_none()),
         PartKind::And(composite) => {
             let all = composite
                 .parts
@@ -93,6 +96,9 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
             Truth::False => vec![nothing_until(inner, asking.now)],
             Truth::True | Truth::Unknown => Vec::new(),
         },
+        PartKind::Allen(leaf) => allen::results(leaf),
+        PartKind::Absent(leaf) => leaf.found.clone(),
+        PartKind::Function(leaf) => leaf.holds.clone().into_iter().collect(),
         PartKind::And(composite) => Combination::new(part, composite, false).run(asking),
         PartKind::InOrder(composite) => Combination::new(part, composite, true).run(asking),
         PartKind::Or(composite) => alternatives(part, composite, asking),
@@ -143,7 +149,8 @@ pub(super) fn alternative_holds(
     constraints_hold(tag, constraints, result.interval, &result.bindings, asking)
 }
 
-fn constraints_hold(
+/// Are all `constraints` true of a result? They see its bindings and its own `tag`.
+pub(super) fn constraints_hold(
     tag: Option<&Symbol>,
     constraints: &[Expr],
     interval: (Time, Time),
@@ -309,15 +316,8 @@ impl<'a> Combination<'a> {
         // Where nothing but time has to pass, that is an instant.
         let instant = last_delay.map_or(asking.now, |(least, _)| partial.end + least);
         let interval = partial.hull.unwrap_or((instant, instant));
-        if excluded
-            || !constraints_hold(
-                self.part.tag.as_ref(),
-                &self.composite.constraints,
-                interval,
-                &partial.bindings,
-                asking,
-            )
-        {
+        let constraints = &self.composite.constraints;
+        if excluded || !constraints_hold(self.part.tag.as_ref(), constraints, interval, &partial.bindings, asking) {
             return;
         }
         if !nots.is_empty() || partial.hull.is_none() && last_delay.is_none() {
@@ -341,7 +341,7 @@ impl<'a> Combination<'a> {
 }
 
 /// The bindings of both, if they agree where both bind.
-fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
+pub(super) fn joined(left: &Bindings, right: &Bindings) -> Option<Bindings> {
     let mut all = left.clone();
     for (name, value) in right.iter() {
         match all.get(name) {

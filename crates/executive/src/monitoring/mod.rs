@@ -3,9 +3,13 @@
 //! One file per service. A monitor is plain data (`apex_model::monitor`); it is made by [`create`], fed by [`notice`]
 //! with the stimuli it has an interest in, and asked by [`verdict`].
 
+mod absence;
+mod allen;
 mod constraints;
 mod creation;
 mod episode;
+mod extents;
+mod function;
 pub(crate) mod event;
 mod harvest;
 mod histories;
@@ -15,6 +19,8 @@ pub(crate) mod pattern_matching;
 pub(crate) mod plain_episode;
 mod quick_runs;
 mod reach;
+mod relation;
+mod replay;
 mod retention;
 mod runs;
 mod samples;
@@ -144,6 +150,10 @@ pub(crate) enum WakeReason {
     Delay,
     /// A `:timestamp` is reached.
     Timestamp,
+    /// A relation of runs can be decided, because one of them is over.
+    RelationDecided,
+    /// The window of an absence is over.
+    AbsenceOver(Duration),
 }
 
 impl fmt::Display for WakeReason {
@@ -154,6 +164,8 @@ impl fmt::Display for WakeReason {
             WakeReason::OrderDelay => f.write_str("a :delay is over"),
             WakeReason::Delay => f.write_str(":delay is over"),
             WakeReason::Timestamp => f.write_str(":timestamp is reached"),
+            WakeReason::RelationDecided => f.write_str("an episode without samples is over, which decides a relation"),
+            WakeReason::AbsenceOver(length) => write!(f, "the {length} of an :absent are over, or its episode is"),
         }
     }
 }
@@ -299,7 +311,10 @@ pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
         | PartKind::InOrder(_)
         | PartKind::Not(_)
         | PartKind::Timestamp(_)
-        | PartKind::Delay(_) => None,
+        | PartKind::Delay(_)
+        | PartKind::Allen(_)
+        | PartKind::Absent(_)
+        | PartKind::Function(_) => None,
     }
 }
 
@@ -325,6 +340,9 @@ fn collect_interests(part: &Part, add: &mut dyn FnMut(Interest)) {
             composite.parts.iter().for_each(|part| collect_interests(part, add));
         }
         PartKind::Not(inner) => collect_interests(inner, add),
+        PartKind::Allen(leaf) => leaf.parts.iter().for_each(|part| collect_interests(part, add)),
+        PartKind::Absent(leaf) => collect_interests(&leaf.part, add),
+        PartKind::Function(_) => add(Interest::EveryStep),
         PartKind::Timestamp(_) | PartKind::Delay(_) => {}
     }
 }
@@ -358,6 +376,18 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
         }
         (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
+        (PartKind::Allen(_) | PartKind::Absent(_), Stimulus::Sample { variable, sequence, newest: false, .. }) => {
+            // What came before may have been related otherwise: all is looked at again, in order.
+            if replay::watches(part, variable) && replay::covers(part, variable, surroundings) {
+                replay::replay(part, Some(*sequence), surroundings, troubles);
+            }
+        }
+        (PartKind::Allen(leaf), _) if !allen::is_done(leaf, site) => {
+            leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+        }
+        (PartKind::Absent(leaf), _) if !absence::is_done(leaf, site) => {
+            notice_part(&mut leaf.part, stimulus, surroundings, troubles);
+        }
         _ => {}
     }
 }
@@ -374,6 +404,15 @@ fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Trou
             composite.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
         }
         PartKind::Not(inner) => advance(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            leaf.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
+            allen::advance(leaf, site, part.tag.as_ref(), surroundings, troubles);
+        }
+        PartKind::Absent(leaf) => {
+            advance(&mut leaf.part, surroundings, troubles);
+            absence::advance(leaf, site, surroundings, troubles);
+        }
+        PartKind::Function(leaf) => function::advance(leaf, surroundings, troubles),
         PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {}
     }
 }
@@ -432,6 +471,17 @@ fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
             .filter_map(|part| wake_of(part, after))
             .min(),
         PartKind::Not(inner) => wake_of(inner, after),
+        PartKind::Allen(leaf) if allen::is_done(leaf, site(part)) => None,
+        PartKind::Allen(leaf) => {
+            let decided = leaf.decides_at.filter(|at| *at > after).map(|at| (at, WakeReason::RelationDecided));
+            leaf.parts.iter().filter_map(|part| wake_of(part, after)).chain(decided).min()
+        }
+        PartKind::Absent(leaf) if absence::is_done(leaf, site(part)) => None,
+        PartKind::Absent(leaf) => {
+            let over = leaf.decides_at.filter(|at| *at > after).map(|at| (at, WakeReason::AbsenceOver(leaf.length)));
+            wake_of(&leaf.part, after).into_iter().chain(over).min()
+        }
+        PartKind::Function(_) => None,
         PartKind::Measurement(_) | PartKind::Event(_) | PartKind::TaskEnded(_) | PartKind::TaskState(_) => None,
     }
 }

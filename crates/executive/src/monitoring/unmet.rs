@@ -9,7 +9,7 @@
 
 use super::runs::{gap_cut, with_newest};
 use super::time_conditions::{Kind, span};
-use super::{Asking, Truth, logic, measurement, task_state};
+use super::{Asking, Truth, absence, allen, logic, measurement, task_state};
 use crate::control::selection::head;
 use crate::explanation::mismatch::first_mismatch;
 use crate::explanation::words;
@@ -19,6 +19,7 @@ use apex_model::history::{Occurrence, Sample};
 use apex_model::monitor::{
     Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet, Window,
 };
+use apex_model::monitor_order::{AbsentPart, AllenPart};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -58,6 +59,7 @@ pub(super) fn collect(part: &Part, asking: &mut Asking<'_>, list: &mut Vec<Unmet
     match &part.kind {
         PartKind::And(composite) | PartKind::InOrder(composite) => several(part, composite, asking, list),
         PartKind::Or(composite) => several(part, composite, asking, list),
+        PartKind::Allen(leaf) => related(part, leaf, asking, list),
         PartKind::Not(inner) => {
             let what = format!("(:not {})", text(inner));
             let now = match logic::truth(inner, asking) {
@@ -108,7 +110,54 @@ pub(super) fn text(part: &Part) -> String {
         PartKind::Or(composite) => several(":or", composite),
         PartKind::InOrder(composite) => several(":in-order", composite),
         PartKind::Not(inner) => format!("(:not {})", text(inner)),
+        PartKind::Allen(leaf) => {
+            let parts = leaf.parts.iter().map(text).collect::<Vec<_>>().join(" ");
+            format!("(:{} {parts})", leaf.relation.word())
+        }
+        PartKind::Absent(leaf) => format!("(:absent {} :for {})", text(&leaf.part), leaf.length),
+        PartKind::Function(leaf) => format!("(:function {})", words::expression(&leaf.expression)),
     }
+}
+
+/// Parts of a relation that have found nothing yet; else in what the newest results miss it.
+fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+    let before = list.len();
+    for (each, side) in leaf.parts.iter().zip(&leaf.sides) {
+        if side.newest.is_none() {
+            collect(each, asking, list);
+        }
+    }
+    if list.len() > before {
+        return;
+    }
+    let relation = format!(":{}", leaf.relation.word());
+    let known = match allen::mismatch(leaf, asking.now) {
+        Some((index, mismatch)) => {
+            let named = |index: usize| leaf.parts.get(index).map(text).unwrap_or_default();
+            let (first, second) = (named(index), named(index + 1));
+            let told = leaf.decides_at.filter(|_| leaf.undecided);
+            let told = told.map(|at| format!("; if no sample comes, it is decided at {at}")).unwrap_or_default();
+            Known::words(format!("{mismatch}; the first is {first}, the second {second}{told}"))
+        }
+        None if leaf.constraints.is_empty() => {
+            Known::words(format!("the newest results are {relation}, but bind shared variables differently"))
+        }
+        None => {
+            let texts: Vec<String> = leaf.constraints.iter().map(words::expression).collect();
+            Known::words(format!("the newest results are {relation}, but not with {}", texts.join(" ")))
+        }
+    };
+    list.push(Known { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
+}
+
+/// How long something has been absent, and when that is long enough.
+fn absence_state(leaf: &AbsentPart, asking: &Asking<'_>) -> Known {
+    let (silence, over) = absence::state(leaf, asking.now);
+    let (now, until) = match leaf.unknown {
+        true => (format!("the data do not say whether {} goes on", text(&leaf.part)), leaf.decides_at),
+        false => (format!("it has been absent for {silence} of {}", leaf.length), Some(over)),
+    };
+    Known { until: until.filter(|at| *at > asking.now), ..Known::words(now).since(Some(leaf.since)) }
 }
 
 /// What is known about a part.
@@ -123,7 +172,14 @@ fn state(part: &Part, asking: &Asking<'_>) -> Known {
         PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", asking),
         PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, asking),
         PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, asking).since(Some(start)),
-        PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) => Known::default(),
+        PartKind::Absent(leaf) => absence_state(leaf, asking),
+        PartKind::Function(leaf) => match &leaf.value {
+            Some(value) => Known::words(format!("its value is {value}")),
+            None => Known::words("it has no value yet"),
+        },
+        PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) | PartKind::Allen(_) => {
+            Known::default()
+        }
     }
 }
 

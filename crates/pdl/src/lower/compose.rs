@@ -7,9 +7,10 @@ use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
 use apex_model::condition::{AllenRelation, Condition, ConditionKind};
 use apex_model::symbol::Symbol;
+use std::sync::Arc;
 
 /// Every spelling of an Allen relation; the first of each is the one printed.
-pub(crate) const ALLEN: &[(&str, AllenRelation)] = &[
+const ALLEN: &[(&str, AllenRelation)] = &[
     ("before", AllenRelation::Before),
     ("after", AllenRelation::After),
     ("meets", AllenRelation::Meets),
@@ -33,6 +34,15 @@ fn allen(keyword: &str) -> Option<AllenRelation> {
     ALLEN.iter().find(|(name, _)| *name == keyword).map(|(_, relation)| *relation)
 }
 
+/// `:any` of a relation is said of each episode that it relates.
+fn bound_by_any_samples(part: &mut Condition) {
+    match &mut part.kind {
+        ConditionKind::Episode(episode) => Arc::make_mut(episode).any = true,
+        ConditionKind::Probing { condition, .. } => bound_by_any_samples(condition),
+        _ => {}
+    }
+}
+
 impl Lowering {
     pub(crate) fn is_composite(&self, keyword: &str) -> bool {
         matches!(keyword, "and" | "or" | "not" | "absent" | "in-order") || allen(keyword).is_some()
@@ -40,7 +50,11 @@ impl Lowering {
 
     /// Lowers `(:and [tag] C.. [:constraint E..])` and its relatives.
     pub(crate) fn composite(&mut self, datum: &Datum, keyword: &str, items: &[Datum]) -> Option<Condition> {
-        let (tag, items) = self.composite_tag(items);
+        let (any, items) = match allen(keyword) {
+            Some(_) => self.without_any(items),
+            None => (false, items.to_vec()),
+        };
+        let (tag, items) = self.composite_tag(&items);
         // `:quality` after an episode belongs to the parts, every other keyword to the whole.
         let split = items
             .iter()
@@ -71,7 +85,10 @@ impl Lowering {
         let duration = |lowering: &mut Lowering, datum: &Datum| lowering.duration(datum);
         let tolerance = self.optional(&options, "tolerance", duration);
         let window = self.optional(&options, "for", duration);
-        let (parts, constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
+        let (mut parts, constraints, tolerance, window) = (parts?, constraints?, tolerance?, window?);
+        if any {
+            parts.iter_mut().for_each(bound_by_any_samples);
+        }
         let count = parts.len();
         let single = match <[Condition; 1]>::try_from(parts.clone()) {
             Ok([part]) => Some(Box::new(part)),
@@ -107,7 +124,7 @@ impl Lowering {
             "and" | "or" | "in-order" => format!("(:{keyword} [tag] CONDITION.. [:constraint EXPR..])"),
             "not" => "(:not CONDITION)".to_string(),
             "absent" => "(:absent CONDITION :for DURATION)".to_string(),
-            _ => format!("(:{keyword} [tag] CONDITION CONDITION.. [:tolerance DURATION] [:constraint EXPR..])"),
+            _ => format!("(:{keyword} [tag] CONDITION CONDITION.. [:any] [:tolerance DURATION] [:constraint EXPR..])"),
         };
         let message = format!("this `:{keyword}` condition has the wrong parts");
         let diagnostic =

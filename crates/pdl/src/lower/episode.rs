@@ -32,7 +32,8 @@ const GAP_WORDS: &[&str] = &[
 impl Lowering {
     /// `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
     pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
-        let items = self.without_unsupported(items)?;
+        let (any, items) = self.without_any(items);
+        let items = self.without_unsupported(&items)?;
         let (tag, items) = self.condition_tag(&items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
             let diagnostic = Diagnostic::error(
@@ -64,6 +65,7 @@ impl Lowering {
         let episode = EpisodeCondition {
             variable,
             quality: quality?,
+            any,
             value: value?,
             first_value: first_value?,
             last_value: last_value?,
@@ -74,6 +76,12 @@ impl Lowering {
         };
         let kind = ConditionKind::Episode(episode.into());
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
+    }
+
+    /// Is the word `:any` among the data, and what is left without it?
+    pub(super) fn without_any(&mut self, items: &[Datum]) -> (bool, Vec<Datum>) {
+        let any = items.iter().any(|item| item.is(":any"));
+        (any, items.iter().filter(|item| !item.is(":any")).cloned().collect())
     }
 
     fn episode_quality(&mut self, datum: &Datum, options: &[Group<'_>], outer: Option<&Datum>) -> Option<Quality> {

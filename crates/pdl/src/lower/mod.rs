@@ -37,7 +37,6 @@ mod timing;
 mod unserved;
 
 pub(crate) use agents::{NameKind, NameUse};
-pub(crate) use compose::ALLEN;
 pub(crate) use goals::{Goal, Served};
 pub(crate) use indexes::shape;
 pub(crate) use names::{Callable, Names};

@@ -37,7 +37,7 @@ impl Lowering {
         let mut kept = Vec::new();
         for item in items {
             match (item.keyword(), &item.kind) {
-                (Some(word @ ("any" | "time-weighted")), _) => self.unsupported(&format!(":{word}"), item.span)?,
+                (Some(word @ "time-weighted"), _) => self.unsupported(&format!(":{word}"), item.span)?,
                 (_, DatumKind::List(parts)) => {
                     let parts = self.without_unsupported(parts)?;
                     kept.push(Datum { kind: DatumKind::List(parts), span: item.span });
@@ -61,8 +61,11 @@ impl Lowering {
 /// The smallest part of `condition` that is unsupported.
 fn innermost_unsupported(condition: &Condition) -> &Condition {
     let parts: &[Condition] = match &condition.kind {
-        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => parts,
-        ConditionKind::Not(part) => std::slice::from_ref(part),
+        ConditionKind::And(parts, _)
+        | ConditionKind::Or(parts, _)
+        | ConditionKind::InOrder(parts, _)
+        | ConditionKind::Allen { parts, .. } => parts,
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => std::slice::from_ref(part),
         _ => &[],
     };
     match parts.iter().find(|part| unsupported_condition(part).is_some()) {

@@ -3,7 +3,7 @@
 use super::expression::{expression_text, operand_text, pattern_text, template_text};
 use super::{joined, list_text};
 use apex_model::condition::{
-    AllenRelation, Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality,
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality,
     Relation, Timing, VariablePattern,
 };
 use apex_model::expression::Expr;
@@ -27,7 +27,7 @@ fn with_probing(condition: &Condition, probing: String) -> String {
         ConditionKind::Or(parts, constraints) => composite_text(":or", tag, parts, None, constraints),
         ConditionKind::InOrder(parts, constraints) => composite_text(":in-order", tag, parts, None, constraints),
         ConditionKind::Allen { relation, parts, tolerance, constraints } => {
-            let head = format!(":{}", allen_text(*relation));
+            let head = format!(":{}", relation.word());
             composite_text(&head, tag, parts, tolerance.as_ref(), constraints)
         }
         ConditionKind::Not(part) => list_text(":not", [tag, condition_text(part)]),
@@ -58,11 +58,6 @@ fn with_probing(condition: &Condition, probing: String) -> String {
 
 fn pair(first: &Expr, second: &Option<Expr>) -> Vec<Expr> {
     std::iter::once(first.clone()).chain(second.clone()).collect()
-}
-
-/// The word of an Allen relation.
-fn allen_text(relation: AllenRelation) -> &'static str {
-    crate::lower::ALLEN.iter().find(|(_, each)| *each == relation).map_or("before", |(name, _)| name)
 }
 
 fn composite_text(
@@ -146,6 +141,7 @@ fn episode_text(tag: String, episode: &EpisodeCondition, probing: String) -> Str
     let parts = [
         tag,
         variable_text(&episode.variable, String::new()),
+        if episode.any { ":any".to_string() } else { String::new() },
         quality,
         group("value", &episode.value),
         group("first-value", &episode.first_value),

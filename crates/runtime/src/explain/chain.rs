@@ -126,7 +126,7 @@ impl<'a> Chain<'a> {
                     link.causes.push(Link::seen(*at, format!("time went on: {}", evidence.text())));
                     None
                 }
-                Evidence::Absence { at, .. } => {
+                Evidence::Function { at, .. } | Evidence::Absence { at, .. } => {
                     link.causes.push(Link::seen(*at, evidence.text()));
                     None
                 }

@@ -3,6 +3,7 @@
 mod against_definition;
 mod combinations;
 mod patterns;
+mod relations;
 mod stories;
 mod thresholds;
 
@@ -65,6 +66,7 @@ fn episode(
     EpisodeCondition {
         variable,
         quality: gap.map_or(Quality::NoConstraints, |gap| Quality::MaximumGap(span(gap))),
+        any: false,
         value,
         first_value: vec![],
         last_value: vec![],

@@ -298,10 +298,9 @@ fn unmet_parts_say_what_is_known_and_since_when() {
 
 #[test]
 fn unsupported_constructs_are_refused_in_words() {
-    let inner = condition(event(vec![word("x")]));
-    let absent = condition(ConditionKind::Absent(Box::new(inner), span(5)));
-    let error = create(&absent, Window::from(Time(0)), &View::default()).unwrap_err();
-    assert_eq!(error.message, ":absent is not supported yet");
+    let cyclic = condition(ConditionKind::Cyclic { variable: uav("a"), options: vec![] });
+    let error = create(&cyclic, Window::from(Time(0)), &View::default()).unwrap_err();
+    assert_eq!(error.message, ":cyclic is not supported yet");
 }
 
 #[test]

@@ -1,0 +1,393 @@
+//! Allen relations (M&I)
+//! What: do results of adjacent parts stand in the relation, each to the next?
+//! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
+//! Reads: what the parts have found, surroundings.
+//! Writes: the Allen part of a monitor.
+//! Bound: O(new results x results kept) for two parts; at most `MONITOR_RESULTS_MAX` results of a part are kept, and
+//! only those that a run that goes on, or one to come, could still be related to; one where no constraint chooses.
+//! PDL: `:before` .. `:cotemporal`, `:tolerance`, `:constraint`.
+//! Paper: Table 1 row 11, Allen temporal predicates; Appendix B.
+
+use super::extents::{self, Extent, Extents};
+use super::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
+use super::{Asking, Site, Troubles, Truth, logic};
+use crate::expression::Surroundings;
+use apex_model::bindings::Bindings;
+use apex_model::condition::AllenRelation;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
+use apex_model::monitor::{Keep, Satisfaction};
+use apex_model::monitor_order::{AllenPart, Chain, Side};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+
+/// Results kept before those of no more use are looked for; few in tests, whose traces are short.
+const SWEEP_AT_LEAST: usize = if cfg!(test) { 2 } else { 32 };
+
+/// Starts again.
+pub(super) fn forget(part: &mut AllenPart) {
+    part.sides.iter_mut().for_each(|side| *side = Side::default());
+    part.found.clear();
+    part.passing.clear();
+    part.undecided = false;
+    part.decides_at = None;
+}
+
+/// Nothing more is wanted of it.
+pub(super) fn is_done(part: &AllenPart, site: Site) -> bool {
+    site.keep == Keep::First && !part.found.is_empty()
+}
+
+/// Looks at what the parts have found, after they have caught up with the present.
+pub(super) fn advance(
+    part: &mut AllenPart,
+    site: Site,
+    tag: Option<&Symbol>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if is_done(part, site) {
+        return;
+    }
+    let mut asking = Asking::new(surroundings);
+    let mut extents: Vec<Extents> = part.parts.iter_mut().map(|each| extents::take(each, &mut asking)).collect();
+    let mut join = Join::new(part, &extents, asking.now);
+    join.run();
+    let Join { met, undecided, exhausted, .. } = join;
+    if exhausted {
+        asking.troubles.limit("MONITOR_COMBINATIONS_MAX", MONITOR_COMBINATIONS_MAX as usize, site.place);
+    }
+    part.undecided = undecided;
+    let changes = extents.iter().filter_map(|each| each.changes_at);
+    part.decides_at = changes.chain(asking.wake).filter(|at| *at > asking.now).min();
+    let mut chains: Vec<(Chain, bool)> = Vec::new();
+    for (chain, settled) in met {
+        if logic::constraints_hold(tag, &part.constraints, chain.result.interval, &chain.result.bindings, &mut asking) {
+            chains.push((chain, settled));
+        }
+    }
+    chains.sort_by(|(a, _), (b, _)| a.intervals.cmp(&b.intervals));
+    note(part, site, chains);
+    for (index, each) in extents.iter_mut().enumerate() {
+        keep(part, index, each);
+    }
+    for index in 0..part.sides.len() {
+        sweep(part, site, index, &extents, &mut asking);
+    }
+    for trouble in asking.troubles.0 {
+        if !troubles.0.contains(&trouble) {
+            troubles.0.push(trouble);
+        }
+    }
+}
+
+/// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
+/// instant at which it became known.
+fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>) {
+    let before = std::mem::take(&mut part.passing);
+    for (mut chain, settled) in chains {
+        let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
+        if let Some(known) = before.iter().find(|known| starts(known) == starts(&chain)) {
+            chain.result.recognised_at = known.result.recognised_at;
+        }
+        if site.keep == Keep::First {
+            part.found.push(chain);
+            return;
+        }
+        if !settled {
+            if part.passing.len() < MONITOR_RESULTS_MAX {
+                part.passing.push(chain);
+            }
+        } else {
+            if part.found.len() >= MONITOR_RESULTS_MAX {
+                part.found.drain(..MONITOR_RESULTS_MAX / 4);
+            }
+            part.found.push(chain);
+        }
+    }
+}
+
+/// Adds what is new to what is kept of a part.
+fn keep(part: &mut AllenPart, index: usize, extents: &mut Extents) {
+    let Some(side) = part.sides.get_mut(index) else { return };
+    let newest = extents.settled.iter().map(|result| (result.interval, false));
+    let passing = extents.passing.iter().map(|extent| (extent.result.interval, extent.open));
+    side.newest = newest.chain(passing).max_by_key(|((_, end), _)| *end).or(side.newest);
+    side.count += extents.settled.len() as u64;
+    side.settled.append(&mut extents.settled);
+}
+
+/// A result of a part within a search.
+#[derive(Clone, Copy)]
+struct Item<'a> {
+    result: &'a Satisfaction,
+    open: bool,
+    settled: bool,
+}
+
+impl Item<'_> {
+    fn span(&self) -> Span {
+        Span::of(self.result.interval, self.open)
+    }
+}
+
+/// The search for related results of which at least one is new.
+struct Join<'a> {
+    relation: AllenRelation,
+    part: &'a AllenPart,
+    extents: &'a [Extents],
+    now: Time,
+    combinations: u64,
+    met: Vec<(Chain, bool)>,
+    undecided: bool,
+    exhausted: bool,
+}
+
+impl<'a> Join<'a> {
+    fn new(part: &'a AllenPart, extents: &'a [Extents], now: Time) -> Join<'a> {
+        let relation = part.relation;
+        Join { relation, part, extents, now, combinations: 0, met: Vec::new(), undecided: false, exhausted: false }
+    }
+
+    /// Each new result is the first new one of a chain, in order of parts: so no chain is met twice.
+    fn run(&mut self) {
+        let count = self.extents.len();
+        let mut chain: Vec<Item<'a>> = Vec::with_capacity(count);
+        for first_new in 0..count {
+            for item in self.fresh(first_new) {
+                chain.clear();
+                chain.push(item);
+                self.extend_left(first_new, first_new, &mut chain);
+            }
+        }
+    }
+
+    fn fresh(&self, index: usize) -> Vec<Item<'a>> {
+        let Some(extents) = self.extents.get(index) else { return Vec::new() };
+        let settled = extents.settled.iter().map(|result| Item { result, open: false, settled: true });
+        let passing = extents.passing.iter().map(|Extent { result, open }| Item { result, open: *open, settled: false });
+        settled.chain(passing).collect()
+    }
+
+    fn kept(&self, index: usize) -> impl Iterator<Item = Item<'a>> + use<'a> {
+        let side: &'a [Satisfaction] = self.part.sides.get(index).map(|side| side.settled.as_slice()).unwrap_or_default();
+        side.iter().map(|result| Item { result, open: false, settled: true })
+    }
+
+    /// `chain` holds the results of the parts from `leftmost` to `first_new`; those before are old.
+    fn extend_left(&mut self, leftmost: usize, first_new: usize, chain: &mut Vec<Item<'a>>) {
+        let Some(next) = leftmost.checked_sub(1) else {
+            self.extend_right(first_new + 1, chain);
+            return;
+        };
+        for item in self.kept(next) {
+            let Some(right) = chain.first() else { return };
+            if self.related(&item, right) {
+                chain.insert(0, item);
+                self.extend_left(next, first_new, chain);
+                chain.remove(0);
+            }
+        }
+    }
+
+    /// `chain` holds the results of the parts before `index`.
+    fn extend_right(&mut self, index: usize, chain: &mut Vec<Item<'a>>) {
+        if index >= self.extents.len() {
+            self.meet(chain);
+            return;
+        }
+        for item in self.kept(index).chain(self.fresh(index)) {
+            let Some(left) = chain.last() else { return };
+            if self.related(left, &item) {
+                chain.push(item);
+                self.extend_right(index + 1, chain);
+                chain.pop();
+            }
+        }
+    }
+
+    fn related(&mut self, left: &Item<'_>, right: &Item<'_>) -> bool {
+        let decision = decide(self.relation, self.part.tolerance, left.span(), right.span(), self.now);
+        if decision == Decision::Fails || !self.agree(left, right) {
+            return false;
+        }
+        self.undecided |= decision == Decision::Open;
+        decision == Decision::Holds
+    }
+
+    /// Do both bind shared variables alike?
+    fn agree(&self, left: &Item<'_>, right: &Item<'_>) -> bool {
+        let bound = |name: &Symbol| right.result.bindings.get(name);
+        !self.part.shares
+            || left.result.bindings.iter().all(|(name, value)| bound(name).is_none_or(|other| other.matches(value)))
+    }
+
+    fn meet(&mut self, chain: &[Item<'a>]) {
+        self.combinations += 1;
+        if self.combinations > MONITOR_COMBINATIONS_MAX {
+            self.exhausted = true;
+            return;
+        }
+        let intervals: Vec<(Time, Time)> = chain.iter().map(|item| item.result.interval).collect();
+        let hull = intervals.iter().copied().reduce(|(start, end), (from, to)| (start.min(from), end.max(to)));
+        let bindings = chain.iter().try_fold(Bindings::new(), |all, item| logic::joined(&all, &item.result.bindings));
+        let (Some(interval), Some(bindings)) = (hull, bindings) else { return };
+        let evidence = chain.iter().fold(EvidenceList::default(), |all, item| all.joined(&item.result.evidence));
+        let settled = chain.iter().all(|item| item.settled);
+        let result = Satisfaction { interval, recognised_at: self.now, bindings, evidence };
+        self.met.push((Chain { intervals, result }, settled));
+    }
+}
+
+/// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best.
+fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], asking: &mut Asking<'_>) {
+    let Some(side) = part.sides.get(index) else { return };
+    if side.settled.len() < side.sweep_at.max(SWEEP_AT_LEAST) {
+        return;
+    }
+    let neighbours: Vec<(usize, bool)> =
+        index.checked_sub(1).map(|left| (left, true)).into_iter().chain([(index + 1, false)]).collect();
+    let any_will_do = site.keep == Keep::First && part.constraints.is_empty() && part.parts.len() == 2;
+    let mut useful = vec![true; side.settled.len()];
+    for (neighbour, is_left) in neighbours {
+        let (Some(look), Some(other)) = (looks.get(neighbour), part.sides.get(neighbour)) else { continue };
+        let partners: Vec<Span> = look.runs.iter().map(|run| Span::of(*run, true)).chain([Span::COMING]).collect();
+        let possible = |result: &Satisfaction, partner: Span| {
+            let own = Span::of(result.interval, false);
+            let (first, second) = if is_left { (partner, own) } else { (own, partner) };
+            decide(part.relation, part.tolerance, first, second, asking.now) != Decision::Fails
+        };
+        let longer = part.parts.len() > 2;
+        let with_kept = |result: &Satisfaction| {
+            longer && other.settled.iter().any(|each| possible(result, Span::of(each.interval, false)))
+        };
+        for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
+            *useful &= look.anywhere
+                || partners.iter().any(|partner| possible(result, *partner))
+                || with_kept(result);
+        }
+        if any_will_do && !look.anywhere && bounds_only(part.relation) {
+            keep_best(&side.settled, &mut useful, &partners, possible);
+        }
+    }
+    let Some(side) = part.sides.get_mut(index) else { return };
+    let mut useful = useful.into_iter();
+    side.settled.retain(|_| useful.next().unwrap_or(true));
+    if side.settled.len() > MONITOR_RESULTS_MAX {
+        asking.troubles.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, site.place);
+        side.settled.drain(..MONITOR_RESULTS_MAX / 4);
+    }
+    side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);
+}
+
+/// Do end points only have to lie before or behind others? Then one result can stand for others. Where end points
+/// must be equal, time itself leaves few results that could still be related.
+fn bounds_only(relation: AllenRelation) -> bool {
+    links(relation).iter().all(|(_, link, _)| *link == Link::Earlier)
+}
+
+/// Of the results that the same partner could be related to, and that bind the same, the one that ends first is
+/// decided first, and the one that begins first is told first: the others cannot be the first result.
+fn keep_best(
+    settled: &[Satisfaction],
+    useful: &mut [bool],
+    partners: &[Span],
+    possible: impl Fn(&Satisfaction, Span) -> bool,
+) {
+    let mut best = vec![false; settled.len()];
+    for partner in partners {
+        // The place of the one that ends first, and of the one that begins first, for each set of bindings.
+        let mut leaders: Vec<(usize, usize)> = Vec::new();
+        for (index, result) in settled.iter().enumerate() {
+            if !useful.get(index).copied().unwrap_or(false) || !possible(result, *partner) {
+                continue;
+            }
+            let same = |leader: usize| settled.get(leader).is_some_and(|each| binds_alike(each, result));
+            let ahead = |leader: usize, key: fn(&Satisfaction) -> (Time, Time)| {
+                settled.get(leader).is_some_and(|each| key(each) <= key(result))
+            };
+            match leaders.iter_mut().find(|(ends_first, _)| same(*ends_first)) {
+                Some((ends_first, begins_first)) => {
+                    if !ahead(*ends_first, |each| (each.interval.1, each.interval.0)) {
+                        *ends_first = index;
+                    }
+                    if !ahead(*begins_first, |each| each.interval) {
+                        *begins_first = index;
+                    }
+                }
+                None => leaders.push((index, index)),
+            }
+        }
+        for place in leaders.into_iter().flat_map(|(a, b)| [a, b]) {
+            if let Some(best) = best.get_mut(place) {
+                *best = true;
+            }
+        }
+    }
+    useful.iter_mut().zip(best).for_each(|(useful, best)| *useful &= best);
+}
+
+/// Do both bind the same, but for tags, which are intervals?
+fn binds_alike(left: &Satisfaction, right: &Satisfaction) -> bool {
+    use apex_model::value::Value;
+    let bound = |result: &Satisfaction| {
+        let free = |(_, value): &(&Symbol, &Value)| !matches!(value, Value::Interval(..));
+        result.bindings.iter().filter(free).map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
+    };
+    bound(left) == bound(right)
+}
+
+/// All results up to now.
+pub(super) fn results(part: &AllenPart) -> Vec<Satisfaction> {
+    part.found.iter().chain(&part.passing).map(|chain| chain.result.clone()).collect()
+}
+
+/// Satisfied; not known, when a run that goes on decides or the data do not say whether a part holds; else not.
+pub(super) fn truth(part: &AllenPart, asking: &mut Asking<'_>) -> Truth {
+    if !part.found.is_empty() || !part.passing.is_empty() {
+        return Truth::True;
+    }
+    let sides = part.parts.iter().zip(&part.sides);
+    let separately = sides.fold(Truth::True, |all, (each, side)| {
+        let own = if side.newest.is_some() { Truth::True } else { logic::truth(each, asking) };
+        all.min(own)
+    });
+    match (separately, part.undecided) {
+        (Truth::True, true) => Truth::Unknown,
+        (Truth::True, false) => Truth::False,
+        (other, _) => other,
+    }
+}
+
+/// In what the newest results of two adjacent parts miss the relation: the place of the first part, and words.
+pub(super) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
+    let pairs = part.sides.iter().zip(part.sides.iter().skip(1)).enumerate();
+    pairs.filter_map(|(index, (left, right))| Some((index, left.newest?, right.newest?))).find_map(
+        |(index, left, right)| {
+            let (first, second) = (Span::of(left.0, left.1), Span::of(right.0, right.1));
+            let decided = |link| decide_link(link, part.tolerance, first, second, now);
+            let missed = links(part.relation).iter().min_by_key(|link| decided(**link))?;
+            let words = match decided(*missed) {
+                Decision::Holds => return None,
+                Decision::Open => "it is not known whether",
+                Decision::Fails => "it is not so that",
+            };
+            let edge = |edge: Edge| match edge {
+                Edge::FirstStart => format!("the start of the first, {},", left.0.0),
+                Edge::FirstEnd => format!("the end of the first, {},", end_words(left)),
+                Edge::SecondStart => format!("the start of the second, {},", right.0.0),
+                Edge::SecondEnd => format!("the end of the second, {},", end_words(right)),
+            };
+            let link = match missed.1 {
+                Link::Earlier => "is before",
+                Link::Same => "is",
+            };
+            let text = format!("{words} {} {link} {}", edge(missed.0), edge(missed.2));
+            Some((index, text.trim_end_matches(',').to_string()))
+        },
+    )
+}
+
+fn end_words(((_, end), open): ((Time, Time), bool)) -> String {
+    if open { format!("{end} or later") } else { end.to_string() }
+}

@@ -1,0 +1,155 @@
+//! Extents (M&I)
+//! What: what a part has found, told apart by whether it can still grow: the input of relations in time.
+//! Runs: whenever a relation or an absence looks at its parts.
+//! Reads: the part, surroundings.
+//! Writes: takes final results of measurements, episodes and events out of the part, so that each is looked at once.
+//! Bound: O(new results + objects) for measurements, episodes and events; for others what their results cost.
+//! PDL: Allen relations, `:absent`.
+//! Paper: Table 1 row 11; section III, incremental interpretation.
+
+use super::episode::TICK;
+use super::runs::{advance_run, with_newest};
+use super::{Asking, Site, logic, site};
+use apex_model::because::Evidence;
+use apex_model::event::StateVariable;
+use apex_model::monitor::{EpisodePart, Part, PartKind, Satisfaction};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// A result that may still change.
+pub(super) struct Extent {
+    /// What is known of it now, with the part's tag bound.
+    pub(super) result: Satisfaction,
+    /// A run in it goes on: its end is not known.
+    pub(super) open: bool,
+}
+
+/// What a part has found since the last look.
+#[derive(Default)]
+pub(super) struct Extents {
+    /// New results that nothing can change any more.
+    pub(super) settled: Vec<Satisfaction>,
+    /// Results that are not final, all of them at every look.
+    pub(super) passing: Vec<Extent>,
+    /// First and last evidence of runs that go on, whether they are results already or not.
+    pub(super) runs: Vec<(Time, Time)>,
+    /// Later results may lie anywhere, not only in runs that go on and from now on.
+    pub(super) anywhere: bool,
+    /// A run is over only because samples fail to come: nobody knows what it does now.
+    pub(super) silent: bool,
+    /// When time alone can change what is listed here.
+    pub(super) changes_at: Option<Time>,
+}
+
+/// What `part` has found.
+pub(super) fn take(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
+    let site = site(part);
+    let mut extents = Extents::default();
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => {
+            if let Some(seen) = &mut leaf.seen {
+                extents.settled.append(&mut seen.settled);
+                extents.settled.extend(seen.newest.take_results());
+            }
+        }
+        PartKind::Event(leaf) => extents.settled.append(&mut leaf.settled),
+        PartKind::Episode(leaf) => {
+            extents.settled.append(&mut leaf.settled);
+            passing_episodes(leaf, site, asking, &mut extents);
+        }
+        _ => composite(part, asking, &mut extents),
+    }
+    let results = extents.settled.iter_mut().chain(extents.passing.iter_mut().map(|extent| &mut extent.result));
+    bind_tag(part.tag.as_ref(), results);
+    extents.settled.sort_by_key(|result| result.recognised_at);
+    extents
+}
+
+fn bind_tag<'a>(tag: Option<&Symbol>, results: impl Iterator<Item = &'a mut Satisfaction>) {
+    let Some(tag) = tag else { return };
+    results.for_each(|result| result.bindings.set(tag.clone(), Value::Interval(result.interval.0, result.interval.1)));
+}
+
+fn passing_episodes(leaf: &EpisodePart, site: Site, asking: &mut Asking<'_>, extents: &mut Extents) {
+    let now = asking.now;
+    let mut objects: Vec<_> = leaf.runs.iter().collect();
+    objects.sort_by_key(|(_, run)| run.rank);
+    for (object, state) in objects {
+        let judged = advance_run(leaf, site, object, state, now, asking.surroundings, &mut asking.troubles);
+        let over = judged.over.into_iter().chain(judged.closed_by_time);
+        extents.passing.extend(over.map(|result| Extent { result, open: false }));
+        let silent_from = judged.run.as_ref().and_then(|run| silent_from(leaf, run.last));
+        let open = silent_from.is_none_or(|at| at > now);
+        extents.silent |= judged.run.is_some() && !open;
+        if let Some(run) = judged.run.filter(|_| open) {
+            extents.runs.push((run.start, run.last));
+            extents.changes_at = extents.changes_at.into_iter().chain(silent_from).min();
+        }
+        extents.passing.extend(judged.found.map(|result| Extent { result, open }));
+    }
+}
+
+/// The instant from which on a run is over, when no sample comes before.
+fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
+    leaf.gap_max.map(|gap| last + gap + TICK)
+}
+
+/// Results of a composite are all passing: they are made anew at every look. One that rests on a run that goes on is open.
+fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
+    let mut open = Vec::new();
+    open_runs(part, asking.now, &mut open, &mut extents.changes_at);
+    for result in logic::results(part, asking) {
+        if result.recognised_at <= asking.now {
+            let open = result.evidence.iter().any(|evidence| rests_on(evidence, &open));
+            extents.passing.push(Extent { result, open });
+        }
+    }
+    extents.anywhere = true;
+    extents.runs.extend(open.iter().map(|(_, start, last)| (*start, *last)));
+}
+
+fn rests_on(evidence: &Evidence, open: &[(StateVariable, Time, Time)]) -> bool {
+    match evidence {
+        Evidence::Run { variable, start, end, .. } => {
+            open.iter().any(|(each, from, last)| each == variable && from <= start && end == last)
+        }
+        _ => false,
+    }
+}
+
+/// The runs that go on in all episodes of `part`.
+fn open_runs(part: &Part, now: Time, open: &mut Vec<(StateVariable, Time, Time)>, changes_at: &mut Option<Time>) {
+    if let PartKind::Episode(leaf) = &part.kind {
+        for (object, state) in &leaf.runs {
+            let Some(run) = with_newest(leaf, state) else { continue };
+            let silent_from = silent_from(leaf, run.last);
+            if silent_from.is_none_or(|at| at > now) {
+                let variable = StateVariable::new(leaf.condition.variable.attribute.clone(), object.clone());
+                open.push((variable, run.start, run.last));
+                *changes_at = changes_at.iter().copied().chain(silent_from).min();
+            }
+        }
+    }
+    for_each_inner(part, &mut |inner| open_runs(inner, now, open, changes_at));
+}
+
+/// The parts directly within `part`.
+pub(super) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
+    match &part.kind {
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().for_each(act);
+        }
+        PartKind::Not(inner) => act(inner),
+        PartKind::Allen(leaf) => leaf.parts.iter().for_each(act),
+        PartKind::Absent(leaf) => act(&leaf.part),
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Event(_)
+        | PartKind::TaskEnded(_)
+        | PartKind::TaskState(_)
+        | PartKind::Timestamp(_)
+        | PartKind::Delay(_)
+        | PartKind::Function(_) => {}
+    }
+}

@@ -1,0 +1,193 @@
+//! Replay (M&I)
+//! What: feeds remembered evidence to a part again, instant by instant, as it came: what relates results in time must
+//! see them in order, or it would tell other results than one that watched all the time.
+//! Runs: when a monitor with an Allen relation or an absence is made, and when a late sample changes its past.
+//! Reads: histories, surroundings.
+//! Writes: the part.
+//! Bound: O(k log k) for the k samples and messages within the window, and what each of them costs when it arrives.
+//! PDL: Allen relations, `:absent`, `:lateness`.
+//! Paper: section III, histories.
+
+use super::{Stimulus, Troubles, advance, collect_interests, extents, measurement, notice_part, wake_of};
+use crate::expression::Surroundings;
+use apex_model::event::StateVariable;
+use apex_model::history::{Histories, History};
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::monitor::{Interest, Part, PartKind, TimePart};
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Surroundings as they were at an earlier instant, but for what histories have learned since.
+struct Then<'a> {
+    below: &'a dyn Surroundings,
+    now: Time,
+}
+
+impl Surroundings for Then<'_> {
+    fn variable(&self, name: &Symbol) -> Option<Value> {
+        self.below.variable(name)
+    }
+    fn local(&self, name: &Symbol) -> Option<Value> {
+        self.below.local(name)
+    }
+    fn now(&self) -> Time {
+        self.now
+    }
+    fn this_task(&self) -> Option<TaskId> {
+        self.below.this_task()
+    }
+    fn agent_name(&self) -> &Symbol {
+        self.below.agent_name()
+    }
+    fn task_start(&self, task: TaskId) -> Option<Time> {
+        self.below.task_start(task)
+    }
+    fn task_end(&self, task: TaskId) -> Option<Time> {
+        self.below.task_end(task)
+    }
+    fn task_state(&self, task: TaskId) -> Option<TaskState> {
+        self.below.task_state(task)
+    }
+    fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
+        self.below.task_time_ongoing(task)
+    }
+    fn histories(&self) -> &Histories {
+        self.below.histories()
+    }
+    fn library(&self) -> &Library {
+        self.below.library()
+    }
+    fn host(&self) -> &HostFunctions {
+        self.below.host()
+    }
+}
+
+/// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
+/// it is given, because later ones are still to be told.
+pub(super) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    forget(part, surroundings, troubles);
+    let stimuli = remembered(part, newest, surroundings);
+    let now = surroundings.now();
+    let mut asked = Time::BEGINNING;
+    for group in stimuli.chunk_by(|(a, ..), (b, ..)| a == b) {
+        let Some((at, ..)) = group.first() else { continue };
+        let at = (*at).min(now);
+        while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < at) {
+            advance(part, &Then { below: surroundings, now: wake }, troubles);
+            asked = wake;
+        }
+        let then = Then { below: surroundings, now: at };
+        group.iter().for_each(|(.., stimulus)| notice_part(part, stimulus, &then, troubles));
+        // What has come at this instant is looked at when all of it was told.
+        if at < now {
+            advance(part, &then, troubles);
+            asked = at;
+        }
+    }
+    while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < now) {
+        advance(part, &Then { below: surroundings, now: wake }, troubles);
+        asked = wake;
+    }
+}
+
+/// Does `part` watch `variable`?
+pub(super) fn watches(part: &Part, variable: &StateVariable) -> bool {
+    let mut watched = false;
+    collect_interests(part, &mut |interest| {
+        watched |= match interest {
+            Interest::Variable(each) => each == *variable,
+            Interest::Attribute(attribute) => attribute == variable.attribute,
+            _ => false,
+        };
+    });
+    watched
+}
+
+/// Are all samples of `variable` since the part's window began still there?
+pub(super) fn covers(part: &Part, variable: &StateVariable, surroundings: &dyn Surroundings) -> bool {
+    surroundings.histories().get(variable).is_some_and(|history| history.covers(part.window.start))
+}
+
+/// Samples and messages that concern the part, in order of time and arrival.
+fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings) -> Vec<(Time, u64, Stimulus)> {
+    let start = first_window(part);
+    let histories = surroundings.histories();
+    let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
+    let mut stimuli = Vec::new();
+    let mut samples = |variable: &StateVariable, history: &History| {
+        for sample in history.between(start, Time::END).filter(|sample| counts(sample.sequence)) {
+            let (variable, value) = (variable.clone(), sample.value.clone());
+            let (at, sequence) = (sample.at, sample.sequence);
+            stimuli.push((at, sequence, Stimulus::Sample { variable, value, at, sequence, newest: true }));
+        }
+    };
+    let mut interests = Vec::new();
+    collect_interests(part, &mut |interest| interests.push(interest));
+    interests.sort();
+    interests.dedup();
+    let mut events = false;
+    for interest in &interests {
+        match interest {
+            Interest::Variable(variable) if interests.contains(&Interest::Attribute(variable.attribute.clone())) => {}
+            Interest::Variable(variable) => {
+                if let Some(history) = histories.get(variable) {
+                    samples(variable, history);
+                }
+            }
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(attribute).for_each(|(variable, history)| samples(variable, history));
+            }
+            Interest::EventHead(_) | Interest::AnyEvent => events = true,
+            Interest::Task(_) | Interest::AnyTask | Interest::EveryStep => {}
+        }
+    }
+    if events {
+        for event in histories.events_from(start).filter(|event| counts(event.sequence)) {
+            let (form, at, sequence) = (event.form.clone(), event.at, event.sequence);
+            stimuli.push((at, sequence, Stimulus::Event { form, at, sequence }));
+        }
+    }
+    stimuli.sort_by_key(|(at, sequence, _)| (*at, *sequence));
+    stimuli
+}
+
+/// The earliest instant from which evidence counts in any part.
+fn first_window(part: &Part) -> Time {
+    let mut start = part.window.start;
+    extents::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));
+    start
+}
+
+/// Forgets what was found from samples, messages and time. Ends and states of tasks are in no history: they stay.
+fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = super::site(part);
+    let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => {
+            leaf.seen = None;
+            measurement::carry_into_window(leaf, site, surroundings, troubles);
+        }
+        PartKind::Episode(leaf) => {
+            leaf.settled.clear();
+            leaf.runs.clear();
+        }
+        PartKind::Event(leaf) => leaf.settled.clear(),
+        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => forget_time(leaf),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => forget(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            super::allen::forget(leaf);
+            leaf.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+        }
+        PartKind::Absent(leaf) => {
+            super::absence::forget(leaf, site);
+            forget(&mut leaf.part, surroundings, troubles);
+        }
+        PartKind::TaskEnded(_) | PartKind::TaskState(_) | PartKind::Function(_) => {}
+    }
+}

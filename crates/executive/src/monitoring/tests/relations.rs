@@ -1,0 +1,355 @@
+//! Allen relations and absence against their definitions: over all runs, with all ways in which runs could go on.
+
+use super::*;
+use apex_model::condition::AllenRelation;
+use proptest::prelude::*;
+
+const RELATIONS: [AllenRelation; 13] = [
+    AllenRelation::Before,
+    AllenRelation::After,
+    AllenRelation::Meets,
+    AllenRelation::MetBy,
+    AllenRelation::Overlaps,
+    AllenRelation::OverlappedBy,
+    AllenRelation::Starts,
+    AllenRelation::StartedBy,
+    AllenRelation::Finishes,
+    AllenRelation::FinishedBy,
+    AllenRelation::During,
+    AllenRelation::Contains,
+    AllenRelation::Cotemporal,
+];
+
+type Interval = (i64, i64);
+
+/// The relation as a textbook has it, with end points equal within `near`.
+fn stands(relation: AllenRelation, a: Interval, b: Interval, near: i64) -> bool {
+    let less = |x: i64, y: i64| y - x > near;
+    let same = |x: i64, y: i64| (x - y).abs() <= near;
+    match relation {
+        AllenRelation::Before => less(a.1, b.0),
+        AllenRelation::Meets => same(a.1, b.0),
+        AllenRelation::Overlaps => less(a.0, b.0) && less(b.0, a.1) && less(a.1, b.1),
+        AllenRelation::Starts => same(a.0, b.0) && less(a.1, b.1),
+        AllenRelation::Finishes => less(b.0, a.0) && same(a.1, b.1),
+        AllenRelation::During => less(b.0, a.0) && less(a.1, b.1),
+        AllenRelation::Cotemporal => same(a.0, b.0) && same(a.1, b.1),
+        AllenRelation::After => stands(AllenRelation::Before, b, a, near),
+        AllenRelation::MetBy => stands(AllenRelation::Meets, b, a, near),
+        AllenRelation::OverlappedBy => stands(AllenRelation::Overlaps, b, a, near),
+        AllenRelation::StartedBy => stands(AllenRelation::Starts, b, a, near),
+        AllenRelation::FinishedBy => stands(AllenRelation::Finishes, b, a, near),
+        AllenRelation::Contains => stands(AllenRelation::During, b, a, near),
+    }
+}
+
+/// What one part asks of its variable.
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    /// Each sample of at least 5 is a point.
+    Points,
+    /// Whole runs of at least 5, without larger gaps, that last at least so long.
+    Runs { gap: Option<i64>, least: i64 },
+}
+
+impl Side {
+    fn condition(self, attribute: &str) -> Condition {
+        let value = vec![compare(Relation::GreaterOrEqual, int(5))];
+        tagged(
+            attribute,
+            match self {
+                Side::Points => ConditionKind::Measurement(Arc::new(measurement(uav(attribute), value))),
+                Side::Runs { gap, least } => {
+                    let duration = vec![compare(Relation::GreaterOrEqual, span(least))];
+                    ConditionKind::Episode(Arc::new(episode(uav(attribute), value, gap, duration)))
+                }
+            },
+        )
+    }
+
+    /// The intervals known at `now`, and whether each can go on. A run counts once its duration is reached, by a sample
+    /// or while the gap says that the last value holds.
+    fn intervals(self, samples: &[(i64, i64)], now: i64) -> Vec<(Interval, bool)> {
+        let Side::Runs { gap, least } = self else {
+            return samples.iter().filter(|(_, value)| *value >= 5).map(|(at, _)| ((*at, *at), false)).collect();
+        };
+        let mut runs: Vec<(Interval, bool)> = Vec::new();
+        let mut licensed = Vec::new();
+        let mut open = false;
+        for (index, (at, value)) in samples.iter().enumerate() {
+            match runs.last_mut().filter(|_| open) {
+                Some((run, _)) if *value >= 5 && gap.is_none_or(|gap| at - run.1 <= gap) => run.1 = *at,
+                _ if *value >= 5 => {
+                    runs.push(((*at, *at), false));
+                    licensed.push(false);
+                }
+                _ => {}
+            }
+            open = *value >= 5;
+            if let (Some((run, _)), Some(licensed), true) = (runs.last(), licensed.last_mut(), open) {
+                // Until the next sample, or as long as the gap lasts, the last value holds.
+                let until = samples.get(index + 1).map_or(now, |(next, _)| (next - 1).min(now));
+                let holds = gap.map_or(run.1, |gap| until.min(run.1 + gap).max(run.1));
+                *licensed |= holds - run.0 >= least;
+            }
+        }
+        if let Some((run, goes_on)) = runs.last_mut() {
+            *goes_on = open && gap.is_none_or(|gap| now - run.1 <= gap);
+        }
+        runs.into_iter().zip(licensed).filter(|(_, licensed)| *licensed).map(|(run, _)| run).collect()
+    }
+}
+
+/// All ends that a run could have.
+fn ends((interval, open): (Interval, bool), now: i64) -> Vec<Interval> {
+    let later = [now + 1, now + 2, now + 3, now + 7, now + 1_000].map(|end| (interval.0, end));
+    std::iter::once(interval).chain(later.into_iter().filter(|_| open)).collect()
+}
+
+/// Pairs that stand in the relation however runs go on, in order.
+fn decided(relation: AllenRelation, near: i64, left: &[(Interval, bool)], right: &[(Interval, bool)], now: i64) -> Vec<Interval> {
+    let mut pairs: Vec<(Interval, Interval)> = Vec::new();
+    for a in left {
+        for b in right {
+            let ends_b = ends(*b, now);
+            if ends(*a, now).iter().all(|a| ends_b.iter().all(|b| stands(relation, *a, *b, near))) {
+                pairs.push((a.0, b.0));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs.into_iter().map(|(a, b)| (a.0.min(b.0), a.1.max(b.1))).collect()
+}
+
+/// What arrives: the variable, the instant, the value. Both variables often have samples at the same instant.
+fn traces() -> impl Strategy<Value = Vec<(bool, i64, i64)>> {
+    proptest::collection::vec((0..4_i64, 0..3_u8, 3..7_i64, 3..7_i64), 1..16).prop_map(|steps| {
+        let mut at = 0;
+        let mut trace = Vec::new();
+        for (pause, which, a, b) in steps {
+            at += pause.max(1);
+            if which != 1 {
+                trace.push((true, at, a));
+            }
+            if which != 2 {
+                trace.push((false, at, b));
+            }
+        }
+        trace
+    })
+}
+
+fn sides() -> impl Strategy<Value = Side> {
+    prop_oneof![
+        1 => Just(Side::Points),
+        3 => (proptest::option::of(1..5_i64), 0..5_i64).prop_map(|(gap, least)| Side::Runs { gap, least }),
+    ]
+}
+
+fn samples_of(trace: &[(bool, i64, i64)], first: bool) -> Vec<(i64, i64)> {
+    trace.iter().filter(|(which, ..)| *which == first).map(|(_, at, value)| (*at, *value)).collect()
+}
+
+fn tell(world: &mut World, trace: &[(bool, i64, i64)]) {
+    for (first, at, value) in trace {
+        world.sample(if *first { "a" } else { "b" }, "uav", Value::Integer(*value), *at);
+    }
+}
+
+fn related(relation: AllenRelation, near: i64, parts: Vec<Condition>) -> Condition {
+    let tolerance = (near > 0).then(|| span(near));
+    tagged("both", ConditionKind::Allen { relation, parts, tolerance, constraints: vec![] })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6_000))]
+
+    #[test]
+    fn relations_hold_as_soon_as_nothing_can_change_them(
+        trace in traces(), which in 0..13_usize, near in 0..3_i64, left in sides(), right in sides(), rest in 0..8_i64,
+    ) {
+        let relation = RELATIONS[which];
+        let mut world = World::new(&related(relation, near, vec![left.condition("a"), right.condition("b")]));
+        let end = trace.last().map_or(0, |last| last.1) + rest;
+        let mut told = 0;
+        for now in 0..=end {
+            let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
+            tell(&mut world, &trace[told..arrived]);
+            told = arrived;
+            let known = &trace[..told];
+            let (a, b) = (left.intervals(&samples_of(known, true), now), right.intervals(&samples_of(known, false), now));
+            let expected = decided(relation, near, &a, &b, now).first().map(|hull| (hull.0, hull.1, now));
+            let answer = world.answer(now);
+            prop_assert_eq!(answer, expected, "{:?} at {} of {:?} and {:?}", relation, now, a, b);
+            if answer.is_some() {
+                break;
+            }
+        }
+    }
+
+    #[test]
+    fn relations_are_decided_at_the_wakes(
+        trace in traces(), which in 0..13_usize, left in sides(), right in sides(), rest in 0..8_i64,
+    ) {
+        let relation = RELATIONS[which];
+        let condition = related(relation, 0, vec![left.condition("a"), right.condition("b")]);
+        let end = trace.last().map_or(0, |last| last.1) + rest;
+        let (mut every, mut sparse) = (World::new(&condition), World::new(&condition));
+        let mut first = None;
+        let mut told = 0;
+        for now in 0..=end {
+            let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
+            tell(&mut every, &trace[told..arrived]);
+            told = arrived;
+            first = first.or(every.answer(now));
+        }
+        let mut answer = None;
+        for group in trace.chunk_by(|a, b| a.1 == b.1) {
+            while let Some((at, _)) = next_wake(&sparse.monitor).filter(|(at, _)| at.0 < group[0].1) {
+                answer = answer.or(sparse.answer(at.0));
+            }
+            tell(&mut sparse, group);
+            answer = answer.or(sparse.answer(group[0].1));
+        }
+        while let Some((at, _)) = next_wake(&sparse.monitor).filter(|(at, _)| at.0 <= end) {
+            answer = answer.or(sparse.answer(at.0));
+        }
+        prop_assert_eq!(answer, first, "{:?} {:?} {:?}", relation, left, right);
+    }
+
+    #[test]
+    fn looking_back_finds_what_watching_found(
+        trace in traces(), which in 0..13_usize, near in 0..3_i64, left in sides(), right in sides(), rest in 0..8_i64,
+    ) {
+        let condition = related(RELATIONS[which], near, vec![left.condition("a"), right.condition("b")]);
+        let end = trace.last().map_or(0, |last| last.1) + rest;
+        let mut watching = World::new(&condition);
+        let mut found = None;
+        let mut told = 0;
+        for now in 0..=end {
+            let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
+            tell(&mut watching, &trace[told..arrived]);
+            told = arrived;
+            found = found.or(watching.answer(now));
+        }
+        // A monitor that is made at the end looks back over the same window.
+        let mut view = View::default();
+        view.histories.require_lookback_of_all(Duration::MAX);
+        let mut late = World::in_view(&condition, view);
+        tell(&mut late, &trace);
+        late.view.now = Time(end);
+        late.monitor = create(&condition, Window::from(Time::ZERO), &late.view).unwrap();
+        let answer = late.answer(end).map(|(start, last, _)| (start, last));
+        prop_assert_eq!(answer, found.map(|(start, last, _)| (start, last)));
+    }
+
+    #[test]
+    fn absence_is_a_whole_window_without(trace in traces(), side in sides(), length in 1..9_i64, rest in 0..12_i64) {
+        let absent = ConditionKind::Absent(Box::new(side.condition("a")), span(length));
+        let mut world = World::new(&condition(absent));
+        let end = trace.last().map_or(0, |last| last.1) + rest;
+        let mut told = 0;
+        for now in 0..=end {
+            let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
+            tell(&mut world, &trace[told..arrived]);
+            told = arrived;
+            let samples = samples_of(&trace[..told], true);
+            let intervals = side.intervals(&samples, now);
+            let since = intervals.iter().map(|(interval, _)| interval.1).max().unwrap_or(0);
+            let goes_on = intervals.iter().any(|(_, open)| *open);
+            let quiet = !goes_on && now - since >= length;
+            // Where the newest sample does not contradict an episode, it may be going on.
+            let contradicted = samples.last().is_some_and(|(_, value)| *value < 5);
+            let Verdict::Satisfied(result) = world.ask(now) else {
+                let known = matches!(side, Side::Points) || contradicted;
+                prop_assert!(!quiet || !known, "not absent at {now}: {intervals:?}");
+                continue;
+            };
+            prop_assert!(quiet, "absent at {now}: {intervals:?}");
+            prop_assert_eq!(result.interval, (Time(since), Time(since + length)));
+            break;
+        }
+    }
+}
+
+/// How many results an Allen relation keeps of its parts.
+fn kept(world: &World) -> usize {
+    let PartKind::Allen(leaf) = &world.monitor.root.kind else { return 0 };
+    leaf.sides.iter().map(|side| side.settled.len()).sum()
+}
+
+/// A trace of 20,000 samples of each variable: `a` holds at every third, `b` all the time, but never for long enough.
+fn kept_over_a_long_trace(condition: &Condition) -> usize {
+    let mut world = World::new(condition);
+    let mut most = 0;
+    for at in 0..20_000 {
+        world.sample("a", "uav", Value::Integer(if at % 3 == 0 { 5 } else { 4 }), at);
+        world.sample("b", "uav", Value::Integer(5), at);
+        assert_eq!(world.answer(at), None);
+        most = most.max(kept(&world));
+    }
+    most
+}
+
+#[test]
+fn a_relation_that_never_holds_keeps_little() {
+    let never = Side::Runs { gap: None, least: 1_000_000 };
+    for relation in RELATIONS {
+        for left in [Side::Points, Side::Runs { gap: None, least: 0 }] {
+            let first = related(relation, 0, vec![left.condition("a"), never.condition("b")]);
+            let second = related(relation, 0, vec![never.condition("b"), left.condition("a")]);
+            let most = kept_over_a_long_trace(&first).max(kept_over_a_long_trace(&second));
+            assert!(most <= 8, "{relation:?} of {left:?} keeps {most} results");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// Three parts, whose results need not come in order, against all triples.
+    #[test]
+    fn chains_relate_each_part_to_the_next(
+        trace in traces(), more in traces(), which in 0..13_usize, least in 0..3_i64,
+    ) {
+        let relation = RELATIONS[which];
+        let side = Side::Runs { gap: None, least };
+        let parts = ["a", "b", "c"].map(|name| side.condition(name)).to_vec();
+        let mut world = World::new(&related(relation, 0, parts));
+        let mut all: Vec<(&str, i64, i64)> =
+            trace.iter().map(|(first, at, value)| (if *first { "a" } else { "b" }, *at, *value)).collect();
+        all.extend(more.iter().filter(|(first, ..)| *first).map(|(_, at, value)| ("c", *at, *value)));
+        all.sort_by_key(|(_, at, _)| *at);
+        let mut told = Vec::new();
+        for group in all.chunk_by(|a, b| a.1 == b.1) {
+            let now = group[0].1;
+            for (name, at, value) in group {
+                world.sample(name, "uav", Value::Integer(*value), *at);
+            }
+            told.extend_from_slice(group);
+            let of = |name: &str| {
+                let samples: Vec<(i64, i64)> =
+                    told.iter().filter(|(each, ..)| *each == name).map(|(_, at, value)| (*at, *value)).collect();
+                side.intervals(&samples, now)
+            };
+            let (a, b, c) = (of("a"), of("b"), of("c"));
+            let mut triples = Vec::new();
+            for middle in &b {
+                for first in a.iter().filter(|first| !decided(relation, 0, &[**first], &[*middle], now).is_empty()) {
+                    for last in c.iter().filter(|last| !decided(relation, 0, &[*middle], &[**last], now).is_empty()) {
+                        triples.push([first.0, middle.0, last.0]);
+                    }
+                }
+            }
+            let expected = triples.iter().min().map(|triple| {
+                let start = triple.iter().map(|each| each.0).min().unwrap();
+                (start, triple.iter().map(|each| each.1).max().unwrap(), now)
+            });
+            let answer = world.answer(now);
+            prop_assert_eq!(answer, expected, "{:?} at {}", relation, now);
+            if answer.is_some() {
+                break;
+            }
+        }
+    }
+}

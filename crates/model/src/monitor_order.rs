@@ -1,0 +1,83 @@
+//! State of the parts of a monitor that relate others in time: Allen relations and absence (`monitoring.md` rules 7,
+//! 14, 15), and of those that are no matter of evidence: functions (`(:function EXPR)`) and probing.
+
+use crate::condition::AllenRelation;
+use crate::expression::Expr;
+use crate::monitor::{Part, Satisfaction};
+use crate::time::{Duration, Time};
+use serde::{Deserialize, Serialize};
+
+/// State of an Allen relation between adjacent parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AllenPart {
+    /// The relation that each part has to the next.
+    pub relation: AllenRelation,
+    /// End points that are no further apart than this are equal; `less` means earlier by more than this.
+    pub tolerance: Duration,
+    /// The parts in written order.
+    pub parts: Vec<Part>,
+    /// What each part has found, in the same order.
+    pub sides: Vec<Side>,
+    /// All must be true of the related results.
+    pub constraints: Vec<Expr>,
+    /// The parts share variables: results that bind one differently do not go together.
+    pub shares: bool,
+    /// Results that nothing can change any more; the first where one is enough.
+    pub found: Vec<Chain>,
+    /// Results in which a run goes on, as last looked at.
+    pub passing: Vec<Chain>,
+    /// Results of parts stand so that only the end of a run that goes on can decide.
+    pub undecided: bool,
+    /// When time alone can decide next: a run without samples is over, or a delay within a part.
+    pub decides_at: Option<Time>,
+}
+
+/// Results of parts that are related, each to the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chain {
+    /// The parts' intervals, in written order.
+    pub intervals: Vec<(Time, Time)>,
+    /// The result: hull, bindings and evidence of all.
+    pub result: Satisfaction,
+}
+
+/// What a part of a relation has found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Side {
+    /// Final results that a later result of a neighbour could still be related to.
+    pub settled: Vec<Satisfaction>,
+    /// How many results were ever final.
+    pub count: u64,
+    /// The newest result, for explanations, and whether its run goes on.
+    pub newest: Option<((Time, Time), bool)>,
+    /// The number of kept results at which those of no more use are looked for.
+    pub sweep_at: usize,
+}
+
+/// State of `(:absent C :for D)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AbsentPart {
+    /// What must not be.
+    pub part: Part,
+    /// For how long.
+    pub length: Duration,
+    /// The end of the last result of the part, or the window's start: since when it is absent.
+    pub since: Time,
+    /// A run of the part goes on, or the data do not say whether it holds.
+    pub unknown: bool,
+    /// The windows that passed without it; the first where one is enough.
+    pub found: Vec<Satisfaction>,
+    /// When time alone can decide next.
+    pub decides_at: Option<Time>,
+}
+
+/// State of `(:function EXPR)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FunctionPart {
+    /// The expression.
+    pub expression: Expr,
+    /// Its value, as last evaluated, as text; none before, and after an error.
+    pub value: Option<String>,
+    /// The present instant, if it is true now.
+    pub holds: Option<Satisfaction>,
+}
