@@ -31,7 +31,7 @@ pub mod interests;
 pub mod library;
 pub mod limits;
 pub mod monitor;
-pub mod monitor_order;
+mod monitor_parts;
 pub mod monitor_set;
 mod pairs;
 pub mod pattern;

@@ -4,12 +4,10 @@
 //! `monitoring` folder create it, feed it and ask it.
 
 use crate::bindings::Bindings;
-use crate::condition::{EpisodeCondition, MeasurementCondition, Relation, Timing};
+use crate::condition::{EpisodeCondition, MeasurementCondition, Relation};
 use crate::event::StateVariable;
 use crate::evidence_list::EvidenceList;
 use crate::expression::Expr;
-use crate::monitor_order::{AbsentPart, AllenPart, FunctionPart};
-use crate::pattern::Pattern;
 use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::task::TaskId;
@@ -19,6 +17,10 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+pub use crate::monitor_parts::{
+    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
+};
 
 /// From when on evidence counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -415,58 +417,4 @@ pub struct Run {
     pub last_holds: bool,
     /// All instants, kept only where any pair may bound an episode.
     pub instants: Vec<Time>,
-}
-
-/// State of an event condition.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EventPart {
-    /// The form waited for.
-    pub pattern: Arc<Pattern>,
-    /// Constraints on when it happened.
-    pub timing: Arc<Timing>,
-    /// The window reaches before the oldest message that was remembered when the monitor was made.
-    pub blind: bool,
-    /// What was found.
-    pub settled: Vec<Satisfaction>,
-}
-
-/// State of a wait for a task's end.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TaskEndedPart {
-    /// The step's tag.
-    pub variable: Symbol,
-    /// An end from before counts too.
-    pub standing: bool,
-    /// The task, as soon as it is known.
-    pub task: Option<TaskId>,
-    /// When it ended.
-    pub ended: Option<Time>,
-}
-
-/// State of a wait for a task's state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TaskStatePart {
-    /// The task.
-    pub expression: Expr,
-    /// The state's name.
-    pub state: Pattern,
-    /// The state at the beginning counts too.
-    pub standing: bool,
-    /// The task, as soon as it is known.
-    pub task: Option<TaskId>,
-    /// What was found.
-    pub settled: Vec<Satisfaction>,
-}
-
-/// State of a wait for time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TimePart {
-    /// First instant, or least delay.
-    pub from: Expr,
-    /// Last instant, or greatest delay.
-    pub to: Option<Expr>,
-    /// The first and last instant, as last evaluated.
-    pub span: Option<(Time, Time)>,
-    /// The instant that satisfied it.
-    pub reached: Option<Time>,
 }

@@ -14,8 +14,8 @@ use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
+use apex_model::monitor::AbsentPart;
 use apex_model::monitor::{Keep, Part, Satisfaction};
-use apex_model::monitor_order::AbsentPart;
 use apex_model::time::{Duration, Time};
 
 /// The part, not yet looked back. The length is evaluated now.
@@ -66,7 +66,8 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
         remember(&mut part.found, result(&part.part, interval, asking.now));
     }
     let waits = Some(over).filter(|over| *over > asking.now);
-    part.decides_at = waits.into_iter().chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
+    part.decides_at =
+        waits.into_iter().chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
     for trouble in asking.troubles.0 {
         if !troubles.0.contains(&trouble) {
             troubles.0.push(trouble);
@@ -76,12 +77,7 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
 
 fn result(part: &Part, interval: (Time, Time), now: Time) -> Satisfaction {
     let evidence = Evidence::Absence { what: unmet::text(part), at: now };
-    Satisfaction {
-        interval,
-        recognised_at: now,
-        bindings: Bindings::new(),
-        evidence: EvidenceList::one(evidence),
-    }
+    Satisfaction { interval, recognised_at: now, bindings: Bindings::new(), evidence: EvidenceList::one(evidence) }
 }
 
 /// Satisfied; not known, when the data do not say whether the part holds; else not.

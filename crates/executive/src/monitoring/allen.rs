@@ -16,8 +16,8 @@ use apex_model::bindings::Bindings;
 use apex_model::condition::AllenRelation;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
+use apex_model::monitor::{AllenPart, Chain, Side};
 use apex_model::monitor::{Keep, Satisfaction};
-use apex_model::monitor_order::{AllenPart, Chain, Side};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 
@@ -165,12 +165,14 @@ impl<'a> Join<'a> {
     fn fresh(&self, index: usize) -> Vec<Item<'a>> {
         let Some(extents) = self.extents.get(index) else { return Vec::new() };
         let settled = extents.settled.iter().map(|result| Item { result, open: false, settled: true });
-        let passing = extents.passing.iter().map(|Extent { result, open }| Item { result, open: *open, settled: false });
+        let passing =
+            extents.passing.iter().map(|Extent { result, open }| Item { result, open: *open, settled: false });
         settled.chain(passing).collect()
     }
 
     fn kept(&self, index: usize) -> impl Iterator<Item = Item<'a>> + use<'a> {
-        let side: &'a [Satisfaction] = self.part.sides.get(index).map(|side| side.settled.as_slice()).unwrap_or_default();
+        let side: &'a [Satisfaction] =
+            self.part.sides.get(index).map(|side| side.settled.as_slice()).unwrap_or_default();
         side.iter().map(|result| Item { result, open: false, settled: true })
     }
 
@@ -262,9 +264,7 @@ fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], aski
             longer && other.settled.iter().any(|each| possible(result, Span::of(each.interval, false)))
         };
         for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
-            *useful &= look.anywhere
-                || partners.iter().any(|partner| possible(result, *partner))
-                || with_kept(result);
+            *useful &= look.anywhere || partners.iter().any(|partner| possible(result, *partner)) || with_kept(result);
         }
         if any_will_do && !look.anywhere && bounds_only(part.relation) {
             keep_best(&side.settled, &mut useful, &partners, possible);

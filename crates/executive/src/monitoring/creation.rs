@@ -14,8 +14,8 @@ use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::monitor::{AllenPart, FunctionPart, Side};
 use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
-use apex_model::monitor_order::{AllenPart, FunctionPart, Side};
 use apex_model::support::unsupported_condition;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -107,15 +107,15 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
         }
         ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, surroundings)?)),
         ConditionKind::Absent(inner, length) => {
-            let inner = part(inner, Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role }, surroundings)?;
+            let inner =
+                part(inner, Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role }, surroundings)?;
             PartKind::Absent(Box::new(absence::create(inner, length, window.start, surroundings)?))
         }
         ConditionKind::Function(expression) => {
             let expression = expression.clone();
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
         }
-        ConditionKind::Probing { .. }
-        | ConditionKind::Cyclic { .. } => {
+        ConditionKind::Probing { .. } | ConditionKind::Cyclic { .. } => {
             let name = unsupported_condition(condition).unwrap_or("this condition");
             return Err(EvaluationError { message: format!("{name} is not supported yet"), place: condition.place });
         }

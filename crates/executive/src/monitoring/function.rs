@@ -13,8 +13,8 @@ use crate::expression::{Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
+use apex_model::monitor::FunctionPart;
 use apex_model::monitor::Satisfaction;
-use apex_model::monitor_order::FunctionPart;
 
 /// Evaluates the expression anew: it holds at this instant, or it does not, whatever was before.
 pub(super) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {

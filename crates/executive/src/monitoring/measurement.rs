@@ -71,7 +71,12 @@ pub(super) fn look_back(
 }
 
 /// Under persistence the last sample before the window may still be valid at its start.
-pub(super) fn carry_into_window(part: &mut MeasurementPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(super) fn carry_into_window(
+    part: &mut MeasurementPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
     let (Some(timeout), None) = (part.persistence, site.window.after_sequence) else { return };
     let condition = Arc::clone(&part.condition);
     let start = site.window.start;

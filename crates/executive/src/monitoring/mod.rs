@@ -8,9 +8,9 @@ mod allen;
 mod constraints;
 mod creation;
 mod episode;
+pub(crate) mod event;
 mod extents;
 mod function;
-pub(crate) mod event;
 mod harvest;
 mod histories;
 mod logic;
@@ -356,6 +356,10 @@ pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &
 
 fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let site = site(part);
+    if let Some(sequence) = replay::changes_the_past(part, stimulus, surroundings) {
+        replay::replay(part, Some(sequence), surroundings, troubles);
+        return;
+    }
     match (&mut part.kind, stimulus) {
         (PartKind::Measurement(leaf), Stimulus::Sample { variable, value, at, sequence, newest }) => {
             let sample = Seen { variable, value, at: *at, sequence: *sequence };
@@ -376,12 +380,6 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
         }
         (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
-        (PartKind::Allen(_) | PartKind::Absent(_), Stimulus::Sample { variable, sequence, newest: false, .. }) => {
-            // What came before may have been related otherwise: all is looked at again, in order.
-            if replay::watches(part, variable) && replay::covers(part, variable, surroundings) {
-                replay::replay(part, Some(*sequence), surroundings, troubles);
-            }
-        }
         (PartKind::Allen(leaf), _) if !allen::is_done(leaf, site) => {
             leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
         }

@@ -93,8 +93,16 @@ pub(super) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Su
     }
 }
 
+/// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
+/// before may have been related otherwise.
+pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &dyn Surroundings) -> Option<u64> {
+    let Stimulus::Sample { variable, sequence, newest: false, .. } = stimulus else { return None };
+    let relates = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
+    (relates && watches(part, variable) && covers(part, variable, surroundings)).then_some(*sequence)
+}
+
 /// Does `part` watch `variable`?
-pub(super) fn watches(part: &Part, variable: &StateVariable) -> bool {
+fn watches(part: &Part, variable: &StateVariable) -> bool {
     let mut watched = false;
     collect_interests(part, &mut |interest| {
         watched |= match interest {
@@ -107,7 +115,7 @@ pub(super) fn watches(part: &Part, variable: &StateVariable) -> bool {
 }
 
 /// Are all samples of `variable` since the part's window began still there?
-pub(super) fn covers(part: &Part, variable: &StateVariable, surroundings: &dyn Surroundings) -> bool {
+fn covers(part: &Part, variable: &StateVariable, surroundings: &dyn Surroundings) -> bool {
     surroundings.histories().get(variable).is_some_and(|history| history.covers(part.window.start))
 }
 

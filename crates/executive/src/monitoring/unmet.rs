@@ -16,10 +16,10 @@ use crate::explanation::words;
 use apex_model::condition::Relation;
 use apex_model::event::StateVariable;
 use apex_model::history::{Occurrence, Sample};
+use apex_model::monitor::{AbsentPart, AllenPart};
 use apex_model::monitor::{
     Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet, Window,
 };
-use apex_model::monitor_order::{AbsentPart, AllenPart};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;

@@ -3,8 +3,8 @@
 use super::expression::{expression_text, operand_text, pattern_text, template_text};
 use super::{joined, list_text};
 use apex_model::condition::{
-    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality,
-    Relation, Timing, VariablePattern,
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Relation,
+    Timing, VariablePattern,
 };
 use apex_model::expression::Expr;
 use apex_model::pattern::Pattern;

@@ -2,6 +2,8 @@
 
 use super::*;
 use apex_model::condition::AllenRelation;
+use apex_model::library::StateVariableDeclaration;
+use apex_model::quantity::Dimension;
 use proptest::prelude::*;
 
 const RELATIONS: [AllenRelation; 13] = [
@@ -107,7 +109,13 @@ fn ends((interval, open): (Interval, bool), now: i64) -> Vec<Interval> {
 }
 
 /// Pairs that stand in the relation however runs go on, in order.
-fn decided(relation: AllenRelation, near: i64, left: &[(Interval, bool)], right: &[(Interval, bool)], now: i64) -> Vec<Interval> {
+fn decided(
+    relation: AllenRelation,
+    near: i64,
+    left: &[(Interval, bool)],
+    right: &[(Interval, bool)],
+    now: i64,
+) -> Vec<Interval> {
     let mut pairs: Vec<(Interval, Interval)> = Vec::new();
     for a in left {
         for b in right {
@@ -244,6 +252,41 @@ proptest! {
     }
 
     #[test]
+    fn late_samples_are_related_as_if_they_had_come_in_time(
+        trace in traces(), which in 0..13_usize, left in sides(), right in sides(), late in 0..30_usize, by in 1..6_usize,
+    ) {
+        let relation = RELATIONS[which];
+        let mut world = World::new(&related(relation, 0, vec![left.condition("a"), right.condition("b")]));
+        for name in ["a", "b"] {
+            let lateness = Some(Value::Duration(Duration(1_000)));
+            let (unit, value_type, rate_per_s, dimension, place) = (None, None, None, Dimension::NONE, Place::default());
+            let declaration = StateVariableDeclaration { unit, dimension, value_type, lateness, rate_per_s, place };
+            world.view.library.state_variables.insert(Symbol::new(name), declaration);
+        }
+        world.view.histories.require_lookback_of_all(Duration::MAX);
+        let mut arrivals = trace.clone();
+        let late = arrivals.remove(late % trace.len());
+        arrivals.insert((by + trace.iter().take_while(|each| **each != late).count()).min(arrivals.len()), late);
+        let mut now = 0;
+        for (index, arrival) in arrivals.iter().enumerate() {
+            tell(&mut world, &arrivals[index..=index]);
+            now = now.max(arrival.1);
+            // All of one instant are one step.
+            if arrivals.get(index + 1).is_some_and(|next| next.1 <= now) {
+                continue;
+            }
+            let mut known = arrivals[..=index].to_vec();
+            known.sort_by_key(|(_, at, _)| *at);
+            let (a, b) = (left.intervals(&samples_of(&known, true), now), right.intervals(&samples_of(&known, false), now));
+            let expected = !decided(relation, 0, &a, &b, now).is_empty();
+            prop_assert_eq!(world.answer(now).is_some(), expected, "{:?} at {} of {:?} and {:?}", relation, now, a, b);
+            if expected {
+                break;
+            }
+        }
+    }
+
+    #[test]
     fn absence_is_a_whole_window_without(trace in traces(), side in sides(), length in 1..9_i64, rest in 0..12_i64) {
         let absent = ConditionKind::Absent(Box::new(side.condition("a")), span(length));
         let mut world = World::new(&condition(absent));
@@ -278,11 +321,11 @@ fn kept(world: &World) -> usize {
     leaf.sides.iter().map(|side| side.settled.len()).sum()
 }
 
-/// A trace of 20,000 samples of each variable: `a` holds at every third, `b` all the time, but never for long enough.
+/// A trace of 2,000 samples of each variable: `a` holds at every third, `b` all the time, but never for long enough.
 fn kept_over_a_long_trace(condition: &Condition) -> usize {
     let mut world = World::new(condition);
     let mut most = 0;
-    for at in 0..20_000 {
+    for at in 0..2_000 {
         world.sample("a", "uav", Value::Integer(if at % 3 == 0 { 5 } else { 4 }), at);
         world.sample("b", "uav", Value::Integer(5), at);
         assert_eq!(world.answer(at), None);

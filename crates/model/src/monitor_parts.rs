@@ -1,11 +1,15 @@
-//! State of the parts of a monitor that relate others in time: Allen relations and absence (`monitoring.md` rules 7,
-//! 14, 15), and of those that are no matter of evidence: functions (`(:function EXPR)`) and probing.
+//! State of the parts of a monitor that watch no samples themselves: messages, tasks, time, functions, and parts that
+//! relate others in time, Allen relations and absence (`monitoring.md` rules 7, 14, 15).
 
-use crate::condition::AllenRelation;
+use crate::condition::{AllenRelation, Timing};
 use crate::expression::Expr;
 use crate::monitor::{Part, Satisfaction};
+use crate::pattern::Pattern;
+use crate::symbol::Symbol;
+use crate::task::TaskId;
 use crate::time::{Duration, Time};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// State of an Allen relation between adjacent parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,4 +84,58 @@ pub struct FunctionPart {
     pub value: Option<String>,
     /// The present instant, if it is true now.
     pub holds: Option<Satisfaction>,
+}
+
+/// State of an event condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EventPart {
+    /// The form waited for.
+    pub pattern: Arc<Pattern>,
+    /// Constraints on when it happened.
+    pub timing: Arc<Timing>,
+    /// The window reaches before the oldest message that was remembered when the monitor was made.
+    pub blind: bool,
+    /// What was found.
+    pub settled: Vec<Satisfaction>,
+}
+
+/// State of a wait for a task's end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskEndedPart {
+    /// The step's tag.
+    pub variable: Symbol,
+    /// An end from before counts too.
+    pub standing: bool,
+    /// The task, as soon as it is known.
+    pub task: Option<TaskId>,
+    /// When it ended.
+    pub ended: Option<Time>,
+}
+
+/// State of a wait for a task's state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskStatePart {
+    /// The task.
+    pub expression: Expr,
+    /// The state's name.
+    pub state: Pattern,
+    /// The state at the beginning counts too.
+    pub standing: bool,
+    /// The task, as soon as it is known.
+    pub task: Option<TaskId>,
+    /// What was found.
+    pub settled: Vec<Satisfaction>,
+}
+
+/// State of a wait for time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimePart {
+    /// First instant, or least delay.
+    pub from: Expr,
+    /// Last instant, or greatest delay.
+    pub to: Option<Expr>,
+    /// The first and last instant, as last evaluated.
+    pub span: Option<(Time, Time)>,
+    /// The instant that satisfied it.
+    pub reached: Option<Time>,
 }
