@@ -69,6 +69,8 @@ pub struct AbsentPart {
     pub since: Time,
     /// A run of the part goes on, or the data do not say whether it holds.
     pub unknown: bool,
+    /// The start of the newest window that passed without it.
+    pub told: Option<Time>,
     /// The windows that passed without it; the first where one is enough.
     pub found: Vec<Satisfaction>,
     /// When time alone can decide next.

@@ -30,14 +30,22 @@ pub(super) fn create(
 ) -> Result<AbsentPart, EvaluationError> {
     let value = evaluate(length, surroundings)?;
     let length = duration(&value).map_err(|message| EvaluationError { message, place: length.place })?;
-    Ok(AbsentPart { part, length, since: start, unknown: false, found: Vec::new(), decides_at: Some(start + length) })
+    Ok(AbsentPart {
+        part,
+        length,
+        since: start,
+        unknown: false,
+        told: None,
+        found: Vec::new(),
+        decides_at: Some(start + length),
+    })
 }
 
 /// Starts again.
 pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.found.clear();
     part.since = site.window.start;
-    part.unknown = false;
+    (part.unknown, part.told) = (false, None);
     part.decides_at = Some(part.since + part.length);
 }
 
@@ -60,8 +68,8 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     let goes_on = extents.passing.iter().any(|extent| extent.open);
     part.unknown = goes_on || extents.silent || logic::truth(&part.part, &mut asking) == Truth::Unknown;
     let over = part.since + part.length;
-    let told = part.found.last().is_some_and(|found| found.interval.0 == part.since);
-    if !part.unknown && over <= asking.now && !told {
+    if !part.unknown && over <= asking.now && part.told != Some(part.since) {
+        part.told = Some(part.since);
         let interval = (part.since, over);
         remember(&mut part.found, result(&part.part, interval, asking.now));
     }

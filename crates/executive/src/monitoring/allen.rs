@@ -125,9 +125,14 @@ struct Item<'a> {
     settled: bool,
 }
 
+/// A result as it is known at `now`.
+fn span(interval: (Time, Time), open: bool, now: Time) -> Span {
+    if open { Span::growing(interval, now) } else { Span::of(interval) }
+}
+
 impl Item<'_> {
-    fn span(&self) -> Span {
-        Span::of(self.result.interval, self.open)
+    fn span(&self, now: Time) -> Span {
+        span(self.result.interval, self.open, now)
     }
 }
 
@@ -209,7 +214,8 @@ impl<'a> Join<'a> {
     }
 
     fn related(&mut self, left: &Item<'_>, right: &Item<'_>) -> bool {
-        let decision = decide(self.relation, self.part.tolerance, left.span(), right.span(), self.now);
+        let (first, second) = (left.span(self.now), right.span(self.now));
+        let decision = decide(self.relation, self.part.tolerance, first, second);
         if decision == Decision::Fails || !self.agree(left, right) {
             return false;
         }
@@ -241,43 +247,59 @@ impl<'a> Join<'a> {
     }
 }
 
-/// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best.
+/// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best. What
+/// is to come counts from the newest sample of a part on, because samples of one variable may come later than those of
+/// another; where that leaves too many, it counts from now on.
 fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], asking: &mut Asking<'_>) {
     let Some(side) = part.sides.get(index) else { return };
     if side.settled.len() < side.sweep_at.max(SWEEP_AT_LEAST) {
         return;
     }
-    let neighbours: Vec<(usize, bool)> =
-        index.checked_sub(1).map(|left| (left, true)).into_iter().chain([(index + 1, false)]).collect();
-    let any_will_do = site.keep == Keep::First && part.constraints.is_empty() && part.parts.len() == 2;
-    let mut useful = vec![true; side.settled.len()];
-    for (neighbour, is_left) in neighbours {
-        let (Some(look), Some(other)) = (looks.get(neighbour), part.sides.get(neighbour)) else { continue };
-        let partners: Vec<Span> = look.runs.iter().map(|run| Span::of(*run, true)).chain([Span::COMING]).collect();
-        let possible = |result: &Satisfaction, partner: Span| {
-            let own = Span::of(result.interval, false);
-            let (first, second) = if is_left { (partner, own) } else { (own, partner) };
-            decide(part.relation, part.tolerance, first, second, asking.now) != Decision::Fails
-        };
-        let longer = part.parts.len() > 2;
-        let with_kept = |result: &Satisfaction| {
-            longer && other.settled.iter().any(|each| possible(result, Span::of(each.interval, false)))
-        };
-        for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
-            *useful &= look.anywhere || partners.iter().any(|partner| possible(result, *partner)) || with_kept(result);
-        }
-        if any_will_do && !look.anywhere && bounds_only(part.relation) {
-            keep_best(&side.settled, &mut useful, &partners, possible);
-        }
+    retain_useful(part, site, index, looks, None);
+    if part.sides.get(index).is_some_and(|side| side.settled.len() > MONITOR_RESULTS_MAX) {
+        retain_useful(part, site, index, looks, Some(asking.now));
     }
     let Some(side) = part.sides.get_mut(index) else { return };
-    let mut useful = useful.into_iter();
-    side.settled.retain(|_| useful.next().unwrap_or(true));
     if side.settled.len() > MONITOR_RESULTS_MAX {
         asking.troubles.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, site.place);
         side.settled.drain(..MONITOR_RESULTS_MAX / 4);
     }
     side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);
+}
+
+fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], now: Option<Time>) {
+    let Some(side) = part.sides.get(index) else { return };
+    let any_will_do = site.keep == Keep::First && part.constraints.is_empty() && part.parts.len() == 2;
+    let longer = part.parts.len() > 2;
+    let mut useful = vec![true; side.settled.len()];
+    for (neighbour, is_left) in index.checked_sub(1).map(|left| (left, true)).into_iter().chain([(index + 1, false)]) {
+        let (Some(look), Some(other)) = (looks.get(neighbour), part.sides.get(neighbour)) else { continue };
+        if look.anywhere {
+            continue;
+        }
+        let growing = look.runs.iter().map(|run| Span::growing(*run, now.unwrap_or(run.1)));
+        let mut partners: Vec<Span> = growing.chain([Span::coming(now.unwrap_or(look.from))]).collect();
+        let possible = |result: &Satisfaction, partner: Span| {
+            let own = Span::of(result.interval);
+            let (first, second) = if is_left { (partner, own) } else { (own, partner) };
+            decide(part.relation, part.tolerance, first, second) != Decision::Fails
+        };
+        if any_will_do && bounds_only(part.relation) {
+            keep_best(&side.settled, &mut useful, &partners, possible);
+            continue;
+        }
+        if longer {
+            // What is there already has been related to it, but the chain may lack another part.
+            let passing = look.passing.iter().map(|extent| &extent.result);
+            partners.extend(other.settled.iter().chain(passing).map(|result| Span::of(result.interval)));
+        }
+        for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
+            *useful &= partners.iter().any(|partner| possible(result, *partner));
+        }
+    }
+    let Some(side) = part.sides.get_mut(index) else { return };
+    let mut useful = useful.into_iter();
+    side.settled.retain(|_| useful.next().unwrap_or(true));
 }
 
 /// Do end points only have to lie before or behind others? Then one result can stand for others. Where end points
@@ -364,8 +386,8 @@ pub(super) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
     let pairs = part.sides.iter().zip(part.sides.iter().skip(1)).enumerate();
     pairs.filter_map(|(index, (left, right))| Some((index, left.newest?, right.newest?))).find_map(
         |(index, left, right)| {
-            let (first, second) = (Span::of(left.0, left.1), Span::of(right.0, right.1));
-            let decided = |link| decide_link(link, part.tolerance, first, second, now);
+            let (first, second) = (span(left.0, left.1, now), span(right.0, right.1, now));
+            let decided = |link| decide_link(link, part.tolerance, first, second);
             let missed = links(part.relation).iter().min_by_key(|link| decided(**link))?;
             let words = match decided(*missed) {
                 Decision::Holds => return None,

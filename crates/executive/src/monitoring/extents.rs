@@ -34,7 +34,9 @@ pub(super) struct Extents {
     pub(super) passing: Vec<Extent>,
     /// First and last evidence of runs that go on, whether they are results already or not.
     pub(super) runs: Vec<(Time, Time)>,
-    /// Later results may lie anywhere, not only in runs that go on and from now on.
+    /// Later results begin here or later, if they are no runs that go on.
+    pub(super) from: Time,
+    /// Later results may lie anywhere.
     pub(super) anywhere: bool,
     /// A run is over only because samples fail to come: nobody knows what it does now.
     pub(super) silent: bool,
@@ -45,9 +47,13 @@ pub(super) struct Extents {
 /// What `part` has found.
 pub(super) fn take(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
     let site = site(part);
-    let mut extents = Extents::default();
+    let mut extents = Extents { from: asking.now, ..Extents::default() };
     match &mut part.kind {
         PartKind::Measurement(leaf) => {
+            if leaf.variable.is_some() {
+                let newest = leaf.seen.as_ref().and_then(|seen| seen.newest.samples().next().map(|sample| sample.at));
+                extents.from = newest.unwrap_or(site.window.start);
+            }
             if let Some(seen) = &mut leaf.seen {
                 extents.settled.append(&mut seen.settled);
                 extents.settled.extend(seen.newest.take_results());
@@ -56,6 +62,9 @@ pub(super) fn take(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
         PartKind::Event(leaf) => extents.settled.append(&mut leaf.settled),
         PartKind::Episode(leaf) => {
             extents.settled.append(&mut leaf.settled);
+            if leaf.variable.is_some() {
+                extents.from = leaf.runs.values().next().map_or(site.window.start, |state| state.newest.at);
+            }
             passing_episodes(leaf, site, asking, &mut extents);
         }
         _ => composite(part, asking, &mut extents),

@@ -35,7 +35,10 @@ impl Key {
             Evidence::Aggregate(aggregate) => Some(aggregate.variable.object.clone()),
             Evidence::Event { form, .. } => Some(form.clone()),
             Evidence::TaskState { state, .. } => Some(state.clone()),
-            Evidence::TaskEnd { .. } | Evidence::Instant { .. } | Evidence::Absence { .. } => None,
+            Evidence::TaskEnd { .. }
+            | Evidence::Instant { .. }
+            | Evidence::Function { .. }
+            | Evidence::Absence { .. } => None,
         });
         Key { part, start: result.interval.0, recognised_at: result.recognised_at, subject }
     }
@@ -172,7 +175,9 @@ impl Search<'_> {
         asking.used = Some(std::mem::take(&mut branch.used));
         let mut fresh = logic::results(part, asking);
         branch.used = asking.used.take().unwrap_or_default();
-        if branch.absence {
+        // Each window of an `:absent` is a result of its own.
+        let once = !matches!(part.kind, PartKind::Absent(_));
+        if branch.absence && once {
             fresh.retain(|result| !is_absence(result));
         }
         for (tag, constraints) in self.above.iter().rev() {
@@ -274,7 +279,10 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, asking: &mut A
         | PartKind::TaskEnded(_)
         | PartKind::TaskState(_)
         | PartKind::Timestamp(_)
-        | PartKind::Delay(_) => {}
+        | PartKind::Delay(_)
+        | PartKind::Allen(_)
+        | PartKind::Absent(_)
+        | PartKind::Function(_) => {}
     }
     if lateness == Duration::ZERO {
         drop_settled(part);
@@ -298,6 +306,8 @@ fn drop_settled(part: &mut Part) {
         PartKind::Episode(leaf) => leaf.settled.clear(),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::TaskState(leaf) => leaf.settled.clear(),
+        PartKind::Allen(leaf) => leaf.found.clear(),
+        PartKind::Absent(leaf) => leaf.found.clear(),
         _ => {}
     }
 }

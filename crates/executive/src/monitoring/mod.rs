@@ -30,10 +30,12 @@ pub(crate) mod task_state;
 mod tests;
 mod time_conditions;
 mod unmet;
+mod wake;
 
 pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
 pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
+pub(crate) use wake::WakeReason;
 
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::clause::MonitorId;
@@ -44,10 +46,9 @@ use apex_model::monitor::{Interest, Keep, Monitor, Part, PartKind, Satisfaction,
 use apex_model::source::Place;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::thresholds::Threshold;
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
 use samples::Seen;
-use std::fmt;
 use time_conditions::Kind;
 
 /// Something that a monitor may notice. Histories have recorded it before.
@@ -135,39 +136,6 @@ struct Site {
 
 fn site(part: &Part) -> Site {
     Site { window: part.window, keep: part.keep, place: part.place }
-}
-
-/// Why time alone may change a verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum WakeReason {
-    /// A run without samples for longer than this is over.
-    GapEnds(Duration),
-    /// A run has lasted so long.
-    DurationReached(Duration),
-    /// A `:delay` at the end of an order is over.
-    OrderDelay,
-    /// A `:delay` is over.
-    Delay,
-    /// A `:timestamp` is reached.
-    Timestamp,
-    /// A relation of runs can be decided, because one of them is over.
-    RelationDecided,
-    /// The window of an absence is over.
-    AbsenceOver(Duration),
-}
-
-impl fmt::Display for WakeReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            WakeReason::GapEnds(gap) => write!(f, "no sample for more than {gap} ends the episode"),
-            WakeReason::DurationReached(span) => write!(f, ":duration {span} of the episode is reached"),
-            WakeReason::OrderDelay => f.write_str("a :delay is over"),
-            WakeReason::Delay => f.write_str(":delay is over"),
-            WakeReason::Timestamp => f.write_str(":timestamp is reached"),
-            WakeReason::RelationDecided => f.write_str("an episode without samples is over, which decides a relation"),
-            WakeReason::AbsenceOver(length) => write!(f, "the {length} of an :absent are over, or its episode is"),
-        }
-    }
 }
 
 /// Errors met while judging, each once.

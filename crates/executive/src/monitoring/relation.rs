@@ -15,10 +15,10 @@ use apex_model::time::{Duration, Time};
 pub(super) enum Point {
     /// It is this.
     Known(Time),
-    /// The end of a run that goes on: this, if no sample continues it, else after now.
-    Growing(Time),
-    /// Of a result that is still to come: now or later.
-    Coming,
+    /// The end of a run that goes on: the first, if no sample continues it, else after the second.
+    Growing(Time, Time),
+    /// Of a result that is still to come: this or later.
+    Coming(Time),
 }
 
 /// An interval, as far as it is known.
@@ -30,12 +30,19 @@ pub(super) struct Span {
 
 impl Span {
     /// A result.
-    pub(super) fn of((start, end): (Time, Time), open: bool) -> Span {
-        Span { start: Point::Known(start), end: if open { Point::Growing(end) } else { Point::Known(end) } }
+    pub(super) fn of((start, end): (Time, Time)) -> Span {
+        Span { start: Point::Known(start), end: Point::Known(end) }
     }
 
-    /// Any result that begins now or later.
-    pub(super) const COMING: Span = Span { start: Point::Coming, end: Point::Coming };
+    /// A run that goes on, by samples that come after `after`.
+    pub(super) fn growing((start, end): (Time, Time), after: Time) -> Span {
+        Span { start: Point::Known(start), end: Point::Growing(end, after) }
+    }
+
+    /// Any result that begins at `from` or later.
+    pub(super) fn coming(from: Time) -> Span {
+        Span { start: Point::Coming(from), end: Point::Coming(from) }
+    }
 }
 
 /// What is known of a relation.
@@ -97,9 +104,9 @@ pub(super) fn links(relation: AllenRelation) -> &'static [(Edge, Link, Edge)] {
     }
 }
 
-/// Does `first` stand in `relation` to `second` at `now`?
-pub(super) fn decide(relation: AllenRelation, tolerance: Duration, first: Span, second: Span, now: Time) -> Decision {
-    let all = links(relation).iter().map(|link| decide_link(*link, tolerance, first, second, now));
+/// Does `first` stand in `relation` to `second`?
+pub(super) fn decide(relation: AllenRelation, tolerance: Duration, first: Span, second: Span) -> Decision {
+    let all = links(relation).iter().map(|link| decide_link(*link, tolerance, first, second));
     all.min().unwrap_or(Decision::Holds)
 }
 
@@ -109,7 +116,6 @@ pub(super) fn decide_link(
     tolerance: Duration,
     first: Span,
     second: Span,
-    now: Time,
 ) -> Decision {
     let point = |edge| match edge {
         Edge::FirstStart => first.start,
@@ -118,23 +124,22 @@ pub(super) fn decide_link(
         Edge::SecondEnd => second.end,
     };
     match link {
-        Link::Earlier => earlier(point(left), point(right), tolerance, now),
-        Link::Same => same(point(left), point(right), tolerance, now),
+        Link::Earlier => earlier(point(left), point(right), tolerance),
+        Link::Same => same(point(left), point(right), tolerance),
     }
 }
 
 /// The least that a point can be, and the greatest, which has no bound unless it is known.
-fn bounds(point: Point, now: Time) -> (Time, Option<Time>) {
+fn bounds(point: Point) -> (Time, Option<Time>) {
     match point {
         Point::Known(at) => (at, Some(at)),
-        Point::Growing(at) => (at, None),
-        Point::Coming => (now, None),
+        Point::Growing(at, _) | Point::Coming(at) => (at, None),
     }
 }
 
 /// Earlier by more than the tolerance.
-fn earlier(left: Point, right: Point, tolerance: Duration, now: Time) -> Decision {
-    let ((left_least, left_most), (right_least, right_most)) = (bounds(left, now), bounds(right, now));
+fn earlier(left: Point, right: Point, tolerance: Duration) -> Decision {
+    let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
     if left_most.is_some_and(|most| right_least - most > tolerance) {
         Decision::Holds
     } else if right_most.is_none_or(|most| most - left_least > tolerance) {
@@ -145,7 +150,7 @@ fn earlier(left: Point, right: Point, tolerance: Duration, now: Time) -> Decisio
 }
 
 /// Not further apart than the tolerance.
-fn same(left: Point, right: Point, tolerance: Duration, now: Time) -> Decision {
+fn same(left: Point, right: Point, tolerance: Duration) -> Decision {
     let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
     let (known, other) = match (left, right) {
         (Point::Known(a), Point::Known(b)) => return if near(a, b) { Decision::Holds } else { Decision::Fails },
@@ -153,8 +158,8 @@ fn same(left: Point, right: Point, tolerance: Duration, now: Time) -> Decision {
         _ => return Decision::Open,
     };
     let possible = match other {
-        Point::Growing(at) => near(at, known) || known + tolerance > now,
-        Point::Coming | Point::Known(_) => known + tolerance >= now,
+        Point::Growing(at, after) => near(at, known) || known + tolerance > after,
+        Point::Coming(from) | Point::Known(from) => known + tolerance >= from,
     };
     if possible { Decision::Open } else { Decision::Fails }
 }

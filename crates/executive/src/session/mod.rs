@@ -370,6 +370,9 @@ impl MonitorSession {
             self.begin(id);
             self.touched.push(id);
         }
+        found.clear();
+        self.interests.of_every_step(&mut found);
+        self.touched.extend(&found);
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         touched.dedup();

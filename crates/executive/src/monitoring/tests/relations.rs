@@ -246,7 +246,7 @@ proptest! {
         let mut late = World::in_view(&condition, view);
         tell(&mut late, &trace);
         late.view.now = Time(end);
-        late.monitor = create(&condition, Window::from(Time::ZERO), &late.view).unwrap();
+        late.watch(&condition, Window::from(Time::ZERO));
         let answer = late.answer(end).map(|(start, last, _)| (start, last));
         prop_assert_eq!(answer, found.map(|(start, last, _)| (start, last)));
     }
@@ -395,4 +395,16 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_sample_that_comes_later_than_those_of_other_variables_is_related_as_well() {
+    let points = |name: &str| Side::Points.condition(name);
+    let mut world = World::new(&related(AllenRelation::Meets, 0, vec![points("a"), points("b")]));
+    for at in 1..6 {
+        world.sample("b", "uav", Value::Integer(5), at);
+        assert_eq!(world.answer(at), None);
+    }
+    world.sample("a", "uav", Value::Integer(5), 1);
+    assert_eq!(world.answer(6), Some((1, 1, 6)));
 }

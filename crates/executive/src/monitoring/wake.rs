@@ -1,0 +1,44 @@
+//! Reasons of wakes (M&I)
+//! What: why time alone may change a verdict, in words.
+//! Runs: with every wake.
+//! Reads: nothing.
+//! Writes: nothing.
+//! Bound: O(1).
+//! PDL: `:max-gap`, `:duration`, `:delay`, `:timestamp`, `:absent`.
+//! Paper: section III, condition monitoring.
+
+use apex_model::time::Duration;
+use std::fmt;
+
+/// Why time alone may change a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum WakeReason {
+    /// A run without samples for longer than this is over.
+    GapEnds(Duration),
+    /// A run has lasted so long.
+    DurationReached(Duration),
+    /// A `:delay` at the end of an order is over.
+    OrderDelay,
+    /// A `:delay` is over.
+    Delay,
+    /// A `:timestamp` is reached.
+    Timestamp,
+    /// A relation of runs can be decided, because one of them is over.
+    RelationDecided,
+    /// The window of an absence is over.
+    AbsenceOver(Duration),
+}
+
+impl fmt::Display for WakeReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WakeReason::GapEnds(gap) => write!(f, "no sample for more than {gap} ends the episode"),
+            WakeReason::DurationReached(span) => write!(f, ":duration {span} of the episode is reached"),
+            WakeReason::OrderDelay => f.write_str("a :delay is over"),
+            WakeReason::Delay => f.write_str(":delay is over"),
+            WakeReason::Timestamp => f.write_str(":timestamp is reached"),
+            WakeReason::RelationDecided => f.write_str("an episode without samples is over, which decides a relation"),
+            WakeReason::AbsenceOver(length) => write!(f, "the {length} of an :absent are over, or its episode is"),
+        }
+    }
+}
