@@ -14,7 +14,7 @@ use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::monitor::{AllenPart, FunctionPart, Side};
+use apex_model::monitor::{AbsentPart, AllenPart, FunctionPart, Side};
 use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
 use apex_model::support::unsupported_condition;
 use apex_model::symbol::Symbol;
@@ -106,11 +106,7 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, surroundings)?)
         }
         ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, surroundings)?)),
-        ConditionKind::Absent(inner, length) => {
-            let inner =
-                part(inner, Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role }, surroundings)?;
-            PartKind::Absent(Box::new(absence::create(inner, length, window.start, surroundings)?))
-        }
+        ConditionKind::Absent(inner, length) => PartKind::Absent(Box::new(absent(inner, length, role, surroundings)?)),
         ConditionKind::Function(expression) => {
             let expression = expression.clone();
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
@@ -121,6 +117,16 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
         }
     };
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
+}
+
+fn absent(
+    inner: &Condition,
+    length: &Expr,
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<AbsentPart, EvaluationError> {
+    let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    absence::create(part(inner, whole, surroundings)?, length, role.window.start, surroundings)
 }
 
 fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<AllenPart, EvaluationError> {

@@ -13,6 +13,7 @@ mod extents;
 mod function;
 mod harvest;
 mod histories;
+mod interest;
 mod logic;
 mod measurement;
 pub(crate) mod pattern_matching;
@@ -34,6 +35,7 @@ mod wake;
 
 pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
+pub(crate) use interest::{interests, lasting_interest, threshold};
 pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
 pub(crate) use wake::WakeReason;
 
@@ -42,10 +44,9 @@ use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
 use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{Interest, Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
+use apex_model::monitor::{Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
 use apex_model::source::Place;
 use apex_model::task::{TaskId, TaskState};
-use apex_model::thresholds::Threshold;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use samples::Seen;
@@ -253,66 +254,6 @@ fn made(
         Monitor { created_at: surroundings.now(), window, root, asked_at: surroundings.now(), notes: None };
     troubles.tell(&mut monitor);
     Ok(monitor)
-}
-
-/// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
-pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
-    let mut interests = Vec::new();
-    collect_interests(&monitor.root, &mut |interest| interests.push(interest));
-    interests.sort();
-    interests.dedup();
-    interests
-}
-
-/// The only interest of a monitor that never has another one; none for all other monitors.
-pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
-    match &monitor.root.kind {
-        PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {
-            let mut only = None;
-            collect_interests(&monitor.root, &mut |interest| only = Some(interest));
-            only
-        }
-        PartKind::TaskEnded(_)
-        | PartKind::TaskState(_)
-        | PartKind::And(_)
-        | PartKind::Or(_)
-        | PartKind::InOrder(_)
-        | PartKind::Not(_)
-        | PartKind::Timestamp(_)
-        | PartKind::Delay(_)
-        | PartKind::Allen(_)
-        | PartKind::Absent(_)
-        | PartKind::Function(_) => None,
-    }
-}
-
-/// The comparison without which no sample can change what the monitor says. Never changes.
-pub(crate) fn threshold(monitor: &Monitor) -> Option<Threshold> {
-    match &monitor.root.kind {
-        PartKind::Measurement(leaf) => measurement::threshold(leaf),
-        _ => None,
-    }
-}
-
-fn collect_interests(part: &Part, add: &mut dyn FnMut(Interest)) {
-    let samples = |variable: &Option<StateVariable>, attribute: &apex_model::symbol::Symbol| {
-        variable.clone().map_or_else(|| Interest::Attribute(attribute.clone()), Interest::Variable)
-    };
-    match &part.kind {
-        PartKind::Measurement(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
-        PartKind::Episode(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
-        PartKind::Event(leaf) => add(event::interest(&leaf.pattern)),
-        PartKind::TaskEnded(leaf) => add(task_state::interest(leaf.task)),
-        PartKind::TaskState(leaf) => add(task_state::interest(leaf.task)),
-        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
-            composite.parts.iter().for_each(|part| collect_interests(part, add));
-        }
-        PartKind::Not(inner) => collect_interests(inner, add),
-        PartKind::Allen(leaf) => leaf.parts.iter().for_each(|part| collect_interests(part, add)),
-        PartKind::Absent(leaf) => collect_interests(&leaf.part, add),
-        PartKind::Function(_) => add(Interest::EveryStep),
-        PartKind::Timestamp(_) | PartKind::Delay(_) => {}
-    }
 }
 
 /// Tells `monitor` what happened. Stimuli it has no interest in change nothing.

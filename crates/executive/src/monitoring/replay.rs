@@ -8,7 +8,7 @@
 //! PDL: Allen relations, `:absent`, `:lateness`.
 //! Paper: section III, histories.
 
-use super::{Stimulus, Troubles, advance, collect_interests, extents, measurement, notice_part, wake_of};
+use super::{Stimulus, Troubles, advance, extents, interest::collect_interests, measurement, notice_part, wake_of};
 use crate::expression::Surroundings;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, History};

@@ -3,6 +3,7 @@
 use super::*;
 use apex_model::condition::Estimation;
 use apex_model::library::StateVariableDeclaration;
+use apex_model::monitor::Interest;
 use apex_model::quantity::unit_named;
 
 const SECOND: i64 = 1_000_000_000;
