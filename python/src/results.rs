@@ -203,6 +203,7 @@ impl Evidence {
             because::Evidence::Run { .. } => "run",
             because::Evidence::Instant { .. } => "instant",
             because::Evidence::Absence { .. } => "absence",
+            because::Evidence::Function { .. } => "function",
             because::Evidence::Estimate(_) => "estimate",
             because::Evidence::Aggregate(_) => "aggregate",
         }
@@ -225,9 +226,9 @@ impl Evidence {
     #[getter]
     fn value<'py>(&self, python: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match &self.fact {
-            because::Evidence::Sample { value, .. } | because::Evidence::Event { form: value, .. } => {
-                to_python(python, value).map(Some)
-            }
+            because::Evidence::Sample { value, .. }
+            | because::Evidence::Function { value, .. }
+            | because::Evidence::Event { form: value, .. } => to_python(python, value).map(Some),
             because::Evidence::Estimate(estimate) => to_python(python, &estimate.value).map(Some),
             because::Evidence::Aggregate(aggregate) => to_python(python, &aggregate.value).map(Some),
             _ => Ok(None),
@@ -282,6 +283,7 @@ fn span(fact: &because::Evidence) -> (Time, Time) {
         | because::Evidence::Event { at, .. }
         | because::Evidence::TaskState { at, .. }
         | because::Evidence::TaskEnd { at, .. }
+        | because::Evidence::Function { at, .. }
         | because::Evidence::Absence { at, .. } => (*at, *at),
         because::Evidence::Instant { since, at } => (since.unwrap_or(*at), *at),
         because::Evidence::Run { start, end, .. } => (*start, *end),
