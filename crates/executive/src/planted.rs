@@ -23,20 +23,23 @@ pub enum Bug {
     LateSampleIgnored,
     /// Of two samples of one instant the first counts.
     FirstDuplicateWins,
+    /// A sample just at a bound is not told to who waits for it (planted in the model's thresholds).
+    ThresholdMisses,
 }
 
 /// All in the monitors of conditions.
 pub const IN_MONITORS: [Bug; 4] =
     [Bug::LongerIsAtLeast, Bug::GapToNowForgotten, Bug::LateSampleIgnored, Bug::FirstDuplicateWins];
 
-/// All in the control of tasks.
-pub const IN_CONTROL: [Bug; 6] = [
+/// All in the control of tasks, and in how tasks hear of samples.
+pub const IN_CONTROL: [Bug; 7] = [
     Bug::EqualNewcomerWins,
     Bug::ClockStartsOver,
     Bug::DeafWhileInterrupted,
     Bug::ChildrenStayBehind,
     Bug::RanksReversed,
     Bug::AncestorsFirst,
+    Bug::ThresholdMisses,
 ];
 
 #[cfg(feature = "planted-bugs")]
@@ -47,6 +50,7 @@ static PLANTED: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(0
 pub fn plant(bug: Option<Bug>) {
     let number = bug.map_or(0, |bug| bug as u8 + 1);
     PLANTED.store(number, std::sync::atomic::Ordering::SeqCst);
+    apex_model::planted::let_thresholds_miss(bug == Some(Bug::ThresholdMisses));
 }
 
 /// Is `bug` planted?

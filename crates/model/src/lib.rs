@@ -35,6 +35,7 @@ mod monitor_parts;
 pub mod monitor_set;
 mod pairs;
 pub mod pattern;
+pub mod planted;
 pub mod problem;
 pub mod procedure;
 pub mod quantity;

@@ -4,6 +4,7 @@
 use crate::clause::MonitorId;
 use crate::condition::Relation;
 use crate::monitor_set::Found;
+use crate::planted;
 use crate::quantity::Dimension;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
@@ -123,7 +124,8 @@ impl Thresholds {
             match number {
                 Some((number, dimension)) if dimension == group.dimension => {
                     let key = Key::of(number);
-                    found.extend(group.above.range(..=(key, LAST)).map(|(_, monitor)| *monitor));
+                    let last = if planted::threshold_misses() { FIRST } else { LAST };
+                    found.extend(group.above.range(..=(key, last)).map(|(_, monitor)| *monitor));
                     found.extend(group.below.range((key, FIRST)..).map(|(_, monitor)| *monitor));
                     found.extend(group.at.range((key, FIRST)..=(key, LAST)).map(|(_, monitor)| *monitor));
                 }

@@ -15,7 +15,7 @@ pub struct Outcome {
     pub same: u64,
     /// Programs that the checker refused.
     pub refused: u64,
-    /// Programs of which an instant did not come to rest, as both said: compared up to there.
+    /// Programs of which an instant did not come to rest in the reference: compared up to there.
     pub restless: u64,
     /// Programs with more tasks than the reference follows: compared up to there.
     pub long: u64,
@@ -35,7 +35,7 @@ impl Outcome {
                 self.coverage.add(case, run);
             }
             Verdict::Refused(_) => self.refused += 1,
-            Verdict::Cut(Cut::Restless) => self.restless += 1,
+            Verdict::Cut(Cut::Restless(_)) => self.restless += 1,
             Verdict::Cut(Cut::Long) => self.long += 1,
             Verdict::Different(_) => self.different.push(seed),
         }

@@ -11,8 +11,8 @@ pub enum Verdict {
     Same(Box<Run>),
     /// The checker refused the program.
     Refused(String),
-    /// Both did the same as far as the reference follows it; an instant does not come to rest, as both say, or there are
-    /// more tasks than the reference follows.
+    /// Both did the same as far as the reference follows it: up to an instant that does not come to rest, or until there
+    /// are more tasks than it follows.
     Cut(Cut),
     /// They differ.
     Different(String),
@@ -26,6 +26,14 @@ pub fn judge(case: &Case) -> Verdict {
     };
     let theirs = apex_reference::run(&case.program, &case.inputs, UNTIL);
     let mut again = agent.clone();
+    if let Some(cut @ Cut::Restless(at)) = theirs.cut {
+        // The executive goes on for longer before it gives up: seconds. Compared is what comes before.
+        let ours = executive::run(&mut agent, &case.inputs, at - 1, false);
+        let before: Vec<_> = theirs.lines.iter().take_while(|line| line.at < at).collect();
+        let same = ours.cut.is_none() && before.iter().copied().eq(&ours.lines);
+        let difference = || format!("before {at} ns, where the reference gives up\n{}", last(&theirs));
+        return if same { Verdict::Cut(cut) } else { Verdict::Different(difference()) };
+    }
     let ours = executive::run(&mut agent, &case.inputs, UNTIL, false);
     if let Some(difference) = difference(&theirs, &ours) {
         return Verdict::Different(difference);
@@ -45,15 +53,19 @@ pub fn judge(case: &Case) -> Verdict {
     Verdict::Same(Box::new(theirs))
 }
 
+/// The last things that happened.
+fn last(run: &Run) -> String {
+    run.lines.iter().rev().take(40).rev().map(|line| format!("    {line}\n")).collect()
+}
+
 fn difference(theirs: &Run, ours: &Run) -> Option<String> {
-    if theirs.cut != Some(Cut::Long) && theirs.cut != ours.cut {
-        return Some(format!("who gives up\n  reference: {:?}\n  executive: {:?}\n", theirs.cut, ours.cut));
-    }
     let mut text = String::new();
     let mut told = 0;
-    let length = match theirs.cut {
-        None => theirs.lines.len().max(ours.lines.len()),
-        Some(_) => theirs.lines.len(),
+    let length = match (theirs.cut, ours.cut) {
+        (None, None) => theirs.lines.len().max(ours.lines.len()),
+        // Whoever gives up has told what came before.
+        (Some(_), None) => theirs.lines.len(),
+        (_, Some(_)) => theirs.lines.len().min(ours.lines.len()),
     };
     let pair = |index: usize| (theirs.lines.get(index), ours.lines.get(index));
     let first = (0..length).find(|index| pair(*index).0 != pair(*index).1);
@@ -70,6 +82,15 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
             }
         }
         return Some(text);
+    }
+    if theirs.cut != Some(Cut::Long) && theirs.cut != ours.cut {
+        return Some(format!(
+            "who gives up\n  reference: {:?}\n{}  executive: {:?}\n{}",
+            theirs.cut,
+            last(&theirs),
+            ours.cut,
+            last(&ours)
+        ));
     }
     if theirs.cut.is_some() {
         return None;

@@ -65,7 +65,7 @@ pub fn run(agent: &mut Agent, inputs: &[Input], until: i64, together: bool) -> R
         let effects = step(agent, &batch);
         run.lines.extend(effects.iter().filter_map(|effect| line_of(last, effect)));
         if effects.iter().any(is_restless) {
-            run.cut = Some(Cut::Restless);
+            run.cut = Some(Cut::Restless(last));
         }
         if agent.is_finished() || run.cut.is_some() {
             break;

@@ -202,7 +202,7 @@ impl Agent<'_> {
                 return;
             }
         }
-        self.cut = Some(Cut::Restless);
+        self.cut = Some(Cut::Restless(self.arrived));
     }
 
     /// Remembers a message or a sample.

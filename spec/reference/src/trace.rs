@@ -49,8 +49,8 @@ pub struct Run {
 /// Why a run is not followed to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// An instant does not come to rest.
-    Restless,
+    /// What came at this time does not come to rest.
+    Restless(Time),
     /// There are too many tasks for this interpreter.
     Long,
 }
