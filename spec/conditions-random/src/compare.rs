@@ -1,6 +1,7 @@
 //! One question answered by both, and the difference.
 
 use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
+use crate::features::{NOT_COMPARED, UNKNOWN_NOT_COMPARED, one_of};
 use crate::generate::UNTIL;
 use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 
@@ -11,6 +12,8 @@ pub enum Finding {
     Same(Option<Outcome>),
     /// The executive cannot do this yet.
     NotYet(String),
+    /// The executive answers, but it is not compared.
+    NotCompared(&'static str),
     /// The checker says that it can never be true, and it is not.
     Never,
     /// The checker refuses it.
@@ -36,6 +39,9 @@ pub fn compare(question: &Question) -> Finding {
         }
         Err(Refusal::Wrong(messages)) => return Finding::Refused(messages),
     };
+    if let Some(form) = one_of(question, NOT_COMPARED) {
+        return Finding::NotCompared(form);
+    }
     let told = match asked_often(question, &accepted) {
         Ok(told) => told,
         Err(difference) => return Finding::Different(difference),
@@ -54,12 +60,14 @@ pub fn compare(question: &Question) -> Finding {
 /// Asks both at every instant up to the first result.
 fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, String> {
     let mut watch = Watch::new(accepted, question)?;
+    let loosely = one_of(question, UNKNOWN_NOT_COMPARED).is_some();
     for now in instants(question, UNTIL) {
         let theirs = judge(question, now);
         let ours = watch.say(now);
         match (&theirs, &ours) {
             (Verdict::Satisfied(theirs), Said::Satisfied(ours)) if theirs == ours => return Ok(Some(theirs.clone())),
             (Verdict::NotSatisfied, Said::NotSatisfied) | (Verdict::Unknown(_), Said::Unknown) => {}
+            (Verdict::NotSatisfied | Verdict::Unknown(_), Said::NotSatisfied | Said::Unknown) if loosely => {}
             _ => return Err(difference(now, &theirs, &ours)),
         }
     }

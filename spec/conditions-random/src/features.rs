@@ -16,6 +16,19 @@ pub const NOT_YET: &[&str] = &[
     ":function",
 ];
 
+/// Forms that the executive accepts and that are not compared: the definition does not have them, or it is not decided yet
+/// who is right. The list may only become shorter.
+pub const NOT_COMPARED: &[&str] = &[":linear-regression", ":absent", ":persist"];
+
+/// Forms of which it is compared whether and how they are satisfied, but not yet what is unknown and what does not hold.
+pub const UNKNOWN_NOT_COMPARED: &[&str] = &["Allen", ":stats", ":trend"];
+
+/// The first of `list` that the question has; each stands for all features that begin so.
+pub fn one_of(question: &Question, list: &[&'static str]) -> Option<&'static str> {
+    let features = features(question);
+    list.iter().find(|start| features.iter().any(|feature| feature.starts_with(**start))).copied()
+}
+
 /// The forms and odd data of a question.
 pub fn features(question: &Question) -> BTreeSet<String> {
     let mut found = BTreeSet::new();

@@ -138,7 +138,7 @@ impl Maker {
             }
             let part = if self.dice.chance(80) { self.leaf_with_evidence() } else { self.condition(depth - 1) };
             // What has no interval has no place in an order.
-            let placed = !matches!(part.kind, Kind::Not(_) | Kind::Function(..));
+            let placed = !always_anew(&part);
             parts.push(if placed { part } else { self.leaf_with_evidence() });
         }
         if self.dice.chance(15) {
@@ -184,7 +184,8 @@ impl Maker {
     /// Tests of two parts' tags.
     fn tests(&mut self, parts: &[Condition]) -> Vec<Test> {
         let tags: Vec<String> = parts.iter().filter_map(|part| part.tag.clone()).collect();
-        if tags.len() < 2 || !self.dice.chance(30) {
+        // What is true anew at every instant has no time of its own.
+        if tags.len() < 2 || parts.iter().any(always_anew) || !self.dice.chance(30) {
             return Vec::new();
         }
         let edge = |maker: &mut Maker| {
@@ -293,6 +294,9 @@ impl Maker {
         if estimation.is_none() && self.dice.chance(10) {
             value = vec![Constraint::Bind("v".into())];
         }
+        if matches!(estimation, Some(Estimation::Regression(_))) {
+            value = vec![Constraint::Compare(self.order(), Value::Number(self.number()), None)];
+        }
         let timestamp = if self.dice.chance(15) { vec![(self.order(), self.moment())] } else { Vec::new() };
         Measurement { variable, value, timestamp, estimation }
     }
@@ -357,7 +361,9 @@ impl Maker {
         }
         if !episode.stats.is_empty() || !episode.trend.is_empty() {
             // A window has a least length and nothing else.
-            episode.duration.iter_mut().for_each(|(relation, _)| *relation = Relation::GreaterOrEqual);
+            for (relation, length) in &mut episode.duration {
+                (*relation, *length) = (Relation::GreaterOrEqual, (*length).max(STEP));
+            }
             episode = Episode {
                 first_value: Vec::new(),
                 last_value: Vec::new(),
@@ -373,5 +379,15 @@ impl Maker {
         use Statistic::{Count, Difference, Max, Mean, Median, Min, StandardDeviation, Sum, Variance};
         let statistics = [Count, Mean, Sum, Min, Max, Median, Difference, Variance, StandardDeviation];
         (self.pick(&statistics, Count), self.order(), self.number() + BESIDE)
+    }
+}
+
+fn always_anew(condition: &Condition) -> bool {
+    match &condition.kind {
+        Kind::Not(_) | Kind::Function(..) => true,
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().any(always_anew)
+        }
+        _ => false,
     }
 }

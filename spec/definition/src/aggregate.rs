@@ -11,21 +11,25 @@ pub(crate) fn asked(episode: &Episode) -> bool {
     !episode.stats.is_empty() || !episode.trend.is_empty()
 }
 
-/// The earliest end of the run at which statistics and trends are what is asked for.
-pub(crate) fn way(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
-    ends(episode, run, view).into_iter().find_map(|end| {
+/// Every end of the run at which statistics and trends are what is asked for.
+pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
+    let at = |end: Time| {
         let inside = inside(episode, run, end)?;
         let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
         let interval = (inside.first()?.at, inside.last()?.at);
         holds.then(|| Way::over(interval, end.max(view.created), bound.clone()))
-    })
+    };
+    ends(episode, run, view).into_iter().filter_map(at).collect()
 }
 
-/// Is there anything to say of the newest end? Too short, or of too few samples, it is not known.
-pub(crate) fn says_something(episode: &Episode, run: &Run<'_>, view: View<'_>) -> bool {
+/// Is it certain that the newest end is not what is asked for? Too short, or of too few samples, it is not known.
+pub(crate) fn contradicted(episode: &Episode, run: &Run<'_>, view: View<'_>) -> bool {
+    if !asked(episode) {
+        return false;
+    }
     let newest = ends(episode, run, view).into_iter().next_back();
     let inside = newest.and_then(|end| inside(episode, run, end));
-    inside.is_some_and(|inside| crate::statistics::defined(episode, &inside) && crate::trend::defined(episode, &inside))
+    inside.is_some_and(|inside| crate::statistics::fail(episode, &inside) || crate::trend::fail(episode, &inside))
 }
 
 /// The length that is wanted: of the run at least, and of the window where no value makes the run.

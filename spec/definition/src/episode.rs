@@ -28,19 +28,26 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         let runs = runs(episode, samples, view);
         // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
         let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed));
-        let open =
-            |run: &Run<'_>| !aggregate::asked(episode) || run.closed || !aggregate::says_something(episode, run, view);
-        if let Some(run) = newest.filter(|run| open(run)) {
+        let decided = |run: &Run<'_>| !run.closed && aggregate::contradicted(episode, run, view);
+        if let Some(run) = newest.filter(|run| !decided(run)) {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
             found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
         }
         for run in &runs {
             match view.runs {
+                _ if aggregate::asked(episode) => found.all.extend(aggregate::ways(episode, run, bound, view)),
                 Runs::Begun => found.all.extend(begun(episode, run, bound, view)),
                 Runs::Any => found.all.extend(any(episode, run, bound, view)),
                 Runs::Whole => found.all.extend(whole(episode, run, bound, view)),
             }
         }
+    }
+    let silent = |series: &Series| {
+        let newest = windowed(episode, series, view).last().map(|newest| newest.at);
+        newest.zip(episode.gap).is_some_and(|(newest, gap)| view.now - newest > gap)
+    };
+    if aggregate::asked(episode) && heard_of(&episode.variable, view, silent) {
+        found.unknown = Some("no sample for too long".into());
     }
     if !heard_of(&episode.variable, view, |series| !windowed(episode, series, view).is_empty()) {
         found.unknown = Some("nothing was ever measured".into());
@@ -81,9 +88,6 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
 
 /// The first moment at which it is decided that the run is what is asked for.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
-    if aggregate::asked(episode) {
-        return aggregate::way(episode, run, bound, view);
-    }
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
     parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound, view))
 }
@@ -113,15 +117,19 @@ fn lower(relation: Relation, bound: i64) -> Option<i64> {
     }
 }
 
-/// The run, if it is over and was what is asked for. What has an upper bound counts between the first and the last sample,
-/// as the result reports them.
+/// The run, if it is over and was what is asked for, and only that could decide.
 fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
-    let (first, last) = (run.samples.first()?, run.samples.last()?);
     let bounded = |relation: &Relation| lower(*relation, 0).is_none();
     let until_the_end = episode.duration.iter().any(|(relation, _)| bounded(relation))
         || episode.end.iter().any(|(relation, _)| bounded(relation));
+    when_over(episode, run, bound, view).filter(|_| until_the_end)
+}
+
+/// The run, if it is over and was what is asked for. All bounds count between the first and the last sample, as the result
+/// reports them.
+fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    let (first, last) = (run.samples.first()?, run.samples.last()?);
     let fitting = run.closed
-        && until_the_end
         && episode.duration.iter().all(|(relation, bound)| numbers(*relation, last.at - first.at, *bound))
         && instant_fits(last.at, &episode.end)
         && fits_values(episode, run.samples);
@@ -169,7 +177,10 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Ve
     found
 }
 
-/// The run as far as it is known.
+/// The run as far as it is known. What its last value is, is known when it is over.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+    if !episode.last_value.is_empty() {
+        return when_over(episode, run, bound, view);
+    }
     Some(Way { open: !run.closed, ..begun(episode, run, bound, view)? })
 }

@@ -67,6 +67,15 @@ pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
             }
         }
     }
+    // Where no sample is valid any more nobody knows the value.
+    if let Some(Estimation::Persist(timeout)) = &measurement.estimation {
+        let valid = |series: &Series| {
+            series.samples.last().is_some_and(|newest| timeout.is_none_or(|timeout| view.now - newest.at <= timeout))
+        };
+        if !heard_of(&measurement.variable, view, valid) {
+            found.unknown = Some("no sample is valid".into());
+        }
+    }
     found
 }
 

@@ -11,9 +11,11 @@ pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
     })
 }
 
-/// Have all statistics that are asked for a value?
-pub(crate) fn defined(episode: &Episode, samples: &[Sample]) -> bool {
-    episode.stats.iter().all(|(statistic, ..)| of(*statistic, &finite(samples)).is_some())
+/// Does any test of a statistic that has a value fail?
+pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
+    episode.stats.iter().any(|(statistic, relation, bound)| {
+        of(*statistic, &finite(samples)).is_some_and(|value| !numbers(*relation, value, *bound))
+    })
 }
 
 /// The values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).
@@ -27,9 +29,6 @@ pub(crate) fn finite(samples: &[Sample]) -> Vec<f64> {
 
 /// The statistic; none of nothing is known.
 pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
-    if statistic == Statistic::Count {
-        return Some(values.len() as f64);
-    }
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let (least, most) = (*sorted.first()?, *sorted.last()?);
@@ -69,6 +68,6 @@ mod tests {
         assert_eq!(of(Statistic::Median, &values), Some(50.0));
         assert_eq!(of(Statistic::Difference, &values), Some(98.0));
         assert_eq!(of(Statistic::Mean, &[]), None);
-        assert_eq!(of(Statistic::Count, &[]), Some(0.0));
+        assert_eq!(of(Statistic::Count, &[]), None);
     }
 }

@@ -1,26 +1,30 @@
 //! Trends of a run (rule 12).
 
-use crate::condition::{Episode, Trend};
+use crate::condition::{Episode, Relation, Trend};
 use crate::history::Sample;
 use crate::value::{Value, numbers};
 
-/// Do all tests of trends hold? Fewer than two distinct instants show no trend.
+/// Do all tests of trends hold?
 pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
-    episode.trend.iter().all(|(trend, relation, bound)| {
-        let points = points(samples);
-        match trend {
-            Trend::Rate => slope(&points).is_some_and(|slope| numbers(*relation, slope, *bound)),
-            Trend::Step => {
-                points.len() > 1 && points.windows(2).all(|pair| numbers(*relation, pair[1].1 - pair[0].1, *bound))
-            }
-            Trend::Frequency => frequency(samples).is_some_and(|value| numbers(*relation, value, *bound)),
-        }
-    })
+    episode.trend.iter().all(|(trend, relation, bound)| judged(*trend, *relation, *bound, samples) == Some(true))
 }
 
-/// Have all trends that are asked for a value?
-pub(crate) fn defined(episode: &Episode, samples: &[Sample]) -> bool {
-    episode.trend.is_empty() || (points(samples).len() > 1 && slope(&points(samples)).is_some())
+/// Does any test of a trend that has a value fail?
+pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
+    episode.trend.iter().any(|(trend, relation, bound)| judged(*trend, *relation, *bound, samples) == Some(false))
+}
+
+/// Fewer than two distinct instants show no trend.
+fn judged(trend: Trend, relation: Relation, bound: f64, samples: &[Sample]) -> Option<bool> {
+    let points = points(samples);
+    match trend {
+        Trend::Rate => slope(&points).map(|slope| numbers(relation, slope, bound)),
+        Trend::Step => {
+            let all = points.windows(2).all(|pair| numbers(relation, pair[1].1 - pair[0].1, bound));
+            (points.len() > 1).then_some(all)
+        }
+        Trend::Frequency => frequency(samples).map(|value| numbers(relation, value, bound)),
+    }
 }
 
 /// Seconds since the first, and the value, of every sample that is a finite number.

@@ -313,11 +313,17 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
     let series = view.past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
     let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);
-    match newest {
-        Some(value) if crate::value::holds(relation, value, &Value::Number(number)) => {
-            vec![Way::at(view.now, view.now)].into()
-        }
-        _ => Ways::default(),
+    let holds = match (newest, relation) {
+        (Some(Value::Number(newest)), _) => Some(numbers(relation, *newest, number)),
+        (_, Relation::Equal) => Some(false),
+        (_, Relation::Different) => Some(true),
+        // What has no order cannot be compared.
+        _ => None,
+    };
+    match holds {
+        Some(true) => vec![Way::at(view.now, view.now)].into(),
+        Some(false) => Ways::default(),
+        None => Ways { all: Vec::new(), unknown: Some("there is no number to compare".into()) },
     }
 }
 
