@@ -87,9 +87,9 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
         return Some(format!(
             "who gives up\n  reference: {:?}\n{}  executive: {:?}\n{}",
             theirs.cut,
-            last(&theirs),
+            last(theirs),
             ours.cut,
-            last(&ours)
+            last(ours)
         ));
     }
     if theirs.cut.is_some() {
