@@ -12,7 +12,6 @@ use crate::control::competition::{
 use crate::control::line;
 use crate::control::precedence::Precedence;
 use crate::control::priority;
-use crate::control::resources::needs_of;
 use crate::control::sharing::{Use, UseKind, any_related, has_room, matters};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
@@ -73,30 +72,18 @@ fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<I
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent(*id).is_some_and(stops))
 }
 
-/// Arbitrates all resources in `dirty`, with everything their claimants need besides and everything that those leave who
-/// are displaced. No step of a task that stops working begins, so such steps do not compete.
+/// Arbitrates all resources in `dirty`, with everything their claimants need besides. No step of a task that stops working
+/// begins, so such steps do not compete.
 fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut orphaned = BTreeSet::new();
-    let mut dirty = dirty.clone();
     loop {
-        let result = arbitrate_without(cycle, &dirty, &orphaned);
-        let before = orphaned.len() + dirty.len();
+        let result = arbitrate_without(cycle, dirty, &orphaned);
+        let before = orphaned.len();
         orphaned.extend(orphans(cycle, &result));
-        dirty.extend(left_behind(cycle, &result));
-        if orphaned.len() + dirty.len() == before {
+        if orphaned.len() == before {
             return result;
         }
     }
-}
-
-/// What displaced tasks have besides what they lost, where somebody waits for it.
-fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
-    let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
-    let others = |loss: &'a Loss| {
-        let needs = needs_of(cycle, loss.loser).into_iter().map(|need| need.resource);
-        needs.filter(|id| *id != loss.resource)
-    };
-    result.displaced.iter().flat_map(others).filter(awaited)
 }
 
 fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
