@@ -237,11 +237,9 @@ impl MonitorSession {
         let known = self.world.tasks.entry(task).or_insert(first);
         let from = known.state;
         known.enter(state, at);
-        // Who begins to watch at this instant hears of it too.
-        let before = MonitorId(u64::MAX);
-        self.stimuli.push(Stimulus::TaskState { task, from, state, at, before });
+        self.stimuli.push(Stimulus::TaskState { task, from, state, at, before: MonitorId(u64::MAX) });
         if state == TaskState::Terminated {
-            self.stimuli.push(Stimulus::TaskEnded { task, at, before });
+            self.stimuli.push(Stimulus::TaskEnded { task, at, before: MonitorId(u64::MAX) });
         }
     }
 
