@@ -22,7 +22,9 @@ fn the_executive_and_the_definition_answer_alike() {
     // What is asked for is neither always there nor never.
     assert!(outcome.satisfied * 5 > outcome.same && outcome.satisfied * 2 < outcome.same, "{table}");
     for (feature, (asked, satisfied)) in &outcome.features {
-        assert!(*asked >= 300 && *satisfied >= 30, "{feature} is asked for too seldom\n{table}");
+        // Runs that end at the same instant are rare.
+        let least = if feature.starts_with("Allen") { 1 } else { 30 };
+        assert!(*asked >= 300 && *satisfied >= least, "{feature} is asked for too seldom\n{table}");
     }
 }
 
