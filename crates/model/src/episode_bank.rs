@@ -40,10 +40,30 @@ pub struct PlainEpisode {
     pub duration_min: Duration,
     /// Samples before this do not count.
     pub window_start: Time,
+    /// The run has a result already, told while it goes on: only its end is watched for.
+    pub open: Option<Open>,
+}
+
+/// A result whose run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Open {
+    /// When it was recognised.
+    pub recognised_at: Time,
+    /// The newest sample at that time.
+    pub newest: Time,
+}
+
+/// What an episode has seen in a bank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// As its monitor would have it, but for the result.
+    pub run: ObjectRun,
+    /// The run before the newest sample has a result, which was recognised then.
+    pub found_at: Option<Time>,
 }
 
 /// Episodes that left a bank, with what they have seen: none when they have seen nothing.
-pub type Taken = Vec<(MonitorId, Option<ObjectRun>)>;
+pub type Taken = Vec<(MonitorId, Option<Seen>)>;
 
 /// Episodes by row. All rows have seen the same samples since they came in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -86,6 +106,7 @@ struct State {
     first: i64,
     contradicted: bool,
     gap: Option<Duration>,
+    open: Option<Open>,
     /// What was before the newest sample, if that one changed anything.
     before: Before,
 }
@@ -99,14 +120,18 @@ struct Before {
     first: i64,
     contradicted: bool,
     gap: Option<Duration>,
+    /// When the run's result was recognised, if it had one.
+    found_at: Option<Time>,
 }
 
 impl State {
     /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
     fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
         let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
-        let State { start, first, gap, .. } = *self;
-        self.before = Before { at, held, start, first, contradicted, gap };
+        let State { start, first, gap, open, .. } = *self;
+        let found_at = open.map(|open| open.recognised_at);
+        self.before = Before { at, held, start, first, contradicted, gap, found_at };
+        self.open = None;
         self.gap = cut.or(gap);
         self.contradicted = !holds || (contradicted && cut.is_none());
         (self.start, self.first) = (at, sample);
@@ -187,7 +212,8 @@ impl EpisodeBank {
             self.previous = run.run.as_ref().map_or(self.previous, |run| self.previous.max(run.last));
         }
         let (holds, state) = self.state_of(wanted, run);
-        let deadline = if holds { state.start + wanted.duration_min } else { Time::END };
+        let waits = holds && wanted.open.is_none();
+        let deadline = if waits { state.start + wanted.duration_min } else { Time::END };
         self.rows.insert(monitor, self.monitors.len());
         self.monitors.push(monitor);
         self.bands.push(wanted.band);
@@ -209,8 +235,15 @@ impl EpisodeBank {
     }
 
     fn state_of(&self, wanted: &PlainEpisode, run: Option<&ObjectRun>) -> (bool, State) {
-        let nothing =
-            Before { at: Time::BEGINNING, held: false, start: Time::END, first: 0, contradicted: false, gap: None };
+        let nothing = Before {
+            at: Time::BEGINNING,
+            held: false,
+            start: Time::END,
+            first: 0,
+            contradicted: false,
+            gap: None,
+            found_at: None,
+        };
         let mut state = State {
             duration_min: wanted.duration_min,
             window_start: wanted.window_start,
@@ -220,9 +253,11 @@ impl EpisodeBank {
             first: 0,
             contradicted: false,
             gap: None,
+            open: None,
             before: nothing,
         };
-        let Some(ObjectRun { run, newest, contradicted, gap, .. }) = run else { return (false, state) };
+        let Some(ObjectRun { run, newest, contradicted, gap, found, .. }) = run else { return (false, state) };
+        let found_at = found.as_ref().map(|found| found.recognised_at);
         // All but the newest sample first, then the newest as `sample` would take it in.
         (state.contradicted, state.gap) = (*contradicted, *gap);
         if let Some(run) = run {
@@ -237,8 +272,8 @@ impl EpisodeBank {
         } else {
             state.contradicted |= !holds;
         }
-        state.before = Before { at: newest.at, held, start, first, contradicted: *contradicted, gap: *gap };
-        state.seen = true;
+        state.before = Before { at: newest.at, held, start, first, contradicted: *contradicted, gap: *gap, found_at };
+        (state.seen, state.open) = (true, wanted.open);
         (holds, state)
     }
 
@@ -251,20 +286,24 @@ impl EpisodeBank {
         (dimension == self.dimension).then_some(number)
     }
 
-    /// Takes in a sample that [`EpisodeBank::takes`]. Episodes that it decides leave the bank, with all they have seen.
+    /// Takes in a sample that [`EpisodeBank::takes`]. Episodes that it decides, and open ones whose run it ends, leave the
+    /// bank with all they have seen, the sample included.
     pub fn sample(&mut self, at: Time, value: f64, taken: &mut Taken) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
         let gaps = gap > self.gap_least;
         (self.previous, self.newest) = (self.newest, at);
         self.samples = self.samples.saturating_add(1);
         let sample = self.samples;
-        let mut floor = self.deadline_floor;
+        let (mut floor, mut ended) = (self.deadline_floor, Vec::new());
         let rows =
             self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
-        for ((((band, held), state), deadline), gap_max) in rows {
+        for (((((band, held), state), deadline), gap_max), monitor) in rows.zip(&self.monitors) {
             let holds = (value >= band.least) & (value <= band.most);
             if holds != *held || (gaps && holds && gap > *gap_max) {
                 let cut = (*held && gap > *gap_max).then_some(gap);
+                if state.open.is_some() {
+                    ended.push(*monitor);
+                }
                 state.turn(at, sample, *held, holds, cut);
                 *held = holds;
                 *deadline = if holds { at + state.duration_min } else { Time::END };
@@ -272,6 +311,7 @@ impl EpisodeBank {
             }
         }
         self.deadline_floor = floor;
+        self.take_each(ended, taken);
         let reached = self.look_at_deadlines();
         self.take_each(reached, taken);
     }
@@ -315,7 +355,7 @@ impl EpisodeBank {
 
     /// What the episode of `monitor` has seen, as its monitor would have it: none when it has seen nothing. None at all
     /// when it is not here.
-    pub fn run_of(&self, monitor: MonitorId) -> Option<Option<ObjectRun>> {
+    pub fn run_of(&self, monitor: MonitorId) -> Option<Option<Seen>> {
         let row = *self.rows.get(&monitor)?;
         let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);
         if !state.has_seen_any(self.samples) {
@@ -330,20 +370,22 @@ impl EpisodeBank {
             last_holds: true,
             instants: Vec::new(),
         };
-        let (before, contradicted, gap) = if state.before.at == self.newest {
-            let Before { held, start, first, contradicted, gap, .. } = state.before;
-            (held.then(|| run(start, first)), contradicted, gap)
+        let (before, contradicted, gap, found_at) = if state.before.at == self.newest {
+            let Before { held, start, first, contradicted, gap, found_at, .. } = state.before;
+            (held.then(|| run(start, first)), contradicted, gap, found_at)
         } else {
             let contradicted = state.contradicted || (!holds && state.has_seen_any(self.samples.saturating_sub(1)));
-            (holds.then(|| run(state.start, state.first)), contradicted, state.gap)
+            let found_at = state.open.filter(|open| open.newest < self.newest).map(|open| open.recognised_at);
+            (holds.then(|| run(state.start, state.first)), contradicted, state.gap, found_at)
         };
         let holds = holds.then(Bindings::new);
         let newest = RunSample { at: self.newest, holds, joins: true, first_holds: true, last_holds: true };
-        Some(Some(ObjectRun { rank: 0, run: before, newest, found: None, contradicted, gap }))
+        let run = ObjectRun { rank: 0, run: before, newest, found: None, contradicted, gap };
+        Some(Some(Seen { run, found_at }))
     }
 
     /// Takes the episode of `monitor` out, with what [`EpisodeBank::run_of`] says of it.
-    pub fn take(&mut self, monitor: MonitorId) -> Option<Option<ObjectRun>> {
+    pub fn take(&mut self, monitor: MonitorId) -> Option<Option<Seen>> {
         let run = self.run_of(monitor)?;
         let row = self.rows.remove(&monitor)?;
         self.monitors.swap_remove(row);

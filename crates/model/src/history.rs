@@ -149,7 +149,8 @@ impl History {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    fn record(&mut self, sample: Sample) -> Recorded {
+    /// Puts a sample in, within the lateness that was last asked for.
+    pub fn record(&mut self, sample: Sample) -> Recorded {
         if matches!(&sample.value, Value::Real(real) if real.is_nan())
             || matches!(&sample.value, Value::Quantity(quantity) if quantity.si.is_nan())
         {
@@ -243,6 +244,11 @@ impl Histories {
     /// The history of `variable`, if it was ever measured.
     pub fn get(&self, variable: &StateVariable) -> Option<&History> {
         self.variables.get(variable)
+    }
+
+    /// The history of `variable`, to put many samples in.
+    pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
+        self.variables.get_mut(variable)
     }
 
     /// All variables ever measured, in order, with their histories.

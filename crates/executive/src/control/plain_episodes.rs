@@ -8,6 +8,7 @@
 use crate::control::monitoring_clauses;
 use crate::cycle::Cycle;
 use crate::monitoring::{Stimulus, plain_episode};
+use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::clause::{MonitorId, Watch};
 use apex_model::episode_bank::Taken;
@@ -57,8 +58,9 @@ pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) 
 
 /// Lets a bank watch the undecided monitor from now on. False when none can.
 pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) -> bool {
-    let Some((wanted, run)) = plain_episode::undecided(&watch.monitor) else { return false };
     let Some(variable) = plain_episode::variable(&watch.monitor).cloned() else { return false };
+    let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
+    let Some((wanted, run)) = plain_episode::bankable(&watch.monitor, &view) else { return false };
     if !cycle.agent.interests.bank(&variable, id, &wanted, run) {
         return false;
     }

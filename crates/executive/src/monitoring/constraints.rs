@@ -34,7 +34,7 @@ pub(super) enum Reading {
 }
 
 /// The unit that samples of `attribute` are declared with.
-pub(super) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
+pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static Unit> {
     let declared = library.state_variables.get(attribute)?.unit.as_ref()?;
     unit_named(declared.printed())
 }

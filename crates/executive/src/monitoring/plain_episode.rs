@@ -7,23 +7,23 @@
 //! PDL: `:episode` with fixed bounds, `:quality` and a least `:duration`.
 //! Paper: section IV example 1.
 
-use super::runs::with_newest;
-use super::{Site, site};
+use super::runs::{advance_run, result};
+use super::{Troubles, site};
+use crate::expression::Surroundings;
 use apex_model::condition::Relation;
-use apex_model::episode_bank::{Band, PlainEpisode, plain_number};
+use apex_model::episode_bank::{Band, Open, PlainEpisode, Seen, plain_number};
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, PartKind, Test};
 use apex_model::quantity::Dimension;
-use apex_model::time::Duration;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 
 /// Does nothing but comparisons with fixed values, gaps and a least duration decide the episode of one known variable?
-pub(super) fn is_plain(part: &EpisodePart, site: Site) -> bool {
+pub(super) fn is_plain(part: &EpisodePart) -> bool {
     let condition = &part.condition;
     let timing = &condition.timing;
     part.variable.is_some()
-        && site.keep == Keep::First
         && !part.any_pair
         && !part.at_close
         && [&condition.object, &condition.first_value, &condition.last_value].iter().all(|each| each.is_empty())
@@ -34,29 +34,46 @@ pub(super) fn is_plain(part: &EpisodePart, site: Site) -> bool {
 /// The variable of the monitor, when its condition is a plain episode: it may be in the bank of that variable.
 pub(crate) fn variable(monitor: &Monitor) -> Option<&StateVariable> {
     match &monitor.root.kind {
-        PartKind::Episode(leaf) if is_plain(leaf, site(&monitor.root)) => leaf.variable.as_ref(),
+        PartKind::Episode(leaf) if is_plain(leaf) => leaf.variable.as_ref(),
         _ => None,
     }
 }
 
-/// What a bank must know of the monitor, with what it has seen so far, when a bank can watch it and nothing is decided.
-pub(crate) fn undecided(monitor: &Monitor) -> Option<(PlainEpisode, Option<&ObjectRun>)> {
+/// What a bank must know of the monitor, with what it has seen so far, when a bank can watch it: a task's while nothing is
+/// decided, one that is harvested after all that it knows was told.
+pub(crate) fn bankable<'a>(
+    monitor: &'a Monitor,
+    surroundings: &dyn Surroundings,
+) -> Option<(PlainEpisode, Option<&'a ObjectRun>)> {
     let PartKind::Episode(leaf) = &monitor.root.kind else { return None };
-    let run = leaf.runs.values().next();
-    let reached = |run: &ObjectRun| {
-        with_newest(leaf, run).is_some_and(|with| with.start + leaf.duration_min <= with.last) || run.found.is_some()
-    };
-    let open = leaf.settled.is_empty() && leaf.runs.len() <= 1 && !run.is_some_and(reached);
-    if !open || !is_plain(leaf, site(&monitor.root)) {
+    if !is_plain(leaf) || leaf.runs.len() > 1 || monitor.root.tag.is_some() {
         return None;
     }
     let (band, dimension) = band(&leaf.tests)?;
+    let run = leaf.runs.iter().next();
+    let judged = run.map(|(object, run)| {
+        let site = site(&monitor.root);
+        advance_run(leaf, site, object, run, surroundings.now(), surroundings, &mut Troubles::default())
+    });
+    let (found, over) = judged.map(|judged| (judged.found, judged.over)).unwrap_or_default();
+    // One result is enough for a task: its monitor has nothing more to watch for.
+    if monitor.root.keep == Keep::First && !(leaf.settled.is_empty() && found.is_none() && over.is_empty()) {
+        return None;
+    }
+    let run = run.map(|(_, run)| run);
+    let newest = match run {
+        Some(ObjectRun { found: Some(_), run: Some(before), .. }) if over.is_empty() => before.last,
+        Some(run) => run.newest.at,
+        None => Time::BEGINNING,
+    };
+    let open = found.map(|found| Open { recognised_at: found.recognised_at, newest });
     let wanted = PlainEpisode {
         band,
         dimension,
         gap_max: leaf.gap_max.unwrap_or(Duration::MAX),
         duration_min: leaf.duration_min,
         window_start: monitor.root.window.start,
+        open,
     };
     Some((wanted, run))
 }
@@ -84,15 +101,21 @@ fn band(tests: &[Test]) -> Option<(Band, Dimension)> {
 }
 
 /// Gives the monitor back what a bank has seen in its place.
-pub(crate) fn stand_up(monitor: &mut Monitor, run: Option<ObjectRun>) {
+pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<Seen>) {
     let PartKind::Episode(leaf) = &mut monitor.root.kind else { return };
     let object = leaf.variable.as_ref().map(|variable| variable.object.clone());
-    leaf.runs = object.zip(run).into_iter().collect::<BTreeMap<Value, ObjectRun>>();
+    let runs = object.zip(seen).map(|(object, Seen { mut run, found_at })| {
+        let with_result = run.run.as_ref().zip(found_at);
+        run.found = with_result.map(|(before, found_at)| result(leaf, &object, before, found_at));
+        (object, run)
+    });
+    leaf.runs = runs.into_iter().collect::<BTreeMap<Value, ObjectRun>>();
 }
 
 /// A bank watches the monitor: what it has seen is there only.
 pub(crate) fn lie_down(monitor: &mut Monitor) {
     if let PartKind::Episode(leaf) = &mut monitor.root.kind {
         leaf.runs = BTreeMap::new();
+        leaf.settled.clear();
     }
 }

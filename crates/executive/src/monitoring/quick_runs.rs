@@ -12,12 +12,12 @@ use super::constraints::satisfies_fixed;
 use super::plain_episode::is_plain;
 use super::samples::Seen;
 use apex_model::bindings::Bindings;
-use apex_model::monitor::{EpisodePart, ObjectRun, Run, RunSample};
+use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample};
 use apex_model::time::Time;
 
 /// Takes the sample in. False when it must go the long way; then nothing has changed.
 pub(super) fn notice(part: &mut EpisodePart, site: Site, sample: Seen<'_>) -> bool {
-    let plain = part.settled.is_empty() && is_plain(part, site);
+    let plain = part.settled.is_empty() && site.keep == Keep::First && is_plain(part);
     if !plain || !site.window.contains(sample.at, sample.sequence) {
         return false;
     }

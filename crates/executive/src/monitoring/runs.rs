@@ -211,18 +211,18 @@ impl Judge<'_> {
     }
 
     fn result(&self, run: &Run, recognised_at: Time) -> Satisfaction {
-        let attribute = self.part.condition.variable.attribute.clone();
-        let variable = StateVariable { attribute, object: self.object.clone() };
-        Satisfaction {
-            interval: (run.start, run.last),
-            recognised_at,
-            bindings: run.bindings.clone(),
-            evidence: EvidenceList::one(Evidence::Run {
-                variable,
-                start: run.start,
-                end: run.last,
-                samples: run.samples,
-            }),
-        }
+        result(self.part, self.object, run, recognised_at)
+    }
+}
+
+/// The run as a result.
+pub(super) fn result(part: &EpisodePart, object: &Value, run: &Run, recognised_at: Time) -> Satisfaction {
+    let attribute = part.condition.variable.attribute.clone();
+    let variable = StateVariable { attribute, object: object.clone() };
+    Satisfaction {
+        interval: (run.start, run.last),
+        recognised_at,
+        bindings: run.bindings.clone(),
+        evidence: EvidenceList::one(Evidence::Run { variable, start: run.start, end: run.last, samples: run.samples }),
     }
 }

@@ -1,5 +1,6 @@
 //! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
 
+mod banks;
 mod scene;
 #[cfg(test)]
 mod tests;
@@ -65,6 +66,8 @@ pub struct MonitorSession {
     arrivals: u64,
     /// How late samples may come at most.
     lateness: Duration,
+    /// For comparison: every sample is told in the general way.
+    without_banks: bool,
     /// What happened at the present instant.
     stimuli: Vec<Stimulus>,
     touched: Vec<MonitorId>,
@@ -146,11 +149,12 @@ impl MonitorSession {
         }
         Ok(MonitorSession {
             world,
-            interests: Interests::default(),
+            interests: Interests::narrowing(),
             watches: Table::default(),
             next_watch: 0,
             arrivals: 0,
             lateness: lateness.unwrap_or_default(),
+            without_banks: false,
             stimuli: Vec::new(),
             touched: Vec::new(),
             wakes: BTreeSet::new(),
@@ -187,7 +191,8 @@ impl MonitorSession {
     /// Ends the watch of a condition. What it told already stays to be taken.
     pub fn unwatch(&mut self, id: MonitorId) {
         self.end_instant();
-        if let Some(watched) = self.watches.remove(id.0) {
+        if let Some(mut watched) = self.watches.remove(id.0) {
+            self.take_out_of_bank(id, &mut watched);
             watched.take_out(&mut self.interests, id);
             if let Some(at) = watched.wake {
                 self.wakes.remove(&(at, id));
@@ -218,8 +223,24 @@ impl MonitorSession {
 
     /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
     pub fn samples(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) {
-        for (at, value) in instants.iter().zip(values) {
+        let length = instants.len().min(values.len());
+        let (mut instants, mut values) =
+            (instants.get(..length).unwrap_or_default(), values.get(..length).unwrap_or_default());
+        while let (Some((at, later)), Some((value, rest))) = (instants.split_first(), values.split_first()) {
             self.sample(variable, Value::Real(*value), *at);
+            (instants, values) = (later, rest);
+            // What comes next is of a later instant: the present one is over.
+            if later.first().is_some_and(|next| *next > self.world.now) {
+                self.end_instant();
+            }
+            loop {
+                let passed = self.pass_by(variable, instants, values);
+                if passed == 0 {
+                    break;
+                }
+                instants = instants.get(passed..).unwrap_or_default();
+                values = values.get(passed..).unwrap_or_default();
+            }
         }
     }
 
@@ -259,6 +280,7 @@ impl MonitorSession {
         self.end_instant();
         for number in 0..self.next_watch {
             let Some(mut watched) = self.watches.lift(number) else { continue };
+            self.take_out_of_bank(MonitorId(number), &mut watched);
             for telling in watched.finish(&self.world) {
                 self.results.push(told(MonitorId(number), telling));
             }
@@ -304,10 +326,9 @@ impl MonitorSession {
         if let Some(first) = &watched.first {
             return Some(Judgement { verdict: Verdict::Satisfied(first.clone()), because: Vec::new(), results });
         }
-        let Some(monitor) = &watched.monitor else {
+        let Some(mut monitor) = self.as_told(id, watched) else {
             return Some(Judgement { verdict: Verdict::Unknown, because: vec![not_begun(watched)], results });
         };
-        let mut monitor = monitor.clone();
         let verdict = monitoring::verdict(&mut monitor, &self.world);
         Some(Judgement { verdict, because: monitoring::unmet(&monitor, &self.world), results })
     }
@@ -354,6 +375,7 @@ impl MonitorSession {
                     self.interests.of_task(*task, &mut found);
                 }
             }
+            self.show_bank(&stimulus, &mut found);
             found.sort_unstable();
             found.dedup();
             for id in &found {
@@ -366,11 +388,14 @@ impl MonitorSession {
         while let Some((due, id)) = self.wakes.first().copied().filter(|(due, _)| *due <= now) {
             self.wakes.remove(&(due, id));
             self.begin(id);
-            self.touched.push(id);
         }
         found.clear();
         self.interests.of_every_step(&mut found);
         self.touched.extend(&found);
+        self.judge_touched();
+    }
+
+    fn judge_touched(&mut self) {
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         touched.dedup();
@@ -382,10 +407,16 @@ impl MonitorSession {
     /// A wake of the condition has come: it begins if it has not yet.
     fn begin(&mut self, id: MonitorId) {
         let Some(watched) = self.watches.get_mut(id.0) else { return };
-        watched.wake = None;
+        let own = watched.wake.take().is_some();
         if watched.monitor.is_some() {
+            if own {
+                self.touched.push(id);
+            } else {
+                self.wake_bank(id);
+            }
             return;
         }
+        self.touched.push(id);
         match watched.begin(&self.world) {
             Ok(()) => watched.file(&mut self.interests, id),
             Err(error) => {
@@ -405,6 +436,7 @@ impl MonitorSession {
     /// Tells what is new about a condition and sees to its next wake.
     fn judge(&mut self, id: MonitorId) {
         let Some(mut watched) = self.watches.lift(id.0) else { return };
+        self.take_out_of_bank(id, &mut watched);
         for telling in watched.harvest(self.lateness, &self.world) {
             if telling.kind != TellingKind::Closed {
                 watched.results += 1;
@@ -413,7 +445,7 @@ impl MonitorSession {
             self.results.push(told(id, telling));
         }
         watched.refile(&mut self.interests, id);
-        let wake = watched.next_wake();
+        let wake = if self.put_into_bank(id, &mut watched) { None } else { watched.next_wake() };
         if wake != watched.wake {
             if let Some(at) = watched.wake {
                 self.wakes.remove(&(at, id));

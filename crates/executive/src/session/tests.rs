@@ -240,6 +240,42 @@ fn run(samples: &[(u8, i8, i64)], advances: &[i64]) -> Vec<MonitorResult> {
     session.take_results()
 }
 
+/// All results of plain conditions over samples of one variable, handed over in slices that are cut by `cuts`.
+fn run_plain(
+    samples: &[(i64, i64)],
+    wanted: &[(i64, i64, i64)],
+    cuts: &[bool],
+    banks: bool,
+) -> (Vec<MonitorResult>, Vec<Judgement>) {
+    let mut session = MonitorSession::new(Arc::new(Library::default()), HostFunctions::default()).unwrap();
+    session.without_banks = !banks;
+    let mut ids = Vec::new();
+    for (bound, duration, gap) in wanted {
+        let quality = if *gap == 0 { ":no-constraints".to_string() } else { format!("(:max-gap {gap}s)") };
+        let text =
+            format!("(:episode (x uav) :quality {quality} :value (> {bound}) :timing (:duration (>= {duration}s)))");
+        ids.push(session.watch(read(&text).1, at(0.0)).unwrap());
+        ids.push(session.watch(read(&format!("(x uav > {bound})")).1, at(0.0)).unwrap());
+    }
+    let mut samples: Vec<(i64, i64)> = samples.to_vec();
+    samples.sort_by_key(|(instant, _)| *instant);
+    let mut judgements = Vec::new();
+    let mut slice = (Vec::new(), Vec::new());
+    for (index, (instant, value)) in samples.iter().enumerate() {
+        slice.0.push(at(*instant as f64));
+        slice.1.push(*value as f64);
+        if cuts.get(index).copied().unwrap_or(true) {
+            session.samples(&of("x"), &slice.0, &slice.1);
+            slice = (Vec::new(), Vec::new());
+            judgements.extend(ids.iter().filter_map(|id| session.verdict(*id)));
+        }
+    }
+    session.samples(&of("x"), &slice.0, &slice.1);
+    session.advance(at(200.0));
+    session.finish();
+    (session.take_results(), judgements)
+}
+
 proptest! {
     #[test]
     fn results_do_not_depend_on_how_often_time_is_advanced(
@@ -255,5 +291,17 @@ proptest! {
         for (index, result) in told.iter().enumerate() {
             prop_assert!(!told[index + 1..].contains(result), "told twice: {:?}", result);
         }
+    }
+
+    #[test]
+    fn banks_tell_what_monitors_would_tell(
+        samples in prop::collection::vec((0i64..60, -1i64..6), 0..60),
+        wanted in prop::collection::vec((0i64..5, 0i64..8, 0i64..5), 1..6),
+        cuts in prop::collection::vec(any::<bool>(), 60),
+    ) {
+        let (banked, judged) = run_plain(&samples, &wanted, &cuts, true);
+        let (told, expected) = run_plain(&samples, &wanted, &cuts, false);
+        prop_assert_eq!(banked, told);
+        prop_assert_eq!(judged, expected);
     }
 }

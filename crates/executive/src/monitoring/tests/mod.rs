@@ -130,7 +130,7 @@ impl World {
 
     /// Lets a bank watch the monitor, if it can. Another monitor is there already, which has seen nothing.
     fn lie_down(&mut self) {
-        let Some((wanted, run)) = plain_episode::undecided(&self.monitor) else { return };
+        let Some((wanted, run)) = plain_episode::bankable(&self.monitor, &self.view) else { return };
         let mut bank = EpisodeBank::new(wanted.dimension);
         let other = PlainEpisode { gap_max: Duration(1), duration_min: Duration(1_000), ..wanted };
         assert!(bank.insert(MonitorId(3), &other, None) && bank.insert(HERE, &wanted, run));

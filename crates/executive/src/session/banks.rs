@@ -1,0 +1,161 @@
+//! Plain episodes of a session: banks watch them between what there is to tell, and samples that tell nothing pass by.
+
+use super::MonitorSession;
+use super::scene::World;
+use super::watched::Watched;
+use crate::expression::arithmetic::with_unit;
+use crate::monitoring::{self, Stimulus, plain_episode};
+use apex_model::clause::MonitorId;
+use apex_model::episode_bank::Taken;
+use apex_model::event::StateVariable;
+use apex_model::history::Sample;
+use apex_model::monitor::Monitor;
+use apex_model::monitor_set::Found;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_model::wake::WakeKey;
+
+impl MonitorSession {
+    /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`.
+    pub(super) fn show_bank(&mut self, stimulus: &Stimulus, found: &mut Found) {
+        let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
+        let Some(bank) = self.interests.episodes_mut(variable) else { return };
+        let mut taken = Taken::new();
+        match bank.takes(*at, value).filter(|_| *newest) {
+            Some(number) => bank.sample(*at, number, &mut taken),
+            None => {
+                bank.take_all(&mut taken);
+                found.extend(taken.iter().map(|(id, _)| *id));
+            }
+        }
+        self.stand_up(taken);
+        self.refresh(variable);
+    }
+
+    /// Time has come for the first of the episodes that share a bank with `id`.
+    pub(super) fn wake_bank(&mut self, id: MonitorId) {
+        let watched = self.watches.get(id.0);
+        let variable = watched.and_then(|watched| plain_episode::variable(watched.monitor.as_ref()?)).cloned();
+        let Some(variable) = variable else { return };
+        let now = self.world.now;
+        let Some(bank) = self.interests.episodes_mut(&variable) else { return };
+        bank.wake.take_if(|(wake, _)| wake.at <= now);
+        let mut taken = Taken::new();
+        bank.take_due(now, &mut taken);
+        self.stand_up(taken);
+        self.refresh(&variable);
+    }
+
+    fn stand_up(&mut self, taken: Taken) {
+        for (id, seen) in taken {
+            let Some(watched) = self.watches.get_mut(id.0) else { continue };
+            if let Some(monitor) = &mut watched.monitor {
+                plain_episode::stand_up(monitor, seen);
+            }
+            watched.file(&mut self.interests, id);
+            self.touched.push(id);
+        }
+    }
+
+    /// Takes the condition's monitor out of its bank, if it is in one.
+    pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut Watched) {
+        let Some(monitor) = &mut watched.monitor else { return };
+        let Some(variable) = plain_episode::variable(monitor).cloned() else { return };
+        let Some(seen) = self.interests.episodes_mut(&variable).and_then(|bank| bank.take(id)) else { return };
+        plain_episode::stand_up(monitor, seen);
+        watched.file(&mut self.interests, id);
+        self.refresh(&variable);
+    }
+
+    /// Lets a bank watch the condition, all of which was told. False when none can.
+    pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
+        // What was told must be remembered as long as late samples can make it known again.
+        if self.lateness > Duration::ZERO || self.without_banks {
+            return false;
+        }
+        let Some(monitor) = &mut watched.monitor else { return false };
+        let Some(variable) = plain_episode::variable(monitor).cloned() else { return false };
+        let Some((wanted, run)) = plain_episode::bankable(monitor, &self.world) else { return false };
+        if !self.interests.bank(&variable, id, &wanted, run) {
+            return false;
+        }
+        plain_episode::lie_down(monitor);
+        self.refresh(&variable);
+        true
+    }
+
+    /// Asks for the wake that the bank needs, and no other; an empty bank goes.
+    fn refresh(&mut self, variable: &StateVariable) {
+        let Some(bank) = self.interests.episodes_mut(variable) else { return };
+        let due = bank.due();
+        if bank.wake.map(|(wake, id)| (wake.at, id)) != due {
+            if let Some((wake, id)) = bank.wake.take() {
+                self.wakes.remove(&(wake.at, id));
+            }
+            bank.wake = due.map(|(at, id)| (WakeKey { at, number: 0 }, id));
+            self.wakes.extend(due);
+        }
+        if bank.is_empty() {
+            self.interests.drop_empty_bank(variable);
+        }
+    }
+
+    /// The condition as if no bank stood between it and its samples.
+    pub(super) fn as_told(&self, id: MonitorId, watched: &Watched) -> Option<Monitor> {
+        let mut monitor = watched.monitor.clone()?;
+        let bank = plain_episode::variable(&monitor).and_then(|variable| self.interests.episodes(variable));
+        if let Some(seen) = bank.and_then(|bank| bank.run_of(id)) {
+            plain_episode::stand_up(&mut monitor, seen);
+        }
+        Some(monitor)
+    }
+
+    /// Takes in samples of one variable, in order of time and with nothing else between them, one instant each, up to one
+    /// that somebody must be told of in the general way; how many these were. The last one stays out: what comes after it
+    /// may still belong to its instant.
+    pub(super) fn pass_by(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) -> usize {
+        if !self.stimuli.is_empty() || !self.touched.is_empty() {
+            return 0;
+        }
+        let World { library, histories, now, .. } = &mut self.world;
+        let declaration = library.state_variables.get(&variable.attribute);
+        let unit = monitoring::unit_of(&variable.attribute, library);
+        if declaration.and_then(monitoring::lateness).is_some() {
+            return 0;
+        }
+        let Some(history) = histories.get_mut(variable) else { return 0 };
+        let Some((thresholds, mut bank)) = self.interests.quiet_watchers(variable) else { return 0 };
+        if let Some((wake, id)) = bank.as_mut().and_then(|bank| bank.wake.take()) {
+            self.wakes.remove(&(wake.at, id));
+        }
+        let wake = self.wakes.first().map_or(Time::END, |(at, _)| *at);
+        let (mut taken, mut found, mut count) = (Taken::new(), Found::new(), 0);
+        for (pair, number) in instants.windows(2).zip(values) {
+            let [at, next] = pair else { break };
+            let alone = *at > *now && next > at && *at < wake && !number.is_nan();
+            let value = unit.map_or(Value::Real(*number), |unit| with_unit(*number, unit));
+            if let Some(thresholds) = thresholds {
+                thresholds.of_value(&value, &mut found);
+            }
+            let exact = bank.as_ref().map(|bank| bank.takes(*at, &value));
+            if !alone || !found.is_empty() || exact == Some(None) || history.newest().is_some_and(|last| last.at >= *at)
+            {
+                break;
+            }
+            self.arrivals += 1;
+            history.record(Sample { at: *at, sequence: self.arrivals, value });
+            *now = *at;
+            count += 1;
+            if let (Some(bank), Some(Some(number))) = (&mut bank, exact) {
+                bank.sample(*at, number, &mut taken);
+            }
+            if !taken.is_empty() {
+                break;
+            }
+        }
+        self.stand_up(taken);
+        self.refresh(variable);
+        self.judge_touched();
+        count
+    }
+}
