@@ -1,6 +1,7 @@
 //! Programs and agents that the measurements share.
 #![allow(clippy::panic, reason = "a measurement that cannot be set up must stop at once")]
 
+pub mod monitoring;
 pub mod programs;
 pub mod rows;
 

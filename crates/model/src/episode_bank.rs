@@ -60,6 +60,25 @@ pub struct Seen {
     pub run: ObjectRun,
     /// The run before the newest sample has a result, which was recognised then.
     pub found_at: Option<Time>,
+    /// The run with the newest sample has a result, which was recognised then.
+    pub open_at: Option<Time>,
+}
+
+/// What a sample, or time, made of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// Whose episode.
+    pub monitor: MonitorId,
+    /// Its run, which had a result, is over; otherwise it has a result from now on.
+    pub over: bool,
+    /// The run's first sample.
+    pub start: Time,
+    /// Its last sample so far, or at all.
+    pub last: Time,
+    /// How many samples it has.
+    pub samples: u64,
+    /// When its result was recognised.
+    pub recognised_at: Time,
 }
 
 /// Episodes that left a bank, with what they have seen: none when they have seen nothing.
@@ -141,6 +160,11 @@ impl State {
     fn has_seen_any(&self, samples: i64) -> bool {
         self.seen || samples > self.came_at
     }
+}
+
+/// How many samples there are from number `first` to number `last`.
+fn length(first: i64, last: i64) -> u64 {
+    u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
 }
 
 /// The value as a plain number, where comparing it as a double is exact.
@@ -286,23 +310,24 @@ impl EpisodeBank {
         (dimension == self.dimension).then_some(number)
     }
 
-    /// Takes in a sample that [`EpisodeBank::takes`]. Episodes that it decides, and open ones whose run it ends, leave the
-    /// bank with all they have seen, the sample included.
-    pub fn sample(&mut self, at: Time, value: f64, taken: &mut Taken) {
+    /// Takes in a sample that [`EpisodeBank::takes`], and says what comes of it: runs with a result that are over, runs that
+    /// have one from now on. These stay in the bank, as open ones.
+    pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<Told>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
         let gaps = gap > self.gap_least;
         (self.previous, self.newest) = (self.newest, at);
         self.samples = self.samples.saturating_add(1);
-        let sample = self.samples;
-        let (mut floor, mut ended) = (self.deadline_floor, Vec::new());
+        let (sample, last) = (self.samples, self.previous);
+        let mut floor = self.deadline_floor;
         let rows =
             self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
         for (((((band, held), state), deadline), gap_max), monitor) in rows.zip(&self.monitors) {
             let holds = (value >= band.least) & (value <= band.most);
             if holds != *held || (gaps && holds && gap > *gap_max) {
                 let cut = (*held && gap > *gap_max).then_some(gap);
-                if state.open.is_some() {
-                    ended.push(*monitor);
+                if let Some(Open { recognised_at, .. }) = state.open {
+                    let samples = length(state.first, sample.saturating_sub(1));
+                    told.push(Told { monitor: *monitor, over: true, start: state.start, last, samples, recognised_at });
                 }
                 state.turn(at, sample, *held, holds, cut);
                 *held = holds;
@@ -311,46 +336,57 @@ impl EpisodeBank {
             }
         }
         self.deadline_floor = floor;
-        self.take_each(ended, taken);
-        let reached = self.look_at_deadlines();
-        self.take_each(reached, taken);
+        self.look_at_deadlines(at, told);
     }
 
-    /// Finds the episodes whose deadline the newest sample has reached, and what time alone will decide next.
-    fn look_at_deadlines(&mut self) -> Vec<MonitorId> {
+    /// Finds the episodes that the newest sample or the time `now` decides, and what time alone will decide next.
+    fn look_at_deadlines(&mut self, now: Time, told: &mut Vec<Told>) {
         self.due = None;
-        if self.deadline_floor > self.newest + self.gap_most {
-            return Vec::new();
+        let newest = self.newest;
+        if self.deadline_floor > newest + self.gap_most {
+            return;
         }
-        let (mut floor, mut due, mut reached) = (Time::END, None, Vec::new());
-        for ((deadline, gap), monitor) in self.deadlines.iter().zip(&self.gaps).zip(&self.monitors) {
-            floor = floor.min(*deadline);
-            if *deadline <= self.newest {
-                reached.push(*monitor);
-            } else if *deadline <= self.newest + *gap && *gap < Duration::MAX {
+        let (mut floor, mut due) = (Time::END, None);
+        let rows = self.deadlines.iter_mut().zip(&self.gaps).zip(&self.monitors).zip(&mut self.states);
+        for (((deadline, gap), monitor), state) in rows {
+            let licensed = *deadline <= newest + *gap && *gap < Duration::MAX;
+            if *deadline <= newest || (licensed && *deadline <= now) {
+                let recognised_at = if *deadline <= newest { newest } else { *deadline };
+                let samples = length(state.first, self.samples);
+                told.push(Told {
+                    monitor: *monitor,
+                    over: false,
+                    start: state.start,
+                    last: newest,
+                    samples,
+                    recognised_at,
+                });
+                state.open = Some(Open { recognised_at, newest });
+                *deadline = Time::END;
+            } else if licensed {
                 let this = (*deadline, *monitor);
                 due = Some(due.map_or(this, |least: (Time, MonitorId)| least.min(this)));
             }
+            floor = floor.min(*deadline);
         }
         (self.deadline_floor, self.due) = (floor, due);
-        reached
     }
 
     fn take_each(&mut self, monitors: Vec<MonitorId>, taken: &mut Taken) {
         taken.extend(monitors.into_iter().filter_map(|monitor| Some((monitor, self.take(monitor)?))));
     }
 
-    /// Takes out the episodes that time alone has decided at `now`.
-    pub fn take_due(&mut self, now: Time, taken: &mut Taken) {
-        if self.due.take_if(|(at, _)| *at <= now).is_none() {
-            return;
+    /// Takes out the episodes that have a result now, for whoever wants one result only.
+    pub fn take_decided(&mut self, told: &[Told], taken: &mut Taken) {
+        let decided = told.iter().filter(|each| !each.over).map(|each| each.monitor);
+        self.take_each(decided.collect(), taken);
+    }
+
+    /// Time has come to `now` without a sample: says which runs have a result by that.
+    pub fn pass_time(&mut self, now: Time, told: &mut Vec<Told>) {
+        if self.due.is_some_and(|(at, _)| at <= now) {
+            self.look_at_deadlines(now, told);
         }
-        let newest = self.newest;
-        let over = |(deadline, gap): (&Time, &Duration)| *deadline <= now && *deadline <= newest + *gap;
-        let rows = self.deadlines.iter().zip(&self.gaps).map(over).zip(&self.monitors);
-        let due = rows.filter(|(over, _)| *over).map(|(_, monitor)| *monitor).collect();
-        self.take_each(due, taken);
-        self.look_at_deadlines();
     }
 
     /// What the episode of `monitor` has seen, as its monitor would have it: none when it has seen nothing. None at all
@@ -364,7 +400,7 @@ impl EpisodeBank {
         let run = |start, first: i64| Run {
             start,
             last: self.previous,
-            samples: u64::try_from(self.samples.saturating_sub(first)).unwrap_or_default(),
+            samples: length(first, self.samples.saturating_sub(1)),
             bindings: Bindings::new(),
             first_holds: true,
             last_holds: true,
@@ -381,7 +417,7 @@ impl EpisodeBank {
         let holds = holds.then(Bindings::new);
         let newest = RunSample { at: self.newest, holds, joins: true, first_holds: true, last_holds: true };
         let run = ObjectRun { rank: 0, run: before, newest, found: None, contradicted, gap };
-        Some(Some(Seen { run, found_at }))
+        Some(Some(Seen { run, found_at, open_at: state.open.map(|open| open.recognised_at) }))
     }
 
     /// Takes the episode of `monitor` out, with what [`EpisodeBank::run_of`] says of it.
@@ -398,7 +434,7 @@ impl EpisodeBank {
             self.rows.insert(*moved, row);
         }
         if self.due.is_some_and(|(_, due)| due == monitor) {
-            self.look_at_deadlines();
+            self.look_at_deadlines(self.newest, &mut Vec::new());
         }
         Some(run)
     }

@@ -23,13 +23,16 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Fou
     let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
     let Some(bank) = cycle.agent.interests.episodes_mut(variable) else { return };
     let mut taken = Taken::new();
-    let ordinary = bank.takes(*at, value).filter(|_| *newest);
-    match ordinary {
-        Some(number) => bank.sample(*at, number, &mut taken),
-        None => bank.take_all(&mut taken),
-    }
-    if ordinary.is_none() {
-        found.extend(taken.iter().map(|(id, _)| *id));
+    match bank.takes(*at, value).filter(|_| *newest) {
+        Some(number) => {
+            let mut told = Vec::new();
+            bank.sample(*at, number, &mut told);
+            bank.take_decided(&told, &mut taken);
+        }
+        None => {
+            bank.take_all(&mut taken);
+            found.extend(taken.iter().map(|(id, _)| *id));
+        }
     }
     stand_up(cycle, taken);
     refresh(cycle, variable);
@@ -42,7 +45,9 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(bank) = cycle.agent.interests.episodes_mut(&variable) else { return };
     bank.wake.take_if(|(wake, _)| wake.at <= cycle.now);
     let mut taken = Taken::new();
-    bank.take_due(cycle.now, &mut taken);
+    let mut told = Vec::new();
+    bank.pass_time(cycle.now, &mut told);
+    bank.take_decided(&told, &mut taken);
     stand_up(cycle, taken);
     refresh(cycle, &variable);
 }
@@ -71,9 +76,9 @@ pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) ->
 
 fn stand_up(cycle: &mut Cycle<'_>, taken: Taken) {
     let agent = &mut *cycle.agent;
-    for (id, run) in taken {
+    for (id, seen) in taken {
         if let Some(watch) = agent.watches.get_mut(id.0) {
-            plain_episode::stand_up(&mut watch.monitor, run);
+            plain_episode::stand_up(&mut watch.monitor, seen);
             monitoring_clauses::file(&mut agent.interests, watch, id);
             cycle.work.touched.push(id);
         }

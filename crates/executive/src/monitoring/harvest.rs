@@ -63,6 +63,17 @@ impl Used {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Told(Vec<Branch>);
 
+impl Told {
+    /// As it is when a bank has told of the monitor's run: the result of the run before the newest sample, and of the one
+    /// that goes on.
+    pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> Told {
+        let key = |result: &Satisfaction| Key::of(part.place, result);
+        let open: Vec<Key> = open.map(key).into_iter().collect();
+        let keys = before.map(key).into_iter().chain(open.iter().cloned()).collect();
+        Told(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
+    }
+}
+
 #[derive(Clone, Debug, Default)]
 struct Branch {
     used: Used,

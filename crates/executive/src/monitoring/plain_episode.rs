@@ -7,13 +7,14 @@
 //! PDL: `:episode` with fixed bounds, `:quality` and a least `:duration`.
 //! Paper: section IV example 1.
 
-use super::runs::{advance_run, result};
+use super::runs::{advance_run, result, with_newest};
 use super::{Troubles, site};
 use crate::expression::Surroundings;
+use apex_model::bindings::Bindings;
 use apex_model::condition::Relation;
-use apex_model::episode_bank::{Band, Open, PlainEpisode, Seen, plain_number};
+use apex_model::episode_bank::{Band, Open, PlainEpisode, Seen, Told, plain_number};
 use apex_model::event::StateVariable;
-use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, PartKind, Test};
+use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, PartKind, Run, Satisfaction, Test};
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -104,12 +105,39 @@ fn band(tests: &[Test]) -> Option<(Band, Dimension)> {
 pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<Seen>) {
     let PartKind::Episode(leaf) = &mut monitor.root.kind else { return };
     let object = leaf.variable.as_ref().map(|variable| variable.object.clone());
-    let runs = object.zip(seen).map(|(object, Seen { mut run, found_at })| {
+    let runs = object.zip(seen).map(|(object, Seen { mut run, found_at, .. })| {
         let with_result = run.run.as_ref().zip(found_at);
         run.found = with_result.map(|(before, found_at)| result(leaf, &object, before, found_at));
         (object, run)
     });
     leaf.runs = runs.into_iter().collect::<BTreeMap<Value, ObjectRun>>();
+}
+
+/// What a bank told of the monitor, as a result.
+pub(crate) fn told_result(monitor: &Monitor, told: &Told) -> Option<Satisfaction> {
+    let PartKind::Episode(leaf) = &monitor.root.kind else { return None };
+    let run = Run {
+        start: told.start,
+        last: told.last,
+        samples: told.samples,
+        bindings: Bindings::new(),
+        first_holds: true,
+        last_holds: true,
+        instants: Vec::new(),
+    };
+    Some(result(leaf, &leaf.variable.as_ref()?.object, &run, told.recognised_at))
+}
+
+/// What was told of a monitor that a bank has watched: of the run before the newest sample what stands in it, and of the
+/// run with the newest sample the result that was recognised at `open_at`.
+pub(crate) fn told(monitor: &Monitor, open_at: Option<Time>) -> super::Told {
+    let PartKind::Episode(leaf) = &monitor.root.kind else { return super::Told::default() };
+    let run = leaf.runs.iter().next();
+    let before = run.and_then(|(_, run)| run.found.as_ref());
+    let open = run
+        .zip(open_at)
+        .and_then(|((object, run), open_at)| with_newest(leaf, run).map(|with| result(leaf, object, &with, open_at)));
+    super::Told::by_bank(&monitor.root, before, open.as_ref())
 }
 
 /// A bank watches the monitor: what it has seen is there only.

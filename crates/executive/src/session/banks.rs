@@ -1,8 +1,8 @@
 //! Plain episodes of a session: banks watch them between what there is to tell, and samples that tell nothing pass by.
 
-use super::MonitorSession;
 use super::scene::World;
 use super::watched::Watched;
+use super::{MonitorResult, MonitorSession, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::{self, Stimulus, plain_episode};
 use apex_model::clause::MonitorId;
@@ -16,19 +16,20 @@ use apex_model::value::Value;
 use apex_model::wake::WakeKey;
 
 impl MonitorSession {
-    /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`.
-    pub(super) fn show_bank(&mut self, stimulus: &Stimulus, found: &mut Found) {
+    /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`; so do
+    /// all when its variable is `repeated` at its instant, since the next sample may take back what it says.
+    pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut Found) {
         let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
-        let mut taken = Taken::new();
-        match bank.takes(*at, value).filter(|_| *newest) {
-            Some(number) => bank.sample(*at, number, &mut taken),
+        match bank.takes(*at, value).filter(|_| *newest && !repeated.contains(variable)) {
+            Some(number) => bank.sample(*at, number, &mut self.heard),
             None => {
+                let mut taken = Taken::new();
                 bank.take_all(&mut taken);
                 found.extend(taken.iter().map(|(id, _)| *id));
+                self.stand_up(taken);
             }
         }
-        self.stand_up(taken);
         self.refresh(variable);
     }
 
@@ -37,32 +38,49 @@ impl MonitorSession {
         let watched = self.watches.get(id.0);
         let variable = watched.and_then(|watched| plain_episode::variable(watched.monitor.as_ref()?)).cloned();
         let Some(variable) = variable else { return };
-        let now = self.world.now;
         let Some(bank) = self.interests.episodes_mut(&variable) else { return };
-        bank.wake.take_if(|(wake, _)| wake.at <= now);
-        let mut taken = Taken::new();
-        bank.take_due(now, &mut taken);
-        self.stand_up(taken);
+        bank.wake = None;
+        bank.pass_time(self.world.now, &mut self.heard);
         self.refresh(&variable);
     }
 
     fn stand_up(&mut self, taken: Taken) {
         for (id, seen) in taken {
             let Some(watched) = self.watches.get_mut(id.0) else { continue };
-            if let Some(monitor) = &mut watched.monitor {
-                plain_episode::stand_up(monitor, seen);
-            }
+            watched.stand_up(seen);
             watched.file(&mut self.interests, id);
             self.touched.push(id);
         }
     }
 
+    /// Tells what the banks have said of the present instant.
+    pub(super) fn tell_heard(&mut self) {
+        let mut heard = std::mem::take(&mut self.heard);
+        heard.sort_by_key(|told| (told.monitor, !told.over));
+        for told in heard.drain(..) {
+            let Some(watched) = self.watches.get_mut(told.monitor.0) else { continue };
+            let Some(mut result) =
+                watched.monitor.as_ref().and_then(|monitor| plain_episode::told_result(monitor, &told))
+            else {
+                continue;
+            };
+            let telling = if told.over { Telling::Closed } else { Telling::Recognised { open: true } };
+            if !told.over {
+                result.recognised_at = self.world.now;
+                watched.results += 1;
+                watched.first.get_or_insert_with(|| result.clone());
+            }
+            self.results.push(MonitorResult { watch: told.monitor, telling, result });
+        }
+        self.heard = heard;
+    }
+
     /// Takes the condition's monitor out of its bank, if it is in one.
     pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut Watched) {
-        let Some(monitor) = &mut watched.monitor else { return };
-        let Some(variable) = plain_episode::variable(monitor).cloned() else { return };
+        let variable = watched.monitor.as_ref().and_then(plain_episode::variable).cloned();
+        let Some(variable) = variable else { return };
         let Some(seen) = self.interests.episodes_mut(&variable).and_then(|bank| bank.take(id)) else { return };
-        plain_episode::stand_up(monitor, seen);
+        watched.stand_up(seen);
         watched.file(&mut self.interests, id);
         self.refresh(&variable);
     }
@@ -129,7 +147,7 @@ impl MonitorSession {
             self.wakes.remove(&(wake.at, id));
         }
         let wake = self.wakes.first().map_or(Time::END, |(at, _)| *at);
-        let (mut taken, mut found, mut count) = (Taken::new(), Found::new(), 0);
+        let (mut found, mut count) = (Found::new(), 0);
         for (pair, number) in instants.windows(2).zip(values) {
             let [at, next] = pair else { break };
             let alone = *at > *now && next > at && *at < wake && !number.is_nan();
@@ -147,15 +165,14 @@ impl MonitorSession {
             *now = *at;
             count += 1;
             if let (Some(bank), Some(Some(number))) = (&mut bank, exact) {
-                bank.sample(*at, number, &mut taken);
+                bank.sample(*at, number, &mut self.heard);
             }
-            if !taken.is_empty() {
+            if !self.heard.is_empty() {
                 break;
             }
         }
-        self.stand_up(taken);
         self.refresh(variable);
-        self.judge_touched();
+        self.tell_heard();
         count
     }
 }

@@ -11,6 +11,7 @@ use crate::monitoring::{self, Stimulus, TellingKind};
 use apex_model::bindings::Bindings;
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
+use apex_model::episode_bank;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, Recorded};
 use apex_model::host::HostFunctions;
@@ -71,6 +72,8 @@ pub struct MonitorSession {
     /// What happened at the present instant.
     stimuli: Vec<Stimulus>,
     touched: Vec<MonitorId>,
+    /// What banks have said of the present instant.
+    heard: Vec<episode_bank::Told>,
     wakes: BTreeSet<(Time, MonitorId)>,
     results: Vec<MonitorResult>,
     troubles: Vec<SessionTrouble>,
@@ -157,6 +160,7 @@ impl MonitorSession {
             without_banks: false,
             stimuli: Vec::new(),
             touched: Vec::new(),
+            heard: Vec::new(),
             wakes: BTreeSet::new(),
             results: Vec::new(),
             troubles: Vec::new(),
@@ -364,9 +368,11 @@ impl MonitorSession {
             return;
         }
         let mut found = Found::new();
-        for stimulus in std::mem::take(&mut self.stimuli) {
+        let stimuli = std::mem::take(&mut self.stimuli);
+        let repeated = repeated(&stimuli);
+        for stimulus in &stimuli {
             found.clear();
-            match &stimulus {
+            match stimulus {
                 Stimulus::Sample { variable, value, newest, .. } => {
                     self.interests.of_sample(variable, value, *newest, &mut found);
                 }
@@ -375,12 +381,12 @@ impl MonitorSession {
                     self.interests.of_task(*task, &mut found);
                 }
             }
-            self.show_bank(&stimulus, &mut found);
+            self.show_bank(stimulus, &repeated, &mut found);
             found.sort_unstable();
             found.dedup();
             for id in &found {
                 if let Some(watched) = self.watches.get_mut(id.0) {
-                    watched.notice(&stimulus, &self.world);
+                    watched.notice(stimulus, &self.world);
                 }
             }
             self.touched.extend(&found);
@@ -396,10 +402,16 @@ impl MonitorSession {
     }
 
     fn judge_touched(&mut self) {
+        let before = self.results.len();
+        self.tell_heard();
+        let heard = self.results.len() > before;
         let mut touched = std::mem::take(&mut self.touched);
         touched.sort_unstable();
         touched.dedup();
         touched.iter().for_each(|id| self.judge(*id));
+        if let Some(told) = self.results.get_mut(before..).filter(|_| heard && !touched.is_empty()) {
+            told.sort_by_key(|result| result.watch);
+        }
         touched.clear();
         self.touched = touched;
     }
@@ -460,6 +472,25 @@ impl MonitorSession {
             self.trouble(SessionTrouble { watch: Some(id), at: self.world.now, message, place });
         }
     }
+}
+
+/// Variables of which there is more than one sample.
+fn repeated(stimuli: &[Stimulus]) -> Vec<StateVariable> {
+    if stimuli.len() < 2 {
+        return Vec::new();
+    }
+    let of_samples = stimuli.iter().filter_map(|stimulus| match stimulus {
+        Stimulus::Sample { variable, .. } => Some(variable),
+        _ => None,
+    });
+    let mut variables: Vec<&StateVariable> = of_samples.collect();
+    variables.sort_unstable();
+    let mut repeated: Vec<StateVariable> = variables
+        .windows(2)
+        .filter_map(|pair| pair.first().filter(|first| pair.last() == Some(*first)).map(|first| (*first).clone()))
+        .collect();
+    repeated.dedup();
+    repeated
 }
 
 fn told(watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {

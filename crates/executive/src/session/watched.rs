@@ -2,9 +2,10 @@
 
 use super::scene::World;
 use crate::expression::EvaluationError;
-use crate::monitoring::{self, Stimulus, Telling, Told};
+use crate::monitoring::{self, Stimulus, Telling, Told, plain_episode};
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
+use apex_model::episode_bank::Seen;
 use apex_model::interests::{Interests, Narrowed};
 use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Window};
 use apex_model::time::{Duration, Time};
@@ -63,6 +64,14 @@ impl Watched {
         if let Some(monitor) = &mut self.monitor {
             monitoring::notice(monitor, stimulus, world);
         }
+    }
+
+    /// A bank has watched the condition, and told of it what there was to tell.
+    pub(super) fn stand_up(&mut self, seen: Option<Seen>) {
+        let Some(monitor) = &mut self.monitor else { return };
+        let open_at = seen.as_ref().and_then(|seen| seen.open_at);
+        plain_episode::stand_up(monitor, seen);
+        self.told = plain_episode::told(monitor, open_at);
     }
 
     /// What is new, after everything of the instant was noticed.

@@ -167,8 +167,9 @@ impl World {
         };
         match bank.takes(*at, value).filter(|_| *newest) {
             Some(number) => {
-                let mut taken = Taken::new();
-                bank.sample(*at, number, &mut taken);
+                let (mut told, mut taken) = (Vec::new(), Taken::new());
+                bank.sample(*at, number, &mut told);
+                bank.take_decided(&told, &mut taken);
                 if let Some((_, run)) = taken.into_iter().find(|(id, _)| *id == HERE) {
                     plain_episode::stand_up(&mut self.monitor, run);
                     self.bank = None;

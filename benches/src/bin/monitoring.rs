@@ -1,0 +1,324 @@
+//! Measures monitors against their bars, and sets peers beside them.
+//!
+//! `monitoring traces FOLDER` writes the traces that peers watch too; `monitoring report [PEER.json]` measures and prints
+//! Markdown tables. A figure is the least processor time of several runs: what the work costs when nothing else disturbs it.
+#![allow(clippy::print_stdout, reason = "the table is what the program is for")]
+#![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
+
+use apex_benches::monitoring::{
+    MIXED_VARIABLES, conditions, duration_episodes, instant, mixed, noise, session, smooth, value_episodes, variable,
+};
+use apex_executive::MonitorSession;
+use apex_model::host::HostFunctions;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::LazyLock;
+use std::time::Instant;
+
+/// Samples of the traces that peers watch too.
+const PEER_SAMPLES: usize = 20_000;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["traces", folder] => write_traces(Path::new(folder)),
+        ["report"] => report(None),
+        ["report", peer] => {
+            report(std::fs::read_to_string(peer).ok().and_then(|text| serde_json::from_str(&text).ok()))
+        }
+        _ => {
+            eprintln!("usage: monitoring traces FOLDER | monitoring report [PEER.json]");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+fn write_traces(folder: &Path) {
+    std::fs::create_dir_all(folder).unwrap();
+    for (name, values) in [("smooth", smooth(PEER_SAMPLES, 0)), ("noise", noise(PEER_SAMPLES, 0))] {
+        let lines: String = values.iter().map(|value| format!("{value}\n")).collect();
+        std::fs::write(folder.join(name), lines).unwrap();
+    }
+}
+
+/// How long this thread has been at work, in nanoseconds: what others do on the machine does not count. Where the system
+/// does not say, how long it is since the first question.
+fn worked_ns() -> f64 {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let worked = stat.and_then(|stat| stat.split(' ').next()?.parse().ok());
+    worked.unwrap_or_else(|| START.elapsed().as_nanos() as f64)
+}
+
+/// The least time of `runs` runs of `measured`, each after `set_up`, in nanoseconds.
+fn least<T>(runs: usize, mut set_up: impl FnMut() -> T, mut measured: impl FnMut(&mut T)) -> f64 {
+    (0..runs)
+        .map(|_| {
+            let mut state = set_up();
+            let start = worked_ns();
+            measured(&mut state);
+            worked_ns() - start
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Nanoseconds for each sample of `values`, handed over as one slice.
+fn per_sample(texts: &[String], values: &[f64]) -> f64 {
+    let instants: Vec<Time> = (0..values.len()).map(instant).collect();
+    let ns = least(
+        5,
+        || session(texts),
+        |session: &mut MonitorSession| {
+            session.samples(&variable(0), &instants, values);
+            session.take_results();
+        },
+    );
+    ns / values.len() as f64
+}
+
+/// Nanoseconds for each sample of the mixed monitors' variables, one call each.
+fn per_sample_of_several(texts: &[String], samples: usize) -> f64 {
+    let variables: Vec<_> =
+        (0..MIXED_VARIABLES).map(|number| (variable(number), smooth(samples, number as u64))).collect();
+    let ns = least(
+        3,
+        || session(texts),
+        |session: &mut MonitorSession| {
+            for index in 0..samples {
+                for (variable, values) in &variables {
+                    session.sample(variable, Value::Real(values[index]), instant(index));
+                }
+            }
+            session.advance(instant(samples));
+            session.take_results();
+        },
+    );
+    ns / samples as f64
+}
+
+/// Time of single samples that `texts` all watch, in order.
+fn single_samples(texts: &[String], values: &[f64]) -> Vec<f64> {
+    let mut session = session(texts);
+    let variable = variable(0);
+    let mut times: Vec<f64> = values
+        .iter()
+        .enumerate()
+        .map(|(index, value)| {
+            let start = Instant::now();
+            session.sample(&variable, Value::Real(*value), instant(index));
+            session.advance(instant(index));
+            start.elapsed().as_nanos() as f64
+        })
+        .collect();
+    session.take_results();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Nanoseconds for a sample that nobody watches, beside a thousand monitors of another variable.
+fn unwatched(slices: bool) -> f64 {
+    let samples = 100_000;
+    let (instants, values): (Vec<Time>, Vec<f64>) = (0..samples).map(|index| (instant(index), index as f64)).unzip();
+    let other = variable(5);
+    let ns = least(
+        5,
+        || session(&value_episodes(1_000)),
+        |session: &mut MonitorSession| {
+            if slices {
+                session.samples(&other, &instants, &values);
+            } else {
+                instants.iter().zip(&values).for_each(|(at, value)| session.sample(&other, Value::Real(*value), *at));
+            }
+        },
+    );
+    ns / samples as f64
+}
+
+/// Nanoseconds to begin one more watch beside `count` others.
+fn creation(count: usize) -> f64 {
+    let more = 1_000;
+    let (_, fresh) = conditions("", &duration_episodes(more));
+    let ns = least(
+        5,
+        || {
+            let mut session = session(&duration_episodes(count));
+            session.samples(&variable(0), &[instant(0), instant(1)], &[1.0, 2.0]);
+            session.advance(instant(2));
+            (session, fresh.clone())
+        },
+        |(session, fresh)| {
+            for condition in fresh.drain(..) {
+                session.watch(condition, instant(2)).unwrap();
+            }
+        },
+    );
+    ns / more as f64
+}
+
+/// One episode that never lasts long enough, of a duration of so many samples, whose value holds nearly always.
+fn bounded(samples: usize) -> Vec<String> {
+    let seconds = samples as f64 * 0.02;
+    (0..100)
+        .map(|_| format!("(:episode (x0 uav) :quality (:max-gap 1s) :value (> 0) :timing (:duration (>= {seconds}s)))"))
+        .collect()
+}
+
+/// A hundred episodes over a signal that breaks each run just before its duration, so that none is ever decided.
+fn against_duration(samples_of_bound: usize) -> f64 {
+    let values: Vec<f64> =
+        (0..100_000).map(|index| if index % samples_of_bound == samples_of_bound - 1 { -1.0 } else { 1.0 }).collect();
+    per_sample(&bounded(samples_of_bound), &values) / 100.0
+}
+
+const WINGS_LEVEL: &str = "(:episode (x0 uav) :quality (:max-gap 1s) :value (:range -7 7) :timing (:duration (>= 5s)))";
+
+/// A session that keeps so many samples, and has had them.
+fn with_history(kept: usize) -> MonitorSession {
+    let seconds = kept as f64 * 0.02;
+    let declarations = format!("(defun keep () (mean-over 'x0 'uav {seconds}s))");
+    let (library, _) = conditions(&declarations, &[]);
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    let (instants, values): (Vec<Time>, Vec<f64>) = (0..kept).map(|index| (instant(index), 20.0)).unzip();
+    session.samples(&variable(0), &instants, &values);
+    session.advance(instant(kept - 1));
+    session
+}
+
+/// Nanoseconds for each remembered sample when a watch of the wings' level looks back over `kept` of them.
+fn look_back(kept: usize) -> f64 {
+    let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
+    let ns = least(
+        20,
+        || (with_history(kept), wings.clone()),
+        |(session, wings)| {
+            for condition in wings.drain(..) {
+                session.watch(condition, instant(0)).unwrap();
+            }
+        },
+    );
+    ns / kept as f64
+}
+
+/// Nanoseconds for each further sample of the wings' level, with so many in the history.
+fn beside_history(kept: usize) -> f64 {
+    let (_, wings) = conditions("", &[WINGS_LEVEL.to_string()]);
+    let more = 100_000;
+    let (instants, values): (Vec<Time>, Vec<f64>) =
+        (0..more).map(|index| (instant(kept + index), if index % 100 == 0 { 8.0 } else { 5.0 })).unzip();
+    let ns = least(
+        3,
+        || {
+            let mut session = with_history(kept);
+            session.watch(wings[0].clone(), instant(kept)).unwrap();
+            session
+        },
+        |session| {
+            session.samples(&variable(0), &instants, &values);
+        },
+    );
+    ns / more as f64
+}
+
+struct Table(Option<serde_json::Value>);
+
+impl Table {
+    /// One row: what, measured and bar in nanoseconds, and the peers' row of the same work.
+    fn row(&self, what: &str, ns: f64, bar: Option<f64>, row: Option<&str>) {
+        let verdict = match bar {
+            Some(bar) if ns <= bar => "met",
+            Some(_) => "MISSED",
+            None => "",
+        };
+        let peer = |name: &str| {
+            let found = self.0.as_ref()?.get(name)?.get("rows")?.get(row?)?.as_f64()?;
+            Some(format!("{} ({:.0} x)", time(found), found / ns))
+        };
+        let bar = bar.map(time).unwrap_or_default();
+        let [rtamt, reelay] = ["rtamt", "reelay"].map(|name| peer(name).unwrap_or_default());
+        println!("| {what} | {bar} | {} | {verdict} | {rtamt} | {reelay} |", time(ns));
+    }
+}
+
+fn time(ns: f64) -> String {
+    match ns {
+        ns if ns >= 1e6 => format!("{:.1} ms", ns / 1e6),
+        ns if ns >= 1e3 => format!("{:.1} us", ns / 1e3),
+        ns => format!("{ns:.1} ns"),
+    }
+}
+
+fn report(peers: Option<serde_json::Value>) {
+    let table = Table(peers);
+    let (calm, wild) = (smooth(PEER_SAMPLES, 0), noise(PEER_SAMPLES, 0));
+    println!("| measured | bar | Apex | | rtamt | reelay |\n|---|---|---|---|---|---|");
+    for (name, texts, bar) in [
+        ("value episodes", value_episodes(1_000), Some(10.0)),
+        ("duration episodes with max-gap", duration_episodes(1_000), Some(10.0)),
+    ] {
+        let row = name.split(' ').next();
+        let (on_calm, on_wild) =
+            (format!("{} smooth", row.unwrap_or_default()), format!("{} noise", row.unwrap_or_default()));
+        table.row(
+            &format!("1,000 {name}, each sample of a smooth signal"),
+            per_sample(&texts, &calm) / 1e3,
+            bar,
+            Some(&on_calm),
+        );
+        let few = &wild[..2_000];
+        table.row(&format!("1,000 {name}, each sample of noise"), per_sample(&texts, few) / 1e3, None, Some(&on_wild));
+    }
+    let (texts, relevant) = mixed(1_000);
+    let ns = per_sample_of_several(&texts, 5_000) / relevant as f64;
+    table.row("1,000 mixed monitors of 10 variables, each relevant sample", ns, Some(50.0), None);
+    let plenty = [value_episodes(5_000), duration_episodes(5_000)].concat();
+    for (name, values) in [("smooth", &calm[..2_000]), ("noise", &wild[..300])] {
+        let times = single_samples(&plenty, values);
+        let bar = (name == "smooth").then_some(0.2e6);
+        table.row(&format!("one sample with 10,000 monitors on it, {name}, p50"), times[times.len() / 2], bar, None);
+        table.row(
+            &format!("one sample with 10,000 monitors on it, {name}, p99"),
+            times[times.len() * 99 / 100],
+            None,
+            None,
+        );
+    }
+    table.row("a sample that nobody watches, one call", unwatched(false), Some(100.0), None);
+    table.row("a sample that nobody watches, in a slice", unwatched(true), Some(100.0), None);
+    for (what, text) in [("episode", &duration_episodes(1)[0]), ("measurement", &"(x0 uav > 100)".to_string())] {
+        let ns = per_sample(std::slice::from_ref(text), &calm);
+        table.row(&format!("one sample in a slice, one {what}"), ns, Some(100.0), None);
+    }
+    for count in [0, 1_000, 10_000] {
+        table.row(&format!("create a monitor beside {count}"), creation(count), Some(20_000.0), None);
+    }
+    table.row("wings level looks back over 200 samples, each", look_back(200), Some(100.0), None);
+    table.row("wings level beside 200 samples of history, each further one", beside_history(200), Some(100.0), None);
+    growth();
+}
+
+fn growth() {
+    println!("\n| grows with | least | .. | | | most | most / least |\n|---|---|---|---|---|---|---|");
+    let line = |what: &str, measured: &[(usize, f64)]| {
+        let cells: Vec<String> = measured.iter().map(|(count, ns)| format!("{count}: {}", time(*ns))).collect();
+        let ratio = measured.last().map_or(0.0, |last| last.1) / measured.first().map_or(1.0, |first| first.1);
+        println!("| {what} | {} | {ratio:.2} |", cells.join(" | "));
+    };
+    let calm = smooth(5_000, 0);
+    let of = |count: usize| per_sample(&duration_episodes(count), &calm) / count as f64;
+    line(
+        "monitors of one variable: ns per monitor and sample",
+        &[1, 10, 100, 1_000, 10_000].map(|count| (count, of(count))),
+    );
+    line(
+        "duration bound in samples: ns per monitor and sample",
+        &[10, 100, 1_000, 5_000, 10_000].map(|bound| (bound, against_duration(bound))),
+    );
+    line(
+        "samples kept: ns for each further sample",
+        &[10, 100, 1_000, 10_000, 1_000_000].map(|kept| (kept, beside_history(kept))),
+    );
+    line("samples looked back over: ns each", &[10, 100, 1_000, 10_000, 70_000].map(|kept| (kept, look_back(kept))));
+}

@@ -1,0 +1,136 @@
+//! Monitors of one session to measure, and the traces that they and the peers watch.
+
+use apex_executive::MonitorSession;
+use apex_model::condition::Condition;
+use apex_model::event::StateVariable;
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_pdl::{CheckOptions, SourceText, check_conditions};
+use std::sync::Arc;
+
+/// Nanoseconds between two samples: 50 Hz.
+pub const PERIOD_NS: i64 = 20_000_000;
+
+/// The conditions that `texts` are, and the library that `declarations` make.
+///
+/// # Panics
+/// When a text is no condition.
+pub fn conditions(declarations: &str, texts: &[String]) -> (Arc<Library>, Vec<Condition>) {
+    let source = |name: &str, text: &str| SourceText { name: name.to_string(), text: text.to_string() };
+    let mut resolve = |_| Err("nothing is required".to_string());
+    let options = CheckOptions { fragment: false, host: &[], resolve: &mut resolve };
+    let sources = texts.iter().map(|text| source("condition", text)).collect();
+    let read = check_conditions(vec![source("declarations", declarations)], sources, options);
+    assert!(!read.checked.has_errors(), "{:?}", read.checked.diagnostics);
+    (Arc::new(read.checked.library), read.conditions)
+}
+
+/// A session that watches all of `texts` from the beginning.
+///
+/// # Panics
+/// When a text is no condition that can be watched.
+pub fn session(texts: &[String]) -> MonitorSession {
+    let (library, conditions) = conditions("", texts);
+    let mut session = MonitorSession::new(library, HostFunctions::default()).unwrap();
+    for condition in conditions {
+        session.watch(condition, Time::BEGINNING).unwrap();
+    }
+    session
+}
+
+/// Variable number `number`: `(x0 uav)`, `(x1 uav)`, ..
+pub fn variable(number: usize) -> StateVariable {
+    StateVariable::new(Symbol::new(&format!("x{number}")), Value::symbol("uav"))
+}
+
+/// The instant of sample number `index`.
+pub fn instant(index: usize) -> Time {
+    Time(PERIOD_NS * (index as i64 + 1))
+}
+
+/// Numbers that look random and are always the same (a linear congruence), in [0, 1).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    /// The next one.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A signal as an aircraft's roll angle is: slow turns with some noise on top, from -30 to 30.
+pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
+    let mut numbers = Numbers(seed);
+    (0..samples)
+        .map(|index| {
+            let t = index as f64 * 0.02;
+            22.0 * libm::sin(t * 0.7 + seed as f64) + 6.0 * libm::sin(t * 2.3) + 2.0 * (numbers.next() - 0.5)
+        })
+        .collect()
+}
+
+/// The worst signal: each sample anywhere from -30 to 30.
+pub fn noise(samples: usize, seed: u64) -> Vec<f64> {
+    let mut numbers = Numbers(seed);
+    (0..samples).map(|_| 60.0 * numbers.next() - 30.0).collect()
+}
+
+fn bound(numbers: &mut Numbers) -> f64 {
+    libm::round((numbers.next() * 50.0 - 25.0) * 100.0) / 100.0
+}
+
+/// Episodes of values above different bounds: `(> b)`.
+pub fn value_episodes(count: usize) -> Vec<String> {
+    let mut numbers = Numbers(1);
+    (0..count)
+        .map(|_| format!("(:episode (x0 uav) :quality :no-constraints :value (> {}))", bound(&mut numbers)))
+        .collect()
+}
+
+/// Episodes of values above different bounds, for different times and with a greatest gap.
+pub fn duration_episodes(count: usize) -> Vec<String> {
+    let mut numbers = Numbers(2);
+    (0..count)
+        .map(|_| {
+            let (bound, tenths) = (bound(&mut numbers), 1 + (numbers.next() * 100.0) as u32);
+            let duration = f64::from(tenths) / 10.0;
+            format!(
+                "(:episode (x0 uav) :quality (:max-gap 1s) :value (> {bound}) :timing (:duration (>= {duration}s)))"
+            )
+        })
+        .collect()
+}
+
+/// Variables that the mixed monitors watch.
+pub const MIXED_VARIABLES: usize = 10;
+
+/// All kinds of conditions, with the variables that each watches: half plain episodes, a quarter single samples, a quarter
+/// combinations of two variables.
+pub fn mixed(count: usize) -> (Vec<String>, usize) {
+    let mut numbers = Numbers(3);
+    let mut relevant = 0;
+    let texts = (0..count)
+        .map(|index| {
+            let (a, b) = (index % MIXED_VARIABLES, (index / 3 + 1) % MIXED_VARIABLES);
+            let (least, other) = (bound(&mut numbers), bound(&mut numbers));
+            let episode = |x: usize, least: f64, duration: &str| {
+                format!("(:episode (x{x} uav) :quality (:max-gap 1s) :value (> {least}) :timing (:duration (>= {duration})))")
+            };
+            relevant += if index % 20 < 15 || a == b { 1 } else { 2 };
+            match index % 20 {
+                0..5 => format!("(:episode (x{a} uav) :quality :no-constraints :value (> {least}))"),
+                5..10 => episode(a, least, "2s"),
+                10..15 => format!("(x{a} uav > {})", least + 40.0),
+                15 | 16 => format!("(:and {} {})", episode(a, least, "1s"), episode(b, other, "2s")),
+                17 => format!("(:or {} {})", episode(a, least, "1s"), episode(b, other, "5s")),
+                18 => format!("(:in-order {} {})", episode(a, least, "1s"), episode(b, other, "1s")),
+                _ => format!("(:and {} (:not {}))", episode(a, least, "1s"), episode(b, other, "1s")),
+            }
+        })
+        .collect();
+    (texts, relevant)
+}
