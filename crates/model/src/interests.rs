@@ -175,7 +175,9 @@ impl Interests {
                 None => {}
             }
         }
-        if let Some(set) = self.attributes.get(&variable.attribute) {
+        if !self.attributes.is_empty()
+            && let Some(set) = self.attributes.get(&variable.attribute)
+        {
             set.collect_into(found);
         }
     }
@@ -238,6 +240,11 @@ impl Interests {
         self.variables.get(variable)?.episodes.as_deref()
     }
 
+    /// True when nobody watches the variable.
+    pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
+        self.attributes.is_empty() && self.every_step.is_empty() && self.variables.get(variable).is_none()
+    }
+
     /// The undecided plain episodes of a variable, to feed them.
     pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeBank> {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
@@ -253,7 +260,7 @@ impl Interests {
             return None;
         }
         let Some(watchers) = self.variables.get_mut(variable) else { return Some((None, None)) };
-        watchers.every.is_empty().then(|| (watchers.thresholds.as_deref(), watchers.episodes.as_deref_mut()))
+        watchers.every.is_empty().then_some((watchers.thresholds.as_deref(), watchers.episodes.as_deref_mut()))
     }
 
     /// Lets the bank of a variable go when nothing is left in it.

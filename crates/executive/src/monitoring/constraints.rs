@@ -64,7 +64,7 @@ pub(super) fn prepare(
 }
 
 /// Does the expression have the same value whenever it is evaluated?
-fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
+pub(super) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
     let Some(depth) = depth.checked_sub(1) else { return false };
     match &expr.kind {
         ExprKind::Constant(_) => true,
@@ -202,7 +202,7 @@ fn satisfies(
 }
 
 /// `right` in the sense of `reading`.
-fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
+pub(super) fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
     let error = |message| EvaluationError { message, place };
     match (reading, right.as_number()) {
         (Reading::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {

@@ -5,7 +5,7 @@
 
 mod absence;
 mod allen;
-mod constraints;
+pub(crate) mod constraints;
 mod creation;
 mod episode;
 pub(crate) mod event;
@@ -33,7 +33,6 @@ mod time_conditions;
 mod unmet;
 mod wake;
 
-pub(crate) use constraints::unit_of;
 pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
 pub(crate) use interest::{interests, lasting_interest, threshold};

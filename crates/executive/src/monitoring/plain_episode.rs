@@ -7,11 +7,12 @@
 //! PDL: `:episode` with fixed bounds, `:quality` and a least `:duration`.
 //! Paper: section IV example 1.
 
+use super::constraints::{Reading, never_changes, read, unit_of};
 use super::runs::{advance_run, result, with_newest};
 use super::{Troubles, site};
-use crate::expression::Surroundings;
+use crate::expression::{Surroundings, evaluate};
 use apex_model::bindings::Bindings;
-use apex_model::condition::Relation;
+use apex_model::condition::{Constraint, Relation};
 use apex_model::episode_bank::{Band, Open, PlainEpisode, Seen, Told, plain_number};
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, PartKind, Run, Satisfaction, Test};
@@ -50,7 +51,7 @@ pub(crate) fn bankable<'a>(
     if !is_plain(leaf) || leaf.runs.len() > 1 || monitor.root.tag.is_some() {
         return None;
     }
-    let (band, dimension) = band(&leaf.tests)?;
+    let (band, dimension) = band(leaf, surroundings)?;
     let run = leaf.runs.iter().next();
     let judged = run.map(|(object, run)| {
         let site = site(&monitor.root);
@@ -80,25 +81,51 @@ pub(crate) fn bankable<'a>(
 }
 
 /// The values that satisfy all tests; none when they are not those between two numbers.
-fn band(tests: &[Test]) -> Option<(Band, Dimension)> {
+fn band(leaf: &EpisodePart, surroundings: &dyn Surroundings) -> Option<(Band, Dimension)> {
     let mut band = Band { least: f64::NEG_INFINITY, most: f64::INFINITY };
     let mut of = None;
-    for test in tests {
-        let Test::Fixed { relation, right } = test else { return None };
-        let (bound, dimension) = plain_number(right).filter(|(bound, _)| bound.is_finite())?;
-        if *of.get_or_insert(dimension) != dimension {
-            return None;
-        }
-        match relation {
-            Relation::Greater => band.least = band.least.max(bound.next_up()),
-            Relation::GreaterOrEqual => band.least = band.least.max(bound),
-            Relation::Less => band.most = band.most.min(bound.next_down()),
-            Relation::LessOrEqual => band.most = band.most.min(bound),
-            Relation::Equal => (band.least, band.most) = (band.least.max(bound), band.most.min(bound)),
-            Relation::Different => return None,
+    for test in &leaf.tests {
+        let limits = match test {
+            Test::Fixed { relation, right } => vec![(*relation, right.clone())],
+            Test::General(index) => range(leaf.condition.value.get(*index as usize)?, leaf, surroundings)?,
+        };
+        for (relation, right) in limits {
+            let (bound, dimension) = plain_number(&right).filter(|(bound, _)| bound.is_finite())?;
+            if *of.get_or_insert(dimension) != dimension {
+                return None;
+            }
+            match relation {
+                Relation::Greater => band.least = band.least.max(bound.next_up()),
+                Relation::GreaterOrEqual => band.least = band.least.max(bound),
+                Relation::Less => band.most = band.most.min(bound.next_down()),
+                Relation::LessOrEqual => band.most = band.most.min(bound),
+                Relation::Equal => (band.least, band.most) = (band.least.max(bound), band.most.min(bound)),
+                Relation::Different => return None,
+            }
         }
     }
     Some((band, of?))
+}
+
+/// The limits of a range that never change.
+fn range(
+    constraint: &Constraint,
+    leaf: &EpisodePart,
+    surroundings: &dyn Surroundings,
+) -> Option<Vec<(Relation, Value)>> {
+    let Constraint::Range(least, most) = constraint else { return None };
+    let unit = unit_of(&leaf.condition.variable.attribute, surroundings.library());
+    let mut limits = Vec::new();
+    for (relation, limit) in [(Relation::GreaterOrEqual, least), (Relation::LessOrEqual, most)] {
+        let Some(expr) = limit else { continue };
+        if !never_changes(expr, surroundings.library(), 8) {
+            return None;
+        }
+        let value =
+            evaluate(expr, surroundings).and_then(|value| read(value, Reading::Value(unit), expr.place)).ok()?;
+        limits.push((relation, value));
+    }
+    Some(limits)
 }
 
 /// Gives the monitor back what a bank has seen in its place.

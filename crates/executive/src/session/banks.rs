@@ -4,6 +4,7 @@ use super::scene::World;
 use super::watched::Watched;
 use super::{MonitorResult, MonitorSession, Telling};
 use crate::expression::arithmetic::with_unit;
+use crate::monitoring::constraints::unit_of;
 use crate::monitoring::{self, Stimulus, plain_episode};
 use apex_model::clause::MonitorId;
 use apex_model::episode_bank::Taken;
@@ -16,6 +17,29 @@ use apex_model::value::Value;
 use apex_model::wake::WakeKey;
 
 impl MonitorSession {
+    /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
+    pub fn samples(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) {
+        let length = instants.len().min(values.len());
+        let (mut instants, mut values) =
+            (instants.get(..length).unwrap_or_default(), values.get(..length).unwrap_or_default());
+        while let (Some((at, later)), Some((value, rest))) = (instants.split_first(), values.split_first()) {
+            self.sample(variable, Value::Real(*value), *at);
+            (instants, values) = (later, rest);
+            // What comes next is of a later instant: the present one is over.
+            if later.first().is_some_and(|next| *next > self.world.now) {
+                self.end_instant();
+            }
+            loop {
+                let passed = self.pass_by(variable, instants, values);
+                if passed == 0 {
+                    break;
+                }
+                instants = instants.get(passed..).unwrap_or_default();
+                values = values.get(passed..).unwrap_or_default();
+            }
+        }
+    }
+
     /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`; so do
     /// all when its variable is `repeated` at its instant, since the next sample may take back what it says.
     pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut Found) {
@@ -137,7 +161,7 @@ impl MonitorSession {
         }
         let World { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
-        let unit = monitoring::unit_of(&variable.attribute, library);
+        let unit = unit_of(&variable.attribute, library);
         if declaration.and_then(monitoring::lateness).is_some() {
             return 0;
         }
@@ -175,4 +199,23 @@ impl MonitorSession {
         self.tell_heard();
         count
     }
+}
+
+/// Variables of which there is more than one sample.
+pub(super) fn repeated(stimuli: &[Stimulus]) -> Vec<StateVariable> {
+    if stimuli.len() < 2 {
+        return Vec::new();
+    }
+    let of_samples = stimuli.iter().filter_map(|stimulus| match stimulus {
+        Stimulus::Sample { variable, .. } => Some(variable),
+        _ => None,
+    });
+    let mut variables: Vec<&StateVariable> = of_samples.collect();
+    variables.sort_unstable();
+    let mut repeated: Vec<StateVariable> = variables
+        .windows(2)
+        .filter_map(|pair| pair.first().filter(|first| pair.last() == Some(*first)).map(|first| (*first).clone()))
+        .collect();
+    repeated.dedup();
+    repeated
 }

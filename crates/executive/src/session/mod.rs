@@ -218,34 +218,13 @@ impl MonitorSession {
         let sequence = self.arrival();
         let World { histories, library, .. } = &mut self.world;
         let recording = monitoring::record_sample(histories, library, variable.clone(), value, at, sequence);
-        self.stimuli.extend(recording.stimulus);
+        if !self.interests.ignore_variable(variable) {
+            self.stimuli.extend(recording.stimulus);
+        }
         if let Some(message) = recording.trouble {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
         recording.recorded
-    }
-
-    /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
-    pub fn samples(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) {
-        let length = instants.len().min(values.len());
-        let (mut instants, mut values) =
-            (instants.get(..length).unwrap_or_default(), values.get(..length).unwrap_or_default());
-        while let (Some((at, later)), Some((value, rest))) = (instants.split_first(), values.split_first()) {
-            self.sample(variable, Value::Real(*value), *at);
-            (instants, values) = (later, rest);
-            // What comes next is of a later instant: the present one is over.
-            if later.first().is_some_and(|next| *next > self.world.now) {
-                self.end_instant();
-            }
-            loop {
-                let passed = self.pass_by(variable, instants, values);
-                if passed == 0 {
-                    break;
-                }
-                instants = instants.get(passed..).unwrap_or_default();
-                values = values.get(passed..).unwrap_or_default();
-            }
-        }
     }
 
     /// A message.
@@ -331,7 +310,7 @@ impl MonitorSession {
             return Some(Judgement { verdict: Verdict::Satisfied(first.clone()), because: Vec::new(), results });
         }
         let Some(mut monitor) = self.as_told(id, watched) else {
-            return Some(Judgement { verdict: Verdict::Unknown, because: vec![not_begun(watched)], results });
+            return Some(Judgement { verdict: Verdict::Unknown, because: vec![watched::not_begun(watched)], results });
         };
         let verdict = monitoring::verdict(&mut monitor, &self.world);
         Some(Judgement { verdict, because: monitoring::unmet(&monitor, &self.world), results })
@@ -369,7 +348,7 @@ impl MonitorSession {
         }
         let mut found = Found::new();
         let stimuli = std::mem::take(&mut self.stimuli);
-        let repeated = repeated(&stimuli);
+        let repeated = banks::repeated(&stimuli);
         for stimulus in &stimuli {
             found.clear();
             match stimulus {
@@ -474,40 +453,10 @@ impl MonitorSession {
     }
 }
 
-/// Variables of which there is more than one sample.
-fn repeated(stimuli: &[Stimulus]) -> Vec<StateVariable> {
-    if stimuli.len() < 2 {
-        return Vec::new();
-    }
-    let of_samples = stimuli.iter().filter_map(|stimulus| match stimulus {
-        Stimulus::Sample { variable, .. } => Some(variable),
-        _ => None,
-    });
-    let mut variables: Vec<&StateVariable> = of_samples.collect();
-    variables.sort_unstable();
-    let mut repeated: Vec<StateVariable> = variables
-        .windows(2)
-        .filter_map(|pair| pair.first().filter(|first| pair.last() == Some(*first)).map(|first| (*first).clone()))
-        .collect();
-    repeated.dedup();
-    repeated
-}
-
 fn told(watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
     let kind = match telling.kind {
         TellingKind::Found { open } => Telling::Recognised { open },
         TellingKind::Closed => Telling::Closed,
     };
     MonitorResult { watch, telling: kind, result: telling.result }
-}
-
-fn not_begun(watched: &Watched) -> Unmet {
-    Unmet {
-        what: "the condition".to_string(),
-        now: format!("it is watched from {} on", watched.created_at),
-        since: None,
-        until: Some(watched.created_at),
-        distance: None,
-        place: watched.condition.place,
-    }
 }

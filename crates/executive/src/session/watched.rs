@@ -7,7 +7,7 @@ use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::episode_bank::Seen;
 use apex_model::interests::{Interests, Narrowed};
-use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Window};
+use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Unmet, Window};
 use apex_model::time::{Duration, Time};
 use std::sync::Arc;
 
@@ -122,5 +122,17 @@ impl Watched {
             self.interests = wanted;
             self.file(interests, id);
         }
+    }
+}
+
+/// What is known of a condition whose beginning is to come.
+pub(super) fn not_begun(watched: &Watched) -> Unmet {
+    Unmet {
+        what: "the condition".to_string(),
+        now: format!("it is watched from {} on", watched.created_at),
+        since: None,
+        until: Some(watched.created_at),
+        distance: None,
+        place: watched.condition.place,
     }
 }
