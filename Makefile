@@ -62,6 +62,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
 	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
 	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
+	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- soak 100000000
 	$(MAKE) bench
 
 web: web/dist/index.html ## Build the web page.

@@ -1,4 +1,5 @@
 //! Monitors of one session to measure, and the traces that they and the peers watch.
+#![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
 
 use apex_executive::MonitorSession;
 use apex_model::condition::Condition;
@@ -56,7 +57,7 @@ pub struct Numbers(pub u64);
 
 impl Numbers {
     /// The next one.
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -68,7 +69,7 @@ pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
     (0..samples)
         .map(|index| {
             let t = index as f64 * 0.02;
-            22.0 * libm::sin(t * 0.7 + seed as f64) + 6.0 * libm::sin(t * 2.3) + 2.0 * (numbers.next() - 0.5)
+            22.0 * libm::sin(t * 0.7 + seed as f64) + 6.0 * libm::sin(t * 2.3) + 2.0 * (numbers.draw() - 0.5)
         })
         .collect()
 }
@@ -76,11 +77,11 @@ pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
 /// The worst signal: each sample anywhere from -30 to 30.
 pub fn noise(samples: usize, seed: u64) -> Vec<f64> {
     let mut numbers = Numbers(seed);
-    (0..samples).map(|_| 60.0 * numbers.next() - 30.0).collect()
+    (0..samples).map(|_| 60.0 * numbers.draw() - 30.0).collect()
 }
 
 fn bound(numbers: &mut Numbers) -> f64 {
-    libm::round((numbers.next() * 50.0 - 25.0) * 100.0) / 100.0
+    libm::round((numbers.draw() * 50.0 - 25.0) * 100.0) / 100.0
 }
 
 /// Episodes of values above different bounds: `(> b)`.
@@ -96,7 +97,7 @@ pub fn duration_episodes(count: usize) -> Vec<String> {
     let mut numbers = Numbers(2);
     (0..count)
         .map(|_| {
-            let (bound, tenths) = (bound(&mut numbers), 1 + (numbers.next() * 100.0) as u32);
+            let (bound, tenths) = (bound(&mut numbers), 1 + (numbers.draw() * 100.0) as u32);
             let duration = f64::from(tenths) / 10.0;
             format!(
                 "(:episode (x0 uav) :quality (:max-gap 1s) :value (> {bound}) :timing (:duration (>= {duration}s)))"

@@ -3,6 +3,7 @@
 //! `monitoring traces FOLDER` writes the traces that peers watch too; `monitoring report [PEER.json]` measures and prints
 //! Markdown tables; `monitoring soak SAMPLES` shows what so many samples leave in memory. A figure is the least processor time of several runs: what the work costs when nothing else disturbs it.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
+#![allow(clippy::indexing_slicing, reason = "all lengths are constants of this file")]
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot be set up must stop at once")]
 
 use apex_benches::monitoring::{
@@ -136,7 +137,9 @@ fn unwatched(slices: bool) -> f64 {
             if slices {
                 session.samples(&other, &instants, &values);
             } else {
-                instants.iter().zip(&values).for_each(|(at, value)| session.sample(&other, Value::Real(*value), *at));
+                for (at, value) in instants.iter().zip(&values) {
+                    session.sample(&other, Value::Real(*value), *at);
+                }
             }
         },
     );

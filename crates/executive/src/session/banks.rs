@@ -2,7 +2,7 @@
 
 use super::scene::World;
 use super::watched::Watched;
-use super::{MonitorResult, MonitorSession, Telling};
+use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
 use crate::monitoring::{self, Stimulus, plain_episode};
@@ -55,6 +55,29 @@ impl MonitorSession {
             }
         }
         self.refresh(variable);
+    }
+
+    /// A wake of the condition has come: it begins if it has not yet.
+    pub(super) fn begin(&mut self, id: MonitorId) {
+        let Some(watched) = self.watches.get_mut(id.0) else { return };
+        let own = watched.wake.take().is_some();
+        if watched.monitor.is_some() {
+            if own {
+                self.touched.push(id);
+            } else {
+                self.wake_bank(id);
+            }
+            return;
+        }
+        self.touched.push(id);
+        match watched.begin(&self.world) {
+            Ok(()) => watched.file(&mut self.interests, id),
+            Err(error) => {
+                let at = self.world.now;
+                self.watches.remove(id.0);
+                self.trouble(SessionTrouble { watch: Some(id), at, message: error.message, place: Some(error.place) });
+            }
+        }
     }
 
     /// Time has come for the first of the episodes that share a bank with `id`.

@@ -395,29 +395,6 @@ impl MonitorSession {
         self.touched = touched;
     }
 
-    /// A wake of the condition has come: it begins if it has not yet.
-    fn begin(&mut self, id: MonitorId) {
-        let Some(watched) = self.watches.get_mut(id.0) else { return };
-        let own = watched.wake.take().is_some();
-        if watched.monitor.is_some() {
-            if own {
-                self.touched.push(id);
-            } else {
-                self.wake_bank(id);
-            }
-            return;
-        }
-        self.touched.push(id);
-        match watched.begin(&self.world) {
-            Ok(()) => watched.file(&mut self.interests, id),
-            Err(error) => {
-                let at = self.world.now;
-                self.watches.remove(id.0);
-                self.trouble(SessionTrouble { watch: Some(id), at, message: error.message, place: Some(error.place) });
-            }
-        }
-    }
-
     fn touch_all(&mut self) {
         for number in 0..self.next_watch {
             self.judge(MonitorId(number));
