@@ -204,3 +204,14 @@ fn what_is_printed_in_a_hook_sees_the_primitives_own_variables() {
         (on-completion (print \"counted\" i)) (on-end (print \"over\")))";
     assert_eq!(printed(&run(&mut agent(pdl), &[], 60.0)), ["counted 3", "over"]);
 }
+
+#[test]
+fn a_sample_that_nobody_watches_is_an_instant_for_a_function_of_the_time() {
+    let pdl = "(procedure (index (do-domain))
+      (step near (print near) (waitfor (x v > 100)))
+      (step late (print \"seen at\" +now+) (waitfor (:function (> +now+ (+ 5s (start-of +this-task+)))))))";
+    for others in ["(x other)", "(y v)"] {
+        let events: Vec<_> = [1.0, 5.0, 8.0, 9.0].map(|at| sample(at, others, "1")).into();
+        assert_eq!(printed(&run(&mut agent(pdl), &events, 20.0)), ["seen at 8s"], "samples of {others}");
+    }
+}

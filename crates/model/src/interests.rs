@@ -242,7 +242,7 @@ impl Interests {
 
     /// True when nobody watches the variable.
     pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
-        self.attributes.is_empty() && self.every_step.is_empty() && self.variables.get(variable).is_none()
+        self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
     }
 
     /// The undecided plain episodes of a variable, to feed them.
@@ -256,7 +256,7 @@ impl Interests {
         variable: &StateVariable,
     ) -> Option<(Option<&Thresholds>, Option<&mut EpisodeBank>)> {
         let of_attribute = self.attributes.get(&variable.attribute).is_some_and(|set| !set.is_empty());
-        if of_attribute || !self.every_step.is_empty() {
+        if of_attribute || !self.ignore_steps() {
             return None;
         }
         let Some(watchers) = self.variables.get_mut(variable) else { return Some((None, None)) };
@@ -270,6 +270,11 @@ impl Interests {
         if watchers.is_empty() {
             self.variables.remove(variable);
         }
+    }
+
+    /// True when nobody is judged at every instant at which anything happens.
+    pub fn ignore_steps(&self) -> bool {
+        self.every_step.is_empty()
     }
 
     /// Who is judged at every instant at which anything happens.

@@ -188,10 +188,11 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
 /// Is this a sample that touches nobody? Then there is nothing to notice.
 pub(crate) fn is_unheard(cycle: &Cycle<'_>, stimulus: &Stimulus) -> bool {
     let Stimulus::Sample { variable, value, newest, .. } = stimulus else { return false };
+    let interests = &cycle.agent.interests;
     let mut found = Found::new();
-    cycle.agent.interests.of_sample(variable, value, *newest, &mut found);
-    let banked = cycle.agent.interests.episodes(variable).is_some();
-    found.is_empty() && !banked && cycle.agent.unsteady.is_empty()
+    interests.of_sample(variable, value, *newest, &mut found);
+    let banked = interests.episodes(variable).is_some();
+    found.is_empty() && !banked && interests.ignore_steps() && cycle.agent.unsteady.is_empty()
 }
 
 fn tell(cycle: &mut Cycle<'_>, id: MonitorId, stimulus: &Stimulus) {

@@ -201,6 +201,21 @@ fn tasks_are_watched_when_their_tag_is_bound() {
 }
 
 #[test]
+fn samples_that_nobody_watches_are_instants_for_a_function_of_the_time() {
+    let instants: Vec<Time> = [1.0, 5.0, 8.0, 9.0].map(at).into();
+    for in_one_slice in [true, false] {
+        let (mut session, _) = session("(:function (and (> +met+ 5s) (< +met+ 9s)))", 0.0);
+        if in_one_slice {
+            session.samples(&of("x"), &instants, &[0.0; 4]);
+        } else {
+            instants.iter().for_each(|at| assert!(session.sample(&of("x"), Value::Real(0.0), *at).is_some()));
+        }
+        session.advance(at(20.0));
+        assert_eq!(told(&mut session), ["found 8..8 @8"]);
+    }
+}
+
+#[test]
 fn refused_samples_are_troubles() {
     let (mut session, _) = session("(roll-angle uav > 15)", 0.0);
     session.sample(&roll("uav"), Value::symbol("steep"), at(1.0));
