@@ -58,6 +58,10 @@ pub enum Why {
     QueryTime,
     /// Which variable a query asks for is known only then.
     QueryVariable,
+    /// The fit interval of a line begins at a time that is not written out.
+    FitInterval,
+    /// A `:custom` trend is asked about all values of an episode.
+    Values,
     /// Cycles are looked for in all that is remembered.
     Cycles,
     /// A `log` clause.
@@ -94,6 +98,14 @@ impl Why {
             Why::QueryVariable => {
                 ("which state variable it asks for is known only when it asks", "the name of the state variable")
             }
+            Why::FitInterval => (
+                "the samples of its line may begin any time ago",
+                "a `:start` before now that is written out: `:start (- +now+ P10M)`",
+            ),
+            Why::Values => (
+                "its predicate is asked about all values of the episode",
+                "a statistic or another trend, which keep no values",
+            ),
             Why::Cycles => ("it looks for cycles in all that is remembered", "a condition with a window"),
             Why::Log => ("its policy has no `:time-limit` and no `:count-limit`", "`:time-limit P10M`"),
         }

@@ -2,6 +2,7 @@
 //! (`monitoring.md` section 2, rules 1, 6, 10 to 12 and 22). Evidence, like a sample, with the samples behind it.
 
 use crate::event::StateVariable;
+use crate::quantity::format_rounded;
 use crate::time::{Duration, Time};
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,7 @@ impl Estimate {
     /// `(altitude uav) = 120ft at 30s by :linear-regression over 12 samples, 4s beyond them, error 0.3ft`
     pub fn text(&self) -> String {
         let Estimate { estimator, variable, value, at, samples, extrapolation, .. } = self;
-        let mut text = format!("{variable} = {value} at {at} by {estimator}");
+        let mut text = format!("{variable} = {} at {at} by {estimator}", computed(value));
         match estimator {
             Estimator::Persistence => text.push_str(&self.validity()),
             Estimator::LinearRegression => text.push_str(&format!(" over {samples} samples")),
@@ -60,7 +61,7 @@ impl Estimate {
             text.push_str(&format!(", {extrapolation} beyond them"));
         }
         if let Some(error) = &self.error {
-            text.push_str(&format!(", error {error}"));
+            text.push_str(&format!(", error {}", computed(error)));
         }
         text
     }
@@ -92,6 +93,14 @@ impl Aggregate {
     /// `mean of (rpm engine-1) from 2s to 9s = 812`
     pub fn text(&self) -> String {
         let Aggregate { variable, name, value, interval: (start, end), .. } = self;
-        format!("{name} of {variable} from {start} to {end} = {value}")
+        format!("{name} of {variable} from {start} to {end} = {}", computed(value))
+    }
+}
+
+/// A computed value without the last bits, which say nothing.
+pub fn computed(value: &Value) -> String {
+    match value {
+        Value::Real(real) => format_rounded(*real),
+        other => other.to_string(),
     }
 }

@@ -49,6 +49,13 @@ pub const MONITOR_RESULTS_MAX: usize = 4_096;
 pub const MONITOR_COMBINATIONS_MAX: u64 = 100_000;
 /// Objects that one condition with an object variable follows.
 pub const MONITOR_OBJECTS_MAX: usize = 10_000;
+/// Values that a `:custom` trend is asked about: a list is made of them at every sample.
+pub const CUSTOM_VALUES_MAX: usize = 10_000;
+/// Numbers kept in order for the median of a run that has no end: a day of 10 Hz, 100 MB.
+pub const MEDIAN_NUMBERS_MAX: u64 = 1_000_000;
+/// Instants at which samples leave a sliding window that are tried before the next wake: the next sample mostly comes
+/// first.
+pub const WINDOW_FORESIGHT_MAX: usize = 4;
 /// Looks at two priorities that move, to find when one overtakes the other: some 30 halvings of each of 30 spans.
 pub const PRIORITY_SEARCH_MAX: u32 = 2_000;
 /// Milliseconds after which two priorities are compared again whose crossing cannot be computed.

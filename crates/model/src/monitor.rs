@@ -8,10 +8,12 @@ use crate::condition::{EpisodeCondition, MeasurementCondition, Relation};
 use crate::event::StateVariable;
 use crate::evidence_list::EvidenceList;
 use crate::expression::Expr;
+use crate::monitor_numbers::{PersistedPart, RegressionPart, StatisticalPart};
 use crate::source::Place;
 use crate::symbol::Symbol;
 use crate::task::TaskId;
 use crate::time::{Duration, Time};
+pub use crate::unmet::Unmet;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -85,23 +87,6 @@ pub enum Interest {
     EveryStep,
 }
 
-/// Part of a condition that does not hold: what `apex why` prints.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Unmet {
-    /// The part as PDL text.
-    pub what: String,
-    /// What is known about it now.
-    pub now: String,
-    /// Since when that is so.
-    pub since: Option<Time>,
-    /// When it comes true by time alone, if nothing changes before.
-    pub until: Option<Time>,
-    /// How far the newest sample is from the threshold.
-    pub distance: Option<Value>,
-    /// Where it stands.
-    pub place: Place,
-}
-
 /// The state of one condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Monitor {
@@ -168,6 +153,12 @@ pub enum PartKind {
     Measurement(Box<MeasurementPart>),
     /// A constraint on a run of samples.
     Episode(Box<EpisodePart>),
+    /// A constraint on a persisted value.
+    Persisted(Box<PersistedPart>),
+    /// A constraint on a value that a line of least squares gives.
+    Regression(Box<RegressionPart>),
+    /// Constraints on statistics and trends of a run of samples.
+    Statistical(Box<StatisticalPart>),
     /// A message.
     Event(Box<EventPart>),
     /// The end of a task.
@@ -231,8 +222,6 @@ pub struct MeasurementPart {
     pub tests: Tests,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
-    /// For how long a sample is valid after its instant, when `:persist` is asked; none is its instant only.
-    pub persistence: Option<Duration>,
     /// The window reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// What it was told of; nothing for most of those that wait, because they are not told of samples in vain.

@@ -2,18 +2,12 @@
 //!
 //! Each function answers with the name of the unsupported construct as its author writes it.
 
-use crate::condition::{Condition, ConditionKind, EpisodeCondition, Estimation};
+use crate::condition::{Condition, ConditionKind};
 use crate::procedure::{Procedure, Step};
 
 /// The first construct of `condition` (its parts included) that the executive cannot evaluate.
 pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
     match &condition.kind {
-        ConditionKind::Measurement(measurement) => match &measurement.estimation {
-            Some(Estimation::LinearRegression(_)) => Some(":linear-regression"),
-            Some(Estimation::Persist(_)) if !measurement.timestamp.is_empty() => Some(":persist with :timestamp"),
-            Some(Estimation::Persist(_)) | None => None,
-        },
-        ConditionKind::Episode(episode) => unsupported_episode(episode),
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
             parts.iter().find_map(unsupported_condition)
         }
@@ -21,22 +15,14 @@ pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
         ConditionKind::Not(part) | ConditionKind::Absent(part, _) => unsupported_condition(part),
         ConditionKind::Probing { .. } => Some(":probing"),
         ConditionKind::Cyclic { .. } => Some(":cyclic"),
-        ConditionKind::Delay(..)
+        ConditionKind::Measurement(_)
+        | ConditionKind::Episode(_)
+        | ConditionKind::Delay(..)
         | ConditionKind::Timestamp(..)
         | ConditionKind::Event { .. }
         | ConditionKind::TaskEnded(_)
         | ConditionKind::TaskState { .. }
         | ConditionKind::Function(_) => None,
-    }
-}
-
-fn unsupported_episode(episode: &EpisodeCondition) -> Option<&'static str> {
-    if !episode.stats.is_empty() {
-        Some(":stats")
-    } else if !episode.trend.is_empty() {
-        Some(":trend")
-    } else {
-        None
     }
 }
 

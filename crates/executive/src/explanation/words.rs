@@ -2,11 +2,12 @@
 
 use crate::control::instantiation::built_in_word;
 use apex_model::condition::{
-    Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
+    Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::Activity;
+use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
 /// The text of an expression, close to what its author wrote.
@@ -108,8 +109,35 @@ pub(crate) fn measurement(condition: &MeasurementCondition) -> String {
         option(":value", &condition.value),
         option(":object", &condition.object),
         option(":timestamp", &condition.timestamp),
-        if condition.estimation.is_some() { " :estimation :persist" } else { "" }
+        condition.estimation.as_ref().map(estimation).unwrap_or_default()
     )
+}
+
+fn estimation(estimation: &Estimation) -> String {
+    match estimation {
+        Estimation::Persist(None) => " :estimation :persist".into(),
+        Estimation::Persist(Some(timeout)) => format!(" :estimation (:persist :with-timeout {})", expression(timeout)),
+        Estimation::LinearRegression(options) if options.is_empty() => " :estimation :linear-regression".into(),
+        Estimation::LinearRegression(options) => {
+            let options = options.iter().map(|(name, value)| format!(":{name} {}", expression(value)));
+            format!(" :estimation {}", list(":linear-regression", options))
+        }
+    }
+}
+
+fn groups(name: &str, groups: &[(Symbol, Vec<Constraint>)]) -> String {
+    if groups.is_empty() {
+        return String::new();
+    }
+    let one = |(name, constraints): &(Symbol, Vec<Constraint>)| {
+        let constraints = constraints.iter().map(|each| match (name.folded(), each) {
+            ("significance", Constraint::Compare { right, .. }) => expression(right),
+            ("custom", Constraint::Predicate(predicate, _)) => predicate.to_string(),
+            _ => constraint(each),
+        });
+        list(format!(":{name}"), constraints)
+    };
+    format!(" {name} {}", groups.iter().map(one).collect::<Vec<_>>().join(" "))
 }
 
 /// The text of an episode condition.
@@ -119,14 +147,16 @@ pub(crate) fn episode(condition: &EpisodeCondition) -> String {
         Quality::MaximumGap(gap) => format!("(:max-gap {})", expression(gap)),
     };
     format!(
-        "(:episode ({}){} :quality {quality}{}{}{}{}{})",
+        "(:episode ({}){} :quality {quality}{}{}{}{}{}{}{})",
         variable(&condition.variable),
         if condition.any { " :any" } else { "" },
         option(":value", &condition.value),
         option(":first-value", &condition.first_value),
         option(":last-value", &condition.last_value),
         option(":object", &condition.object),
-        timing(&condition.timing)
+        timing(&condition.timing),
+        groups(":stats", &condition.stats),
+        groups(":trend", &condition.trend)
     )
 }
 
@@ -154,7 +184,8 @@ fn option(name: &str, constraints: &[Constraint]) -> String {
     format!(" {name} {}", constraints.iter().map(constraint).collect::<Vec<_>>().join(" "))
 }
 
-fn constraint(constraint: &Constraint) -> String {
+/// The text of a constraint.
+pub(crate) fn constraint(constraint: &Constraint) -> String {
     match constraint {
         Constraint::Predicate(..) | Constraint::Range(..) => bare(constraint),
         other => format!("({})", bare(other)),

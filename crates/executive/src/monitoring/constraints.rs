@@ -31,6 +31,8 @@ pub(super) enum Reading {
     Instant,
     /// As a duration.
     Span,
+    /// As it is; a bare number times the factor is in SI and of the dimension.
+    Scaled(f64, Dimension),
 }
 
 /// The unit that samples of `attribute` are declared with.
@@ -48,6 +50,18 @@ pub(super) fn prepare(
     unit: Option<&'static Unit>,
     surroundings: &dyn Surroundings,
 ) -> Result<Tests, EvaluationError> {
+    prepare_as(constraints, Reading::Value(unit), surroundings)
+}
+
+/// The same, where right sides are read as `reading` says.
+///
+/// # Errors
+/// When a right side that never changes cannot be evaluated.
+pub(super) fn prepare_as(
+    constraints: &[Constraint],
+    reading: Reading,
+    surroundings: &dyn Surroundings,
+) -> Result<Tests, EvaluationError> {
     constraints
         .iter()
         .zip(0..)
@@ -55,7 +69,7 @@ pub(super) fn prepare(
             Constraint::Compare { relation, right, tolerance: None }
                 if never_changes(right, surroundings.library(), 8) =>
             {
-                let right = read(evaluate(right, surroundings)?, Reading::Value(unit), right.place)?;
+                let right = read(evaluate(right, surroundings)?, reading, right.place)?;
                 Ok(Test::Fixed { relation: *relation, right })
             }
             _ => Ok(Test::General(index)),
@@ -96,6 +110,23 @@ pub(super) fn satisfies_all(
     surroundings: &dyn Surroundings,
     place: Place,
 ) -> Result<bool, EvaluationError> {
+    let reading = || Reading::Value(unit_of(attribute, surroundings.library()));
+    satisfies_all_as(tests, constraints, value, reading, bindings, surroundings, place)
+}
+
+/// The same, where right sides are read as `reading` says.
+///
+/// # Errors
+/// When a right side cannot be evaluated or compared.
+pub(super) fn satisfies_all_as(
+    tests: &[Test],
+    constraints: &[Constraint],
+    value: &Value,
+    reading: impl Fn() -> Reading,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<bool, EvaluationError> {
     for test in tests {
         let holds = match test {
             Test::Fixed { relation, right } => match value.order(right) {
@@ -104,8 +135,7 @@ pub(super) fn satisfies_all(
             },
             Test::General(index) => {
                 let Some(constraint) = constraints.get(*index as usize) else { continue };
-                let unit = unit_of(attribute, surroundings.library());
-                satisfies(constraint, value, Reading::Value(unit), bindings, surroundings, place)?
+                satisfies(constraint, value, reading(), bindings, surroundings, place)?
             }
         };
         if !holds {
@@ -208,7 +238,10 @@ pub(super) fn read(right: Value, reading: Reading, place: Place) -> Result<Value
         (Reading::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {
             Ok(with_unit(number, unit))
         }
-        (Reading::Value(_), _) => Ok(right),
+        (Reading::Scaled(factor, dimension), Some((number, Dimension::NONE))) if number.is_finite() => {
+            Ok(Value::measured(number * factor, dimension))
+        }
+        (Reading::Value(_) | Reading::Scaled(..), _) => Ok(right),
         (Reading::Instant, _) => instant(&right).map(Value::Time).map_err(error),
         (Reading::Span, _) => duration(&right).map(Value::Duration).map_err(error),
     }

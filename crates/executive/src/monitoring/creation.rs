@@ -9,10 +9,15 @@
 
 use super::specificity::variables;
 use super::time_conditions::Kind;
-use super::{Troubles, absence, episode, event, measurement, reach, replay, task_state, time_conditions};
+use super::{
+    Troubles, absence, episode, event, measurement, persistence, reach, regression, replay, statistics, task_state,
+    time_conditions,
+};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
-use apex_model::condition::{Condition, ConditionKind, Constraint, Relation, VariablePattern};
+use apex_model::condition::{
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Relation, VariablePattern,
+};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::monitor::{AbsentPart, AllenPart, FunctionPart, Side};
 use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
@@ -61,15 +66,13 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             if !measurement.timestamp.is_empty() {
                 window = past(&mut measurement.timestamp.iter());
             }
-            PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?))
+            measured(measurement, surroundings)?
         }
         ConditionKind::Episode(episode) => {
             if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
                 window = whole_past;
             }
-            let mut part = episode::create(episode, role.any_pair || episode.any, surroundings)?;
-            part.at_close |= role.whole_runs && !episode.last_value.is_empty();
-            PartKind::Episode(Box::new(part))
+            of_run(episode, role, surroundings)?
         }
         ConditionKind::Event { pattern, timing } => {
             if !timing.start.is_empty() || !timing.end.is_empty() {
@@ -152,6 +155,35 @@ fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> 
         passing: Vec::new(),
         undecided: false,
         decides_at: None,
+    })
+}
+
+fn measured(
+    measurement: &Arc<MeasurementCondition>,
+    surroundings: &dyn Surroundings,
+) -> Result<PartKind, EvaluationError> {
+    Ok(match &measurement.estimation {
+        None => PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?)),
+        Some(Estimation::Persist(timeout)) => {
+            PartKind::Persisted(Box::new(persistence::create(measurement, timeout.as_ref(), surroundings)?))
+        }
+        Some(Estimation::LinearRegression(options)) => {
+            PartKind::Regression(Box::new(regression::create(measurement, options, surroundings)?))
+        }
+    })
+}
+
+fn of_run(
+    episode: &Arc<EpisodeCondition>,
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<PartKind, EvaluationError> {
+    Ok(if episode.stats.is_empty() && episode.trend.is_empty() {
+        let mut part = episode::create(episode, role.any_pair || episode.any, surroundings)?;
+        part.at_close |= role.whole_runs && !episode.last_value.is_empty();
+        PartKind::Episode(Box::new(part))
+    } else {
+        PartKind::Statistical(Box::new(statistics::create(episode, surroundings)?))
     })
 }
 
@@ -260,6 +292,9 @@ pub(super) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubl
     match &mut part.kind {
         PartKind::Measurement(leaf) => measurement::look_back(leaf, site, surroundings, troubles),
         PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
+        PartKind::Persisted(leaf) => persistence::look_back(leaf, site, surroundings, troubles),
+        PartKind::Regression(leaf) => regression::look_back(leaf, site, surroundings, troubles),
+        PartKind::Statistical(leaf) => statistics::look_back(leaf, site, surroundings, troubles),
         PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),

@@ -154,6 +154,9 @@ pub(super) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
         PartKind::Absent(leaf) => act(&leaf.part),
         PartKind::Measurement(_)
         | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
         | PartKind::Event(_)
         | PartKind::TaskEnded(_)
         | PartKind::TaskState(_)

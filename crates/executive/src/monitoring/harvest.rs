@@ -7,7 +7,7 @@
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
-use super::{Asking, Truth, advance, episode, logic, site};
+use super::{Asking, Truth, advance, episode, logic, site, statistics};
 use crate::expression::Surroundings;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
@@ -270,8 +270,13 @@ fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
 
 /// The results of an episode that goes on.
 fn open_keys(part: &Part, asking: &mut Asking<'_>) -> Vec<Key> {
-    let PartKind::Episode(leaf) = &part.kind else { return Vec::new() };
-    let open = episode::open_results(leaf, site(part), asking.now, asking.surroundings, &mut asking.troubles);
+    let open = match &part.kind {
+        PartKind::Episode(leaf) => {
+            episode::open_results(leaf, site(part), asking.now, asking.surroundings, &mut asking.troubles)
+        }
+        PartKind::Statistical(leaf) => statistics::open_results(leaf, site(part), asking),
+        _ => return Vec::new(),
+    };
     open.iter().map(|result| Key::of(part.place, result)).collect()
 }
 
@@ -286,6 +291,9 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, asking: &mut A
         PartKind::Not(_) => return,
         PartKind::Measurement(_)
         | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
         | PartKind::Event(_)
         | PartKind::TaskEnded(_)
         | PartKind::TaskState(_)
@@ -315,6 +323,8 @@ fn drop_settled(part: &mut Part) {
             }
         }
         PartKind::Episode(leaf) => leaf.settled.clear(),
+        PartKind::Persisted(leaf) => leaf.settled.clear(),
+        PartKind::Statistical(leaf) => leaf.settled.clear(),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::TaskState(leaf) => leaf.settled.clear(),
         PartKind::Allen(leaf) => leaf.found.clear(),

@@ -25,7 +25,12 @@ pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {
 /// The only interest of a monitor that never has another one; none for all other monitors.
 pub(crate) fn lasting_interest(monitor: &Monitor) -> Option<Interest> {
     match &monitor.root.kind {
-        PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
+        | PartKind::Event(_) => {
             let mut only = None;
             collect_interests(&monitor.root, &mut |interest| only = Some(interest));
             only
@@ -60,6 +65,9 @@ pub(super) fn collect_interests(part: &Part, add: &mut dyn FnMut(Interest)) {
     match &part.kind {
         PartKind::Measurement(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
         PartKind::Episode(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Persisted(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Regression(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
+        PartKind::Statistical(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
         PartKind::Event(leaf) => add(event::interest(&leaf.pattern)),
         PartKind::TaskEnded(leaf) => add(task_state::interest(leaf.task)),
         PartKind::TaskState(leaf) => add(task_state::interest(leaf.task)),

@@ -8,7 +8,10 @@
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
 use super::time_conditions::{Kind, delays};
-use super::{Asking, Truth, absence, allen, episode, measurement, task_state, time_conditions};
+use super::{
+    Asking, Truth, absence, allen, episode, measurement, persistence, regression, statistics, task_state,
+    time_conditions,
+};
 use crate::expression::{WithBindings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
@@ -26,6 +29,9 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
     match &part.kind {
         PartKind::Measurement(leaf) => Truth::of(measurement::any(leaf), leaf.blind),
         PartKind::Episode(leaf) => episode::truth(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
+        PartKind::Persisted(leaf) => persistence::truth(leaf, site, asking),
+        PartKind::Regression(leaf) => regression::truth(leaf, site, asking),
+        PartKind::Statistical(leaf) => statistics::truth(leaf, site, asking),
         PartKind::Event(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.blind),
         PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
         PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
@@ -85,6 +91,9 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
     let mut results = match &part.kind {
         PartKind::Measurement(leaf) => measurement::results(leaf),
         PartKind::Episode(leaf) => episode::results(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
+        PartKind::Persisted(leaf) => persistence::results(leaf, site, asking),
+        PartKind::Regression(leaf) => regression::results(leaf, site, asking),
+        PartKind::Statistical(leaf) => statistics::results(leaf, site, asking),
         PartKind::Event(leaf) => leaf.settled.clone(),
         PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
         PartKind::TaskState(leaf) => leaf.settled.clone(),

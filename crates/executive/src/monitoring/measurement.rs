@@ -4,49 +4,39 @@
 //! Reads: histories, surroundings.
 //! Writes: the measurement part of a monitor.
 //! Bound: O(1) per sample and object; a late sample looks back over the window again.
-//! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`, `:estimation :persist`.
-//! Paper: Table 1, rows 1 to 5.
+//! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`.
+//! Paper: Table 1, rows 1 to 4.
 
 use super::constraints::{Reading, all, prepare, satisfies_all, unit_of};
 use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use super::{Site, Troubles, remember};
-use crate::expression::arithmetic::duration;
-use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::expression::{EvaluationError, Surroundings};
 use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
-use apex_model::condition::{Estimation, MeasurementCondition};
+use apex_model::condition::MeasurementCondition;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window};
 use apex_model::thresholds::Threshold;
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::Arc;
 
 /// The part for `condition`, not yet looked back.
 ///
 /// # Errors
-/// When a timeout or a value that never changes cannot be evaluated.
+/// When a value that never changes cannot be evaluated.
 pub(super) fn create(
     condition: &Arc<MeasurementCondition>,
     surroundings: &dyn Surroundings,
 ) -> Result<MeasurementPart, EvaluationError> {
     let unit = unit_of(&condition.variable.attribute, surroundings.library());
-    let persistence = match &condition.estimation {
-        Some(Estimation::Persist(Some(timeout))) => {
-            let value = evaluate(timeout, surroundings)?;
-            Some(duration(&value).map_err(|message| EvaluationError { message, place: timeout.place })?)
-        }
-        Some(Estimation::Persist(None)) => Some(Duration::MAX),
-        Some(Estimation::LinearRegression(_)) | None => None,
-    };
     Ok(MeasurementPart {
         tests: prepare(&condition.value, unit, surroundings)?,
         variable: known_variable(&condition.variable, surroundings),
         condition: Arc::clone(condition),
-        persistence,
         blind: false,
         seen: None,
     })
@@ -62,7 +52,6 @@ pub(super) fn look_back(
     part.seen = None;
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
-    carry_into_window(part, site, surroundings, troubles);
     let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
     part.blind = blind;
     for sample in samples {
@@ -70,37 +59,9 @@ pub(super) fn look_back(
     }
 }
 
-/// Under persistence the last sample before the window may still be valid at its start.
-pub(super) fn carry_into_window(
-    part: &mut MeasurementPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    let (Some(timeout), None) = (part.persistence, site.window.after_sequence) else { return };
-    let condition = Arc::clone(&part.condition);
-    let start = site.window.start;
-    for (variable, history) in surroundings.histories().of_attribute(&condition.variable.attribute) {
-        if !concerns(part.variable.as_ref(), &condition.variable.attribute, variable) {
-            continue;
-        }
-        let Some(sample) = history.before(start).filter(|sample| sample.at + timeout >= start) else { continue };
-        let seen = Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence };
-        if let Some(mut result) = judge(part, site, seen, surroundings, troubles) {
-            result.recognised_at = start;
-            let seen = part.seen.get_or_insert_default();
-            let newest = NewestSample { rank: sample.sequence, at: start, result: Some(result) };
-            seen.newest.insert(variable.object.clone(), newest);
-        }
-    }
-}
-
 /// The comparison that no sample can do without, where nothing but the value decides and nothing else is remembered.
 pub(super) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
-    let plain = part.variable.is_some()
-        && part.persistence.is_none()
-        && part.condition.object.is_empty()
-        && part.condition.timestamp.is_empty();
+    let plain = part.variable.is_some() && part.condition.object.is_empty() && part.condition.timestamp.is_empty();
     match part.tests.first().filter(|_| plain)? {
         Test::Fixed { relation, right } => Threshold::of(*relation, right),
         Test::General(_) => None,
@@ -119,19 +80,12 @@ pub(super) fn notice(
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
-    if part.persistence.is_some() && sample.at < site.window.start {
-        // It came late, and may still be valid at the window's start.
-        look_back(part, site, surroundings, troubles);
-        return;
-    }
     if !site.window.contains(sample.at, sample.sequence) {
         return;
     }
     let known = part.seen.as_ref().and_then(|seen| seen.newest.get(&sample.variable.object));
     if newest || known.is_none_or(|known| sample.at >= known.at) {
         feed(part, site, sample, surroundings, troubles);
-    } else if part.persistence.is_some() {
-        look_back(part, site, surroundings, troubles);
     } else if !planted::is(Bug::LateSampleIgnored) {
         feed_late(part, site, sample, surroundings, troubles);
     }
@@ -290,7 +244,7 @@ fn newest_seen(
     variable: &StateVariable,
     surroundings: &dyn Surroundings,
 ) -> Option<Time> {
-    if part.variable.is_none() || part.persistence.is_some() {
+    if part.variable.is_none() {
         return part.seen.as_ref()?.newest.get(&variable.object).map(|newest| newest.at);
     }
     let mut samples = surroundings.histories().get(variable)?.samples().rev();

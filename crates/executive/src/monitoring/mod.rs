@@ -4,6 +4,7 @@
 //! with the stimuli it has an interest in, and asked by [`verdict`].
 
 mod absence;
+mod aggregates;
 mod allen;
 pub(crate) mod constraints;
 mod creation;
@@ -14,21 +15,31 @@ mod function;
 mod harvest;
 mod histories;
 mod interest;
+mod line_crossing;
 mod logic;
 mod measurement;
+mod number_runs;
+mod numbers_unmet;
 pub(crate) mod pattern_matching;
+mod persistence;
 pub(crate) mod plain_episode;
 mod quick_runs;
 mod reach;
+mod regression;
 mod relation;
 mod replay;
 mod retention;
 mod runs;
 mod samples;
+mod significance;
+mod sliding_window;
 pub(crate) mod specificity;
+mod statistics;
+mod stimulus;
 pub(crate) mod task_state;
 #[cfg(test)]
 mod tests;
+mod time_bounds;
 mod time_conditions;
 mod unmet;
 mod wake;
@@ -37,69 +48,17 @@ pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
 pub(crate) use histories::{record_event, record_sample};
 pub(crate) use interest::{interests, lasting_interest, threshold};
 pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
+pub(crate) use stimulus::Stimulus;
 pub(crate) use wake::WakeReason;
 
 use crate::expression::{EvaluationError, Surroundings};
-use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
-use apex_model::event::StateVariable;
 use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
 use apex_model::source::Place;
-use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
-use apex_model::value::Value;
 use samples::Seen;
 use time_conditions::Kind;
-
-/// Something that a monitor may notice. Histories have recorded it before.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Stimulus {
-    /// A sample.
-    Sample {
-        /// The state variable.
-        variable: StateVariable,
-        /// The value, in the declared unit.
-        value: Value,
-        /// When.
-        at: Time,
-        /// Arrival number.
-        sequence: u64,
-        /// No sample of the variable is as new.
-        newest: bool,
-    },
-    /// A message.
-    Event {
-        /// Its form.
-        form: Value,
-        /// When.
-        at: Time,
-        /// Arrival number.
-        sequence: u64,
-    },
-    /// A task ended.
-    TaskEnded {
-        /// The task.
-        task: TaskId,
-        /// When.
-        at: Time,
-        /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
-        before: MonitorId,
-    },
-    /// A task changed state (`TaskEnded` comes separately when it ended).
-    TaskState {
-        /// The task.
-        task: TaskId,
-        /// Before.
-        from: TaskState,
-        /// After.
-        state: TaskState,
-        /// When.
-        at: Time,
-        /// As above.
-        before: MonitorId,
-    },
-}
 
 /// Kleene's three values, in order: conjunction is the least, disjunction the greatest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -193,6 +152,12 @@ impl<'a> Asking<'a> {
     fn wake_at(&mut self, at: Time) {
         self.wake = Some(self.wake.map_or(at, |before| before.min(at)));
     }
+
+    fn wake_at_after_now(&mut self, at: Time) {
+        if at > self.now {
+            self.wake_at(at);
+        }
+    }
 }
 
 /// Keeps a result, dropping the oldest when there are too many.
@@ -278,6 +243,18 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             let sample = Seen { variable, value, at: *at, sequence: *sequence };
             episode::notice(leaf, site, sample, surroundings, troubles);
         }
+        (PartKind::Persisted(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            persistence::notice(leaf, site, sample, surroundings, troubles);
+        }
+        (PartKind::Regression(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            regression::notice(leaf, site, sample, surroundings, troubles);
+        }
+        (PartKind::Statistical(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            statistics::notice(leaf, site, sample, surroundings, troubles);
+        }
         (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
             event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
         }
@@ -320,7 +297,12 @@ fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Trou
             absence::advance(leaf, site, surroundings, troubles);
         }
         PartKind::Function(leaf) => function::advance(leaf, surroundings, troubles),
-        PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_) => {}
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
+        | PartKind::Event(_) => {}
     }
 }
 
@@ -359,7 +341,7 @@ pub(crate) fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) ->
 pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
     let after = monitor.asked_at;
     let delay = monitor.notes.as_ref().and_then(|notes| notes.delay_over_at).filter(|at| *at > after);
-    wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::OrderDelay))).min()
+    wake_of(&monitor.root, after).into_iter().chain(delay.map(|at| (at, WakeReason::Foreseen))).min()
 }
 
 fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
@@ -389,6 +371,8 @@ fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
             wake_of(&leaf.part, after).into_iter().chain(over).min()
         }
         PartKind::Function(_) => None,
+        // The last verdict said when these would come true.
+        PartKind::Persisted(_) | PartKind::Regression(_) | PartKind::Statistical(_) => None,
         PartKind::Measurement(_) | PartKind::Event(_) | PartKind::TaskEnded(_) | PartKind::TaskState(_) => None,
     }
 }

@@ -8,7 +8,7 @@
 //! PDL: Allen relations, `:absent`, `:lateness`.
 //! Paper: section III, histories.
 
-use super::{Stimulus, Troubles, advance, extents, interest::collect_interests, measurement, notice_part, wake_of};
+use super::{Stimulus, Troubles, advance, extents, interest::collect_interests, notice_part, persistence, wake_of};
 use crate::expression::Surroundings;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, History};
@@ -174,9 +174,12 @@ fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troub
     let site = super::site(part);
     let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);
     match &mut part.kind {
-        PartKind::Measurement(leaf) => {
-            leaf.seen = None;
-            measurement::carry_into_window(leaf, site, surroundings, troubles);
+        PartKind::Measurement(leaf) => leaf.seen = None,
+        PartKind::Persisted(leaf) => persistence::begin_again(leaf, site, surroundings, troubles),
+        PartKind::Regression(leaf) => leaf.objects.clear(),
+        PartKind::Statistical(leaf) => {
+            leaf.settled.clear();
+            leaf.objects.clear();
         }
         PartKind::Episode(leaf) => {
             leaf.settled.clear();

@@ -13,7 +13,9 @@ use crate::explanation::words;
 use crate::expression::arithmetic::duration;
 use crate::expression::history_queries::QUERIES;
 use crate::memory::{Demand, Reach, Subject, Why};
-use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, Quality, Timing};
+use apex_model::condition::{
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
+};
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::history::Histories;
 use apex_model::index::ProcedureIndex;
@@ -226,41 +228,63 @@ impl Survey<'_> {
             .for_each(|forms| self.exprs(forms));
     }
 
-    fn condition(&mut self, condition: &Condition) {
-        match &condition.kind {
-            ConditionKind::Measurement(measurement) => {
-                if !measurement.timestamp.is_empty() {
+    fn measurement(&mut self, measurement: &MeasurementCondition, place: Place) {
+        if !measurement.timestamp.is_empty() {
+            let subject = Subject::Attribute(measurement.variable.attribute.clone());
+            let text = words::measurement(measurement);
+            self.times(subject, &measurement.timestamp, Why::AnyTime, text, place);
+        }
+        self.pattern(&measurement.variable.object);
+        [&measurement.value, &measurement.object, &measurement.timestamp]
+            .into_iter()
+            .for_each(|each| self.constraints(each));
+        match &measurement.estimation {
+            Some(Estimation::Persist(timeout)) => self.all(timeout),
+            Some(Estimation::LinearRegression(options)) => {
+                // A fit interval that is stated may begin before the task.
+                if let Some((_, start)) = options.iter().find(|(name, _)| name.is("start")) {
                     let subject = Subject::Attribute(measurement.variable.attribute.clone());
                     let text = words::measurement(measurement);
-                    self.times(subject, &measurement.timestamp, Why::AnyTime, text, condition.place);
+                    match reach::before_now(start, self.library) {
+                        Some(span) => {
+                            self.demand(subject, Reach::Span(span), Why::Window, text, place);
+                        }
+                        None => self.demand(subject, Reach::Unbounded, Why::FitInterval, text, place),
+                    }
                 }
-                self.pattern(&measurement.variable.object);
-                [&measurement.value, &measurement.object, &measurement.timestamp]
-                    .into_iter()
-                    .for_each(|each| self.constraints(each));
-                match &measurement.estimation {
-                    Some(Estimation::Persist(timeout)) => self.all(timeout),
-                    Some(Estimation::LinearRegression(options)) => options.iter().for_each(|(_, expr)| self.expr(expr)),
-                    None => {}
-                }
+                options.iter().for_each(|(_, expr)| self.expr(expr));
             }
-            ConditionKind::Episode(episode) => {
-                if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
-                    let subject = Subject::Attribute(episode.variable.attribute.clone());
-                    let text = words::episode(episode);
-                    // A run is judged by its own start, which may lie before every limit.
-                    self.demand(subject, Reach::Unbounded, Why::EpisodeTimes, text, condition.place);
-                }
-                if let Quality::MaximumGap(gap) = &episode.quality {
-                    self.expr(gap);
-                }
-                self.pattern(&episode.variable.object);
-                [&episode.value, &episode.first_value, &episode.last_value, &episode.object]
-                    .into_iter()
-                    .for_each(|each| self.constraints(each));
-                self.timing(&episode.timing);
-                episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
-            }
+            None => {}
+        }
+    }
+
+    fn episode(&mut self, episode: &EpisodeCondition, place: Place) {
+        if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
+            let subject = Subject::Attribute(episode.variable.attribute.clone());
+            let text = words::episode(episode);
+            // A run is judged by its own start, which may lie before every limit.
+            self.demand(subject, Reach::Unbounded, Why::EpisodeTimes, text, place);
+        }
+        if let Quality::MaximumGap(gap) = &episode.quality {
+            self.expr(gap);
+        }
+        self.pattern(&episode.variable.object);
+        [&episode.value, &episode.first_value, &episode.last_value, &episode.object]
+            .into_iter()
+            .for_each(|each| self.constraints(each));
+        self.timing(&episode.timing);
+        // The values of the whole run are asked about.
+        if episode.trend.iter().any(|(name, _)| name.is("custom")) {
+            let subject = Subject::Attribute(episode.variable.attribute.clone());
+            self.demand(subject, Reach::Unbounded, Why::Values, words::episode(episode), place);
+        }
+        episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
+    }
+
+    fn condition(&mut self, condition: &Condition) {
+        match &condition.kind {
+            ConditionKind::Measurement(measurement) => self.measurement(measurement, condition.place),
+            ConditionKind::Episode(episode) => self.episode(episode, condition.place),
             ConditionKind::Event { pattern, timing } => {
                 if !timing.start.is_empty() || !timing.end.is_empty() {
                     let limits: Vec<Constraint> = timing.start.iter().chain(&timing.end).cloned().collect();

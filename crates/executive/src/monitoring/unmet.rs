@@ -9,7 +9,7 @@
 
 use super::runs::{gap_cut, with_newest};
 use super::time_conditions::{Kind, span};
-use super::{Asking, Truth, absence, allen, logic, measurement, task_state};
+use super::{Asking, Truth, absence, allen, logic, measurement, numbers_unmet, task_state};
 use crate::control::selection::head;
 use crate::explanation::mismatch::first_mismatch;
 use crate::explanation::words;
@@ -29,19 +29,19 @@ use apex_model::value::Value;
 
 /// What is known about an unmet part.
 #[derive(Default)]
-struct Known {
-    now: String,
-    since: Option<Time>,
-    until: Option<Time>,
-    distance: Option<Value>,
+pub(super) struct Known {
+    pub(super) now: String,
+    pub(super) since: Option<Time>,
+    pub(super) until: Option<Time>,
+    pub(super) distance: Option<Value>,
 }
 
 impl Known {
-    fn words(now: impl Into<String>) -> Known {
+    pub(super) fn words(now: impl Into<String>) -> Known {
         Known { now: now.into(), ..Known::default() }
     }
 
-    fn since(self, since: Option<Time>) -> Known {
+    pub(super) fn since(self, since: Option<Time>) -> Known {
         Known { since, ..self }
     }
 
@@ -101,6 +101,9 @@ pub(super) fn text(part: &Part) -> String {
     match &part.kind {
         PartKind::Measurement(leaf) => words::measurement(&leaf.condition),
         PartKind::Episode(leaf) => words::episode(&leaf.condition),
+        PartKind::Persisted(leaf) => words::measurement(&leaf.condition),
+        PartKind::Regression(leaf) => words::measurement(&leaf.condition),
+        PartKind::Statistical(leaf) => words::episode(&leaf.condition),
         PartKind::Event(leaf) => words::event(&leaf.pattern, &leaf.timing),
         PartKind::TaskEnded(leaf) => task_state::ended_words(&leaf.variable),
         PartKind::TaskState(leaf) => words::task_state(&leaf.expression, &leaf.state),
@@ -161,11 +164,14 @@ fn absence_state(leaf: &AbsentPart, asking: &Asking<'_>) -> Known {
 }
 
 /// What is known about a part.
-fn state(part: &Part, asking: &Asking<'_>) -> Known {
+fn state(part: &Part, asking: &mut Asking<'_>) -> Known {
     let start = part.window.start;
     match &part.kind {
         PartKind::Measurement(leaf) => measurement_state(leaf, part.window, asking),
         PartKind::Episode(leaf) => episode_state(leaf, asking),
+        PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, super::site(part), asking),
+        PartKind::Regression(leaf) => numbers_unmet::regression(leaf, super::site(part), asking),
+        PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, super::site(part), asking),
         PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
         PartKind::Event(leaf) => event_state(leaf, part, asking),
         PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), asking),
@@ -214,7 +220,11 @@ fn begins_alike(pattern: &Pattern, form: &Value) -> bool {
     wanted.is_some_and(|wanted| head(form) == Some(wanted))
 }
 
-fn newest(known: Option<&StateVariable>, attribute: &Symbol, asking: &Asking<'_>) -> Option<(String, Sample)> {
+pub(super) fn newest(
+    known: Option<&StateVariable>,
+    attribute: &Symbol,
+    asking: &Asking<'_>,
+) -> Option<(String, Sample)> {
     let histories = asking.surroundings.histories();
     match known {
         Some(variable) => histories.get(variable)?.newest().map(|sample| (variable.to_string(), sample.clone())),
@@ -244,7 +254,7 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>
 }
 
 /// How far a value is from the nearest threshold that it misses.
-fn distance(tests: &[Test], value: &Value) -> Option<Value> {
+pub(super) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
     let (own, dimension) = value.as_number()?;
     let missed = tests.iter().filter_map(|test| match test {
         Test::Fixed { relation, right } => right.as_number().map(|(wanted, _)| (relation, wanted)),

@@ -4,7 +4,7 @@
 //! Reads: nothing.
 //! Writes: nothing.
 //! Bound: O(1).
-//! PDL: `:max-gap`, `:duration`, `:delay`, `:timestamp`, `:absent`.
+//! PDL: `:max-gap`, `:duration`, `:delay`, `:timestamp`, `:absent`, `:estimation`.
 //! Paper: section III, condition monitoring.
 
 use apex_model::time::Duration;
@@ -17,8 +17,9 @@ pub(crate) enum WakeReason {
     GapEnds(Duration),
     /// A run has lasted so long.
     DurationReached(Duration),
-    /// A `:delay` at the end of an order is over.
-    OrderDelay,
+    /// What the last verdict foresaw: a `:delay` at the end of an order is over, or an estimate, a run or a window
+    /// comes to satisfy its constraints.
+    Foreseen,
     /// A `:delay` is over.
     Delay,
     /// A `:timestamp` is reached.
@@ -34,7 +35,7 @@ impl fmt::Display for WakeReason {
         match self {
             WakeReason::GapEnds(gap) => write!(f, "no sample for more than {gap} ends the episode"),
             WakeReason::DurationReached(span) => write!(f, ":duration {span} of the episode is reached"),
-            WakeReason::OrderDelay => f.write_str("a :delay is over"),
+            WakeReason::Foreseen => f.write_str("a :delay is over, or an estimate or a window meets its constraints"),
             WakeReason::Delay => f.write_str(":delay is over"),
             WakeReason::Timestamp => f.write_str(":timestamp is reached"),
             WakeReason::RelationDecided => f.write_str("an episode without samples is over, which decides a relation"),

@@ -6,6 +6,7 @@ use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;
 use apex_model::quantity::Dimension;
 use apex_model::source::Place;
+use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
 /// Why a condition cannot hold.
@@ -27,7 +28,9 @@ pub(crate) fn impossible(condition: &Condition, library: &Library) -> Option<Imp
         ConditionKind::Episode(episode) => within("the value", &episode.value)
             .or_else(|| within("the first value", &[&*episode.value, &*episode.first_value].concat()))
             .or_else(|| within("the last value", &[&*episode.value, &*episode.last_value].concat()))
-            .or_else(|| duration(&episode.timing, condition.place, library)),
+            .or_else(|| duration(&episode.timing, condition.place, library))
+            .or_else(|| statistic(&episode.stats, condition.place, library))
+            .or_else(|| trend(&episode.trend, condition.place, library)),
         ConditionKind::Event { timing, .. } => duration(timing, condition.place, library),
         ConditionKind::Delay(least, Some(most)) => {
             let (from, to) = (number(least, library)?, number(most, library)?);
@@ -49,6 +52,51 @@ fn duration(timing: &Timing, place: Place, library: &Library) -> Option<Impossib
     let all = [timing.duration.as_slice(), &[positive]].concat();
     let reason = contradiction(&all, library).filter(|_| !timing.duration.is_empty())?;
     Some(Impossible { place, reason: format!("the duration {reason}") })
+}
+
+/// Statistics that are never below zero, and a count never below one: nothing is said of no sample.
+fn statistic(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) -> Option<Impossible> {
+    groups.iter().find_map(|(name, constraints)| {
+        let least = match name.folded() {
+            "count" => Some(1.0),
+            "stddev" | "variance" | "difference" | "time-weighted-stddev" | "time-weighted-variance" => Some(0.0),
+            _ => None,
+        };
+        never(name, constraints, least, place, library)
+    })
+}
+
+/// Limits on a trend; a frequency and a level of significance are positive, and a level of one asks for nothing.
+fn trend(groups: &[(Symbol, Vec<Constraint>)], place: Place, library: &Library) -> Option<Impossible> {
+    groups.iter().find_map(|(name, constraints)| match (name.folded(), constraints.as_slice()) {
+        ("significance", [Constraint::Compare { right, .. }]) => {
+            let level = number(right, library).filter(|level| !(*level > 0.0 && *level < 1.0))?;
+            let reason = format!("a significance of {level} is no probability between 0 and 1");
+            Some(Impossible { place, reason })
+        }
+        ("frequency", _) => never(name, constraints, Some(0.0), place, library),
+        _ => never(name, constraints, None, place, library),
+    })
+}
+
+fn never(
+    name: &Symbol,
+    constraints: &[Constraint],
+    least: Option<f64>,
+    place: Place,
+    library: &Library,
+) -> Option<Impossible> {
+    let mut all = constraints.to_vec();
+    all.extend(least.map(|least| {
+        let right = Expr { kind: ExprKind::Constant(Value::Real(least)), place };
+        Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
+    }));
+    let reason = match (contradiction(constraints, library), contradiction(&all, library), least) {
+        (None, Some(_), Some(1.0)) => "is never below 1: nothing is said of no sample".to_string(),
+        (None, Some(_), _) => "is never negative".to_string(),
+        (found, ..) => found?,
+    };
+    Some(Impossible { place, reason: format!("the {} {reason}", name.folded()) })
 }
 
 /// The number that an expression always is, in SI units.

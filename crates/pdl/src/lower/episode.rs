@@ -4,7 +4,7 @@ use super::Lowering;
 use super::clauses::{Group, groups, values_of};
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
@@ -15,7 +15,20 @@ use apex_model::value::Value;
 
 const OPTIONS: &[&str] =
     &["quality", "value", "first-value", "last-value", "object", "timing", "stats", "trend", "probing"];
-const STATISTICS: &[&str] = &["mean", "count", "stddev", "variance", "sum", "difference", "min", "max", "median"];
+const STATISTICS: &[&str] = &[
+    "mean",
+    "count",
+    "stddev",
+    "variance",
+    "sum",
+    "difference",
+    "min",
+    "max",
+    "median",
+    "time-weighted-mean",
+    "time-weighted-stddev",
+    "time-weighted-variance",
+];
 const TRENDS: &[&str] = &["rate", "step", "frequency", "custom", "significance"];
 
 /// Every word for the largest gap that is allowed between samples.
@@ -100,8 +113,9 @@ impl Lowering {
                 let diagnostic =
                     Diagnostic::error(codes::MISSING_QUALITY, datum.span, "this episode does not state its `:quality`")
                         .fixes(quality_added(datum))
-                        .reason("samples may be sparse: between two samples far apart the value can have been anything")
-                        .help("to require a sample at least every second: `:quality (:max-gap 1s)`");
+                        .reason(
+                            "samples may be sparse: between two samples far apart the value can have been anything",
+                        );
                 self.refuse(diagnostic)
             }
         }
@@ -134,11 +148,16 @@ impl Lowering {
 
     fn statistics(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<(Symbol, Vec<Constraint>)>> {
         self.all(items, |lowering, item| {
+            let item = &weighted(item);
             let (name, constraints) = lowering.named_group(item, STATISTICS, "statistic")?;
+            if name != "count" {
+                lowering.needs_numbers(&format!("the {name}"), item.span, expected)?;
+            }
             let expected = match name {
                 "count" => Expected::number("the count"),
-                "variance" => expected.square(),
-                _ => expected.clone(),
+                "variance" | "time-weighted-variance" => expected.square().real(),
+                "sum" | "difference" | "min" | "max" => expected.named(name),
+                _ => expected.named(name).real(),
             };
             let constraints = lowering.constraints(constraints, &expected)?;
             Some((Symbol::new(name), constraints))
@@ -148,9 +167,12 @@ impl Lowering {
     fn trend(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<(Symbol, Vec<Constraint>)>> {
         self.all(items, |lowering, item| {
             let (name, constraints) = lowering.named_group(item, TRENDS, "trend")?;
+            if matches!(name, "rate" | "step" | "significance") {
+                lowering.needs_numbers(&format!("the {name}"), item.span, expected)?;
+            }
             let constraints = match name {
-                "rate" => lowering.trend_constraints(constraints, &expected.rate())?,
-                "step" => lowering.trend_constraints(constraints, expected)?,
+                "rate" => lowering.trend_constraints(constraints, &expected.rate().real())?,
+                "step" => lowering.trend_constraints(constraints, &expected.named("step"))?,
                 "frequency" => {
                     let kind = ExpectedKind::Measured(Dimension::FREQUENCY, None);
                     lowering.constraints(constraints, &Expected::plain("the frequency", kind))?
@@ -160,6 +182,20 @@ impl Lowering {
             };
             Some((Symbol::new(name), constraints))
         })
+    }
+
+    /// Refuses to compute with values that are declared to be something else than numbers.
+    pub(crate) fn needs_numbers(&mut self, what: &str, span: Span, expected: &Expected) -> Option<()> {
+        let declared = match expected.value_type.as_ref() {
+            Some(name) if matches!(expected.kind, ExpectedKind::Anything) => name.printed().to_string(),
+            _ => return Some(()),
+        };
+        let message = format!("{what} of {} cannot be computed: its values are of type {declared}", expected.subject);
+        let mut diagnostic = Diagnostic::error(codes::VALUE_TYPE, span, message);
+        if let Some(place) = expected.declared {
+            diagnostic = diagnostic.label(place, format!("declared as {declared} here"));
+        }
+        self.refuse(diagnostic)
     }
 
     /// `(:name C..)` with a known name.
@@ -189,12 +225,8 @@ impl Lowering {
     /// Constraints or the words `:increasing`, `:decreasing`, `:non-increasing`, `:non-decreasing`.
     fn trend_constraints(&mut self, items: &[Datum], expected: &Expected) -> Option<Vec<Constraint>> {
         let groups = self.all(items, |lowering, item| {
-            let relation = match item.keyword() {
-                Some("increasing") => Relation::Greater,
-                Some("decreasing") => Relation::Less,
-                Some("non-increasing") => Relation::LessOrEqual,
-                Some("non-decreasing") => Relation::GreaterOrEqual,
-                _ => return lowering.constraints(std::slice::from_ref(item), expected),
+            let Some(relation) = item.keyword().and_then(direction) else {
+                return lowering.constraints(std::slice::from_ref(item), expected);
             };
             let zero = super::expression::constant(Value::Integer(0), item.span);
             let right = lowering.conform(zero, item.span, expected)?;
@@ -285,11 +317,41 @@ impl Lowering {
     }
 }
 
-/// The quality that asks for nothing, after the last part of an episode.
-fn quality_added(episode: &Datum) -> Option<Fix> {
-    let last = episode.as_list().and_then(<[Datum]>::last)?;
-    let fix = Fix::look("add `:quality (:no-constraints)`, which accepts whatever samples arrive");
-    Some(fix.insert_after(last.span, " :quality (:no-constraints)"))
+/// What a word of a trend asks of the rate or step.
+fn direction(word: &str) -> Option<Relation> {
+    match word {
+        "increasing" => Some(Relation::Greater),
+        "decreasing" => Some(Relation::Less),
+        "non-increasing" => Some(Relation::LessOrEqual),
+        "non-decreasing" => Some(Relation::GreaterOrEqual),
+        _ => None,
+    }
+}
+
+/// `(:mean :time-weighted C..)` as `(:time-weighted-mean C..)`.
+fn weighted(item: &Datum) -> Datum {
+    let parts = item.as_list().unwrap_or_default();
+    let Some((head, rest)) = parts.split_first() else { return item.clone() };
+    let (Some(name), true) = (head.keyword(), rest.iter().any(|part| part.keyword() == Some("time-weighted"))) else {
+        return item.clone();
+    };
+    let head = Datum { kind: DatumKind::Symbol(Symbol::new(&format!(":time-weighted-{name}"))), span: head.span };
+    let rest = rest.iter().filter(|part| part.keyword() != Some("time-weighted")).cloned();
+    Datum { kind: DatumKind::List(std::iter::once(head).chain(rest).collect()), span: item.span }
+}
+
+/// Both ways to state the quality, after the last part of an episode: the one that asks for nothing, and the one that
+/// asks for samples close together.
+fn quality_added(episode: &Datum) -> Vec<Fix> {
+    let Some(last) = episode.as_list().and_then(<[Datum]>::last) else { return Vec::new() };
+    let add = |quality: &str, means: &str| {
+        let fix = Fix::look(format!("add `:quality {quality}`, which {means}"));
+        fix.insert_after(last.span, format!(" :quality {quality}"))
+    };
+    vec![
+        add("(:no-constraints)", "accepts whatever samples arrive"),
+        add("(:max-gap 1s)", "asks for a sample at least every second"),
+    ]
 }
 
 /// A misspelt quality, or one without its colon.

@@ -36,6 +36,8 @@ pub(crate) enum ExpectedKind {
     Measured(Dimension, Option<&'static Unit>),
     /// Change per second of values of this dimension.
     Rate(Dimension, Option<&'static Unit>),
+    /// Of this dimension; bare numbers times the factor are in SI.
+    Scaled(Dimension, f64),
 }
 
 impl Expected {
@@ -82,13 +84,28 @@ impl Expected {
     /// The square of such values; bare numbers are squares of the unit.
     pub(crate) fn square(&self) -> Expected {
         let kind = match self.kind {
-            ExpectedKind::Measured(dimension, None) => ExpectedKind::Measured(dimension.times(dimension), None),
-            ExpectedKind::Measured(dimension, Some(_)) if dimension == Dimension::NONE => self.kind,
-            // No unit of the table is a square of another: bare numbers stay as they are and only quantities are checked.
-            ExpectedKind::Measured(..) => ExpectedKind::Anything,
+            ExpectedKind::Measured(dimension, unit) if dimension != Dimension::NONE => {
+                ExpectedKind::Scaled(dimension.times(dimension), unit.map_or(1.0, |unit| unit.factor * unit.factor))
+            }
             other => other,
         };
-        Expected { subject: format!("the variance of {}", self.subject), kind, ..self.clone() }
+        Expected { kind, ..self.named("variance") }
+    }
+
+    /// A statistic of such values, which has their dimension.
+    pub(crate) fn named(&self, name: &str) -> Expected {
+        if let ExpectedKind::Undeclared = self.kind {
+            return self.clone();
+        }
+        Expected { subject: format!("the {name} of {}", self.subject), ..self.clone() }
+    }
+
+    /// A number that is computed: real, whatever the values are.
+    pub(crate) fn real(&self) -> Expected {
+        match self.value_type.as_ref().map(Symbol::folded) {
+            Some("symbol" | "string" | "list") => self.clone(),
+            _ => Expected { value_type: Some(Symbol::new("real")), ..self.clone() },
+        }
     }
 
     fn dimension(&self) -> Option<Dimension> {
@@ -96,7 +113,7 @@ impl Expected {
             ExpectedKind::Anything | ExpectedKind::Instant => None,
             ExpectedKind::Duration => Some(Dimension::TIME),
             ExpectedKind::Undeclared => Some(Dimension::NONE),
-            ExpectedKind::Measured(dimension, _) => Some(dimension),
+            ExpectedKind::Measured(dimension, _) | ExpectedKind::Scaled(dimension, _) => Some(dimension),
             ExpectedKind::Rate(dimension, _) => Some(dimension.over(Dimension::TIME)),
         }
     }
@@ -109,6 +126,7 @@ impl Expected {
                 let unit = unit.or_else(|| si_unit(dimension))?;
                 Some(of_unit(number, unit))
             }
+            ExpectedKind::Scaled(dimension, factor) => Some(Value::measured(number * factor, dimension)),
             ExpectedKind::Rate(dimension, unit) => {
                 let factor = unit.map_or(1.0, |unit| unit.factor);
                 Some(Value::measured(number * factor, dimension.over(Dimension::TIME)))
@@ -237,7 +255,13 @@ impl Lowering {
         let message = format!("{} is {wanted}, but this is {found}", expected.subject);
         let mut diagnostic = Diagnostic::error(codes::DIMENSION, span, message);
         diagnostic = match expected.declared {
-            Some(declared) => diagnostic.label(declared, format!("declared as {wanted} here")),
+            Some(declared) => diagnostic.label(
+                declared,
+                match expected.kind {
+                    ExpectedKind::Rate(..) | ExpectedKind::Scaled(..) => "its values are declared here".to_string(),
+                    _ => format!("declared as {wanted} here"),
+                },
+            ),
             None => diagnostic.reason("only values of one dimension can be compared"),
         };
         self.refuse(diagnostic)

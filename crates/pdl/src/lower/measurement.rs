@@ -7,7 +7,9 @@ use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use apex_model::condition::{Condition, ConditionKind, Constraint, Estimation, MeasurementCondition, VariablePattern};
+use apex_model::condition::{
+    Condition, ConditionKind, Constraint, Estimation, MeasurementCondition, Relation, VariablePattern,
+};
 use apex_model::expression::Expr;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
@@ -90,10 +92,11 @@ impl Lowering {
         let object = self.constraints(values_of(&options, "object"), &Expected::anything());
         let instant = Expected::plain("the time stamp", ExpectedKind::Instant);
         let timestamp = self.constraints(values_of(&options, "timestamp"), &instant);
-        let estimation = self.optional(&options, "estimation", Lowering::estimation);
+        let estimation = self.optional(&options, "estimation", |lowering, datum| lowering.estimation(datum, &expected));
         value.extend(more?);
         let measurement =
             MeasurementCondition { variable, value, object: object?, timestamp: timestamp?, estimation: estimation? };
+        self.check_solvable(&measurement, datum.span)?;
         let condition =
             Condition { tag, kind: ConditionKind::Measurement(measurement.into()), place: datum.span.place() };
         self.probing(condition, &options)
@@ -107,7 +110,34 @@ impl Lowering {
         self.refuse(diagnostic)
     }
 
-    fn estimation(&mut self, datum: &Datum) -> Option<Estimation> {
+    /// An estimator answers for every instant: it is asked for the first that satisfies the constraints, and these must
+    /// say which instants and, on a line, which values that are.
+    fn check_solvable(&mut self, measurement: &MeasurementCondition, span: Span) -> Option<()> {
+        let is_bound = |constraint: &Constraint| match constraint {
+            Constraint::Compare { relation, .. } => *relation != Relation::Different,
+            Constraint::Range(..) => true,
+            Constraint::Matches(_) | Constraint::Predicate(..) => false,
+        };
+        let is_value = |constraint: &Constraint| {
+            is_bound(constraint)
+                || matches!(constraint, Constraint::Matches(Pattern::Variable(_) | Pattern::BoundVariable(_)))
+        };
+        let what = match &measurement.estimation {
+            None => return Some(()),
+            Some(_) if !measurement.timestamp.iter().all(is_bound) => "the time of an estimated value",
+            Some(Estimation::LinearRegression(_)) if !measurement.value.iter().all(is_value) => "the value of a line",
+            Some(_) => return Some(()),
+        };
+        let message = format!("{what} is constrained in a way that cannot be solved");
+        let diagnostic = Diagnostic::error(codes::UNSOLVABLE, span, message)
+            .reason(
+                "an estimator has a value at every instant, and the first that satisfies the constraints is computed",
+            )
+            .help("bound it by comparisons (`< <= = >= >`) and ranges");
+        self.refuse(diagnostic)
+    }
+
+    fn estimation(&mut self, datum: &Datum, expected: &Expected) -> Option<Estimation> {
         let name = datum.keyword().or_else(|| datum.as_list().and_then(<[Datum]>::first).and_then(Datum::keyword));
         let (stray, options) = groups(datum.tail());
         self.no_stray(stray)?;
@@ -117,7 +147,7 @@ impl Lowering {
                 let timeout = self.optional(&options, "with-timeout", Lowering::duration)?;
                 Some(Estimation::Persist(timeout))
             }
-            Some("linear-regression") => self.regression(&options),
+            Some("linear-regression") => self.regression(&options, datum.span, expected),
             _ => {
                 let diagnostic = Diagnostic::error(codes::MALFORMED_CONDITION, datum.span, "no estimator is called so")
                     .help("estimators are `:persist`, `(:persist :with-timeout D)` and `:linear-regression`");
@@ -126,16 +156,25 @@ impl Lowering {
         }
     }
 
-    fn regression(&mut self, options: &[Group<'_>]) -> Option<Estimation> {
+    fn regression(&mut self, options: &[Group<'_>], span: Span, expected: &Expected) -> Option<Estimation> {
         const KNOWN: &[&str] =
             &["minimum-points", "maximum-error", "maximum-difference", "minimum-frequency", "start", "end"];
         self.check_groups(options, KNOWN, "`:linear-regression`")?;
+        self.needs_numbers("a line through the values", span, expected)?;
         let mut lowered = Vec::new();
         for group in options {
             let datum = self.only(&format!(":{}", group.name), group.values, group.span)?;
             let expr = match group.name {
-                "minimum-frequency" => self.duration(datum)?,
-                _ => self.expression(datum)?,
+                "minimum-frequency" => self.interval_or_frequency(datum)?,
+                name => {
+                    let expected = match name {
+                        "minimum-points" => Expected::number("the number of points"),
+                        "start" | "end" => Expected::plain("this end of the fit interval", ExpectedKind::Instant),
+                        _ => expected.named(&name.replace('-', " ")),
+                    };
+                    let expr = self.expression(datum)?;
+                    self.conform(expr, datum.span, &expected)?
+                }
             };
             lowered.push((Symbol::new(group.name), expr));
         }

@@ -37,7 +37,6 @@ impl Lowering {
         let mut kept = Vec::new();
         for item in items {
             match (item.keyword(), &item.kind) {
-                (Some(word @ "time-weighted"), _) => self.unsupported(&format!(":{word}"), item.span)?,
                 (_, DatumKind::List(parts)) => {
                     let parts = self.without_unsupported(parts)?;
                     kept.push(Datum { kind: DatumKind::List(parts), span: item.span });

@@ -4,6 +4,7 @@ mod against_definition;
 mod combinations;
 mod patterns;
 mod relations;
+mod statistics_by_definition;
 mod stories;
 mod thresholds;
 
@@ -17,7 +18,9 @@ use apex_model::episode_bank::{EpisodeBank, PlainEpisode, Taken};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Duration;
+use apex_model::value::Value;
 use std::sync::Arc;
 
 /// An expression of a value.
@@ -218,6 +221,22 @@ impl World {
             Verdict::NotSatisfied | Verdict::Unknown => None,
         }
     }
+}
+
+/// A world whose samples of `attribute` may come this late.
+fn late_view(attribute: &str, lateness: i64) -> View {
+    let mut view = View::default();
+    let declaration = apex_model::library::StateVariableDeclaration {
+        unit: None,
+        dimension: apex_model::quantity::Dimension::NONE,
+        value_type: None,
+        lateness: Some(Value::Duration(Duration(lateness))),
+        rate_per_s: None,
+        place: Place::default(),
+    };
+    view.library.state_variables.insert(Symbol::new(attribute), declaration);
+    prepare(&mut view.histories, &view.library);
+    view
 }
 
 fn list(items: &[Value]) -> Value {

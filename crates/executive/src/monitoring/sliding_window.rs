@@ -1,0 +1,169 @@
+//! Sliding window (M&I)
+//! What: the numbers of the last so long, with their moments, as samples come and leave.
+//! Runs: from statistics, on every sample.
+//! Reads: nothing.
+//! Writes: the window.
+//! Bound: amortised O(1) a sample: each is moved between the stacks once. Nothing is subtracted, so nothing is lost.
+//! PDL: `:stats` and `:trend` with a `:duration` and no `:value`.
+//! Paper: Table 1, row 8.
+
+use apex_model::moments::{HeldMoments, Moments};
+use apex_model::monitor_numbers::{Point, SlidingWindow};
+use apex_model::time::{Duration, Time};
+
+/// What a window holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Contents {
+    pub(super) moments: Moments,
+    pub(super) held: HeldMoments,
+    /// Numbers that are in the stacks and before the window's start.
+    pub(super) left: Vec<f64>,
+}
+
+/// Adds a number that is younger than all others.
+pub(super) fn push(window: &mut SlidingWindow, point: Point) {
+    window.back_moments.add(point.at, point.number);
+    window.back_held.add(point.number, point.held);
+    window.back.push(point);
+}
+
+/// Drops the numbers before `start`; `leaves` is told of each. Weights over time are kept where `holds` says so.
+pub(super) fn drop_before(window: &mut SlidingWindow, start: Time, holds: bool, mut leaves: impl FnMut(f64)) {
+    loop {
+        if window.front.is_empty() {
+            if window.back.first().is_none_or(|oldest| oldest.at >= start) {
+                return;
+            }
+            turn_over(window, holds);
+        }
+        while window.front.last().is_some_and(|(oldest, _)| oldest.at < start) {
+            window.front_held.pop();
+            if let Some((point, _)) = window.front.pop() {
+                leaves(point.number);
+                window.edge = Some(point);
+            }
+        }
+        if !window.front.is_empty() {
+            return;
+        }
+    }
+}
+
+/// Moves the younger stack onto the older one, the oldest number on top.
+fn turn_over(window: &mut SlidingWindow, holds: bool) {
+    let mut moments = Moments::default();
+    let mut held = HeldMoments::default();
+    for point in std::mem::take(&mut window.back).into_iter().rev() {
+        moments.add(point.at, point.number);
+        window.front.push((point, moments));
+        if holds {
+            held.add(point.number, point.held);
+            window.front_held.push(held);
+        }
+    }
+    window.back_moments = Moments::default();
+    window.back_held = HeldMoments::default();
+}
+
+/// What the window holds from `start` on. Changes nothing, so that it does not matter how often it is asked.
+pub(super) fn contents(window: &SlidingWindow, start: Time) -> Contents {
+    let mut contents = Contents::default();
+    let mut edge = window.edge;
+    let mut first = None;
+    let gone = window.front.iter().rev().take_while(|(point, _)| point.at < start);
+    for (point, _) in gone {
+        contents.left.push(point.number);
+        edge = Some(*point);
+    }
+    match window
+        .front
+        .len()
+        .checked_sub(contents.left.len() + 1)
+        .and_then(|index| Some((index, window.front.get(index)?)))
+    {
+        Some((index, (point, moments))) => {
+            first = Some(point.at);
+            contents.moments = *moments;
+            contents.held = window.front_held.get(index).copied().unwrap_or_default();
+            contents.moments.merge(&window.back_moments);
+            contents.held.merge(&window.back_held);
+        }
+        None if window.back.first().is_some_and(|oldest| oldest.at < start) => {
+            for point in &window.back {
+                if point.at < start {
+                    contents.left.push(point.number);
+                    edge = Some(*point);
+                } else {
+                    first = first.or(Some(point.at));
+                    contents.moments.add(point.at, point.number);
+                    contents.held.add(point.number, point.held);
+                }
+            }
+        }
+        None => {
+            first = window.back.first().map(|point| point.at);
+            contents.moments = window.back_moments;
+            contents.held = window.back_held;
+        }
+    }
+    // The number before the window holds up to the first one in it, or to the newest sample.
+    if let Some(edge) = edge {
+        let until = edge.at + edge.held;
+        let from = start.max(edge.at);
+        contents.held.add(edge.number, first.map_or(until, |first| first.min(until)) - from);
+    }
+    contents
+}
+
+/// When numbers leave a window of this length, after one instant and up to another, at most `count`.
+pub(super) fn leaving(
+    window: &SlidingWindow,
+    length: Duration,
+    (after, until): (Time, Time),
+    count: usize,
+) -> impl Iterator<Item = Time> {
+    let points = window.front.iter().rev().map(|(point, _)| point).chain(&window.back);
+    let instants = points.map(move |point| point.at + length + Duration(1));
+    instants.skip_while(move |at| *at <= after).take_while(move |at| *at <= until).take(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_window_holds_what_lies_in_it(steps in proptest::collection::vec((1..6_i64, -50..50_i32), 1..80), length in 0..20_i64, ahead in 0..25_i64) {
+            let mut window = SlidingWindow::default();
+            let mut all: Vec<Point> = Vec::new();
+            let mut at = 0;
+            for (pause, number) in steps {
+                at += pause;
+                if let Some(last) = all.last_mut() {
+                    last.held = Time(at) - last.at;
+                    push(&mut window, *last);
+                    drop_before(&mut window, Time(at - length), true, |_| {});
+                }
+                all.push(Point { at: Time(at), number: f64::from(number), held: Duration::ZERO });
+                for start in [at - length, at - length + ahead] {
+                    let inside: Vec<Point> = all[..all.len() - 1].iter().copied().filter(|point| point.at.0 >= start).collect();
+                    let found = contents(&window, Time(start));
+                    prop_assert_eq!(found.moments.count(), inside.len() as u64);
+                    let mut plain = Moments::default();
+                    inside.iter().for_each(|point| plain.add(point.at, point.number));
+                    let near = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(a == b, |(a, b)| (a - b).abs() <= 1e-9 * b.abs().max(1.0));
+                    prop_assert!(near(found.moments.variance(), plain.variance()));
+                    let slope = |moments: &Moments| moments.slope_per_s().map(|slope| slope / 1e9);
+                    prop_assert!(near(slope(&found.moments), slope(&plain)));
+                    let mut held = HeldMoments::default();
+                    for point in &all[..all.len() - 1] {
+                        let end = point.at + point.held;
+                        held.add(point.number, end.min(Time(at)) - point.at.max(Time(start)));
+                    }
+                    prop_assert!(near(found.held.mean(), held.mean()), "{:?} {:?} of {:?} from {}", found.held, held, all, start);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Stimuli (M&I)
+//! What: what a monitor may notice: samples, messages, ends and states of tasks.
+//! Runs: recorded first, then shown to the monitors that are interested.
+//! Reads: nothing.
+//! Writes: nothing.
+//! Bound: O(1).
+//! PDL: none.
+//! Paper: section III, sources of information for monitors.
+
+use apex_model::clause::MonitorId;
+use apex_model::event::StateVariable;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Something that a monitor may notice. Histories have recorded it before.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Stimulus {
+    /// A sample.
+    Sample {
+        /// The state variable.
+        variable: StateVariable,
+        /// The value, in the declared unit.
+        value: Value,
+        /// When.
+        at: Time,
+        /// Arrival number.
+        sequence: u64,
+        /// No sample of the variable is as new.
+        newest: bool,
+    },
+    /// A message.
+    Event {
+        /// Its form.
+        form: Value,
+        /// When.
+        at: Time,
+        /// Arrival number.
+        sequence: u64,
+    },
+    /// A task ended.
+    TaskEnded {
+        /// The task.
+        task: TaskId,
+        /// When.
+        at: Time,
+        /// The number of the first monitor that was made later: who begins to watch later does not hear of it.
+        before: MonitorId,
+    },
+    /// A task changed state (`TaskEnded` comes separately when it ended).
+    TaskState {
+        /// The task.
+        task: TaskId,
+        /// Before.
+        from: TaskState,
+        /// After.
+        state: TaskState,
+        /// When.
+        at: Time,
+        /// As above.
+        before: MonitorId,
+    },
+}

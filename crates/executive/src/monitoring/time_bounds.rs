@@ -1,0 +1,100 @@
+//! Time bounds (M&I)
+//! What: the closed interval of instants that constraints on a time stamp leave, for values that hold between samples.
+//! Runs: when an estimator is asked for a value.
+//! Reads: surroundings.
+//! Writes: nothing.
+//! Bound: linear in the constraints.
+//! PDL: `:timestamp` under `:estimation`.
+//! Paper: Table 1, rows 5 and 6.
+
+use super::episode::TICK;
+use crate::expression::arithmetic::{duration, instant};
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::condition::{Constraint, Relation};
+use apex_model::expression::Expr;
+use apex_model::source::Place;
+use apex_model::time::{Duration, Time};
+
+/// Closed bounds; an end that is not stated is open.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct TimeBounds {
+    pub(super) from: Option<Time>,
+    pub(super) to: Option<Time>,
+}
+
+impl TimeBounds {
+    fn from(&mut self, at: Time) {
+        self.from = Some(self.from.map_or(at, |before| before.max(at)));
+    }
+
+    fn to(&mut self, at: Time) {
+        self.to = Some(self.to.map_or(at, |before| before.min(at)));
+    }
+}
+
+/// An instant that an expression gives.
+///
+/// # Errors
+/// When it cannot be evaluated, or is no instant.
+pub(super) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Time, EvaluationError> {
+    let value = evaluate(expr, surroundings)?;
+    instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
+}
+
+/// A duration that an expression gives.
+///
+/// # Errors
+/// When it cannot be evaluated, or is no duration.
+pub(super) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
+    let value = evaluate(expr, surroundings)?;
+    duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
+}
+
+/// The instants that satisfy all `constraints`.
+///
+/// # Errors
+/// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
+pub(super) fn bounds(
+    constraints: &[Constraint],
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<TimeBounds, EvaluationError> {
+    let mut found = TimeBounds::default();
+    for constraint in constraints {
+        match constraint {
+            Constraint::Compare { relation, right, tolerance } => {
+                let at = instant_of(right, surroundings)?;
+                let around = match tolerance {
+                    Some(tolerance) => duration_of(tolerance, surroundings)?,
+                    None => Duration::ZERO,
+                };
+                match relation {
+                    Relation::Equal => {
+                        found.from(at - around);
+                        found.to(at + around);
+                    }
+                    Relation::Less => found.to(at - TICK),
+                    Relation::LessOrEqual => found.to(at),
+                    Relation::Greater => found.from(at + TICK),
+                    Relation::GreaterOrEqual => found.from(at),
+                    Relation::Different => return Err(no_bound(right.place)),
+                }
+            }
+            Constraint::Range(least, most) => {
+                if let Some(least) = least {
+                    found.from(instant_of(least, surroundings)?);
+                }
+                if let Some(most) = most {
+                    found.to(instant_of(most, surroundings)?);
+                }
+            }
+            Constraint::Matches(_) | Constraint::Predicate(..) => return Err(no_bound(place)),
+        }
+    }
+    Ok(found)
+}
+
+fn no_bound(place: Place) -> EvaluationError {
+    let message = "the time stamp of an estimated value can be bounded only by comparisons and ranges".to_owned();
+    EvaluationError { message, place }
+}
