@@ -2,6 +2,7 @@
 
 mod against_definition;
 mod combinations;
+mod numbers;
 mod patterns;
 mod relations;
 mod statistics_by_definition;
