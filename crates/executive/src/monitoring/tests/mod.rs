@@ -16,6 +16,7 @@ use apex_model::condition::{
     ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
 use apex_model::episode_bank::{EpisodeBank, PlainEpisode, Taken};
+use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
