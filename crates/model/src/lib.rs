@@ -32,6 +32,7 @@ pub mod library;
 pub mod limits;
 pub mod moments;
 pub mod monitor;
+pub mod monitor_cyclic;
 pub mod monitor_numbers;
 mod monitor_parts;
 pub mod monitor_set;

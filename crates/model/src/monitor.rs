@@ -8,6 +8,7 @@ use crate::condition::{EpisodeCondition, MeasurementCondition, Relation};
 use crate::event::StateVariable;
 use crate::evidence_list::EvidenceList;
 use crate::expression::Expr;
+use crate::monitor_cyclic::CyclicPart;
 use crate::monitor_numbers::{PersistedPart, RegressionPart, StatisticalPart};
 use crate::source::Place;
 use crate::symbol::Symbol;
@@ -159,6 +160,8 @@ pub enum PartKind {
     Regression(Box<RegressionPart>),
     /// Constraints on statistics and trends of a run of samples.
     Statistical(Box<StatisticalPart>),
+    /// Values that go up and down.
+    Cyclic(Box<CyclicPart>),
     /// A message.
     Event(Box<EventPart>),
     /// The end of a task.

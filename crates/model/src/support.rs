@@ -14,9 +14,9 @@ pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
         ConditionKind::Allen { parts, .. } => parts.iter().find_map(unsupported_condition),
         ConditionKind::Not(part) | ConditionKind::Absent(part, _) => unsupported_condition(part),
         ConditionKind::Probing { .. } => Some(":probing"),
-        ConditionKind::Cyclic { .. } => Some(":cyclic"),
         ConditionKind::Measurement(_)
         | ConditionKind::Episode(_)
+        | ConditionKind::Cyclic { .. }
         | ConditionKind::Delay(..)
         | ConditionKind::Timestamp(..)
         | ConditionKind::Event { .. }

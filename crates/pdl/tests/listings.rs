@@ -69,14 +69,6 @@ fn clauses_outside_of_a_procedure_load_as_a_fragment_only() {
 }
 
 #[test]
-fn words_of_episodes_without_a_meaning_yet_are_named_as_such() {
-    let program = "(procedure (index (a)) (step s (terminate) (waitfor (:cyclic (x y) :period (> 3s)))))";
-    let checked = fragment("words.pdl", program);
-    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
-    assert!(checked.diagnostics.iter().any(|each| each.message == ":cyclic is not yet supported"));
-}
-
-#[test]
 fn a_mistake_inside_of_a_loose_clause_is_still_told() {
     let checked = fragment("loose.pdl", "(step a (print 1)\n  (waitfr (ready camera-1)))\n(procedur (index (x)))");
     let places: Vec<u32> =

@@ -160,6 +160,12 @@ pub(crate) fn episode(condition: &EpisodeCondition) -> String {
     )
 }
 
+/// The text of a cyclic condition.
+pub(crate) fn cyclic(wanted: &VariablePattern, options: &[(Symbol, Vec<Constraint>)]) -> String {
+    let options = options.iter().map(|(name, constraints)| option(&format!(":{name}"), constraints));
+    format!("(:cyclic ({}){})", variable(wanted), options.collect::<String>())
+}
+
 fn timing(timing: &Timing) -> String {
     let parts: Vec<String> = [(":start", &timing.start), (":end", &timing.end), (":duration", &timing.duration)]
         .into_iter()

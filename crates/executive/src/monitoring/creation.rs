@@ -10,8 +10,8 @@
 use super::specificity::variables;
 use super::time_conditions::Kind;
 use super::{
-    Troubles, absence, episode, event, measurement, persistence, reach, regression, replay, statistics, task_state,
-    time_conditions,
+    Troubles, absence, cyclic, episode, event, measurement, persistence, reach, regression, replay, statistics,
+    task_state, time_conditions,
 };
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
@@ -114,7 +114,10 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             let expression = expression.clone();
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
         }
-        ConditionKind::Probing { .. } | ConditionKind::Cyclic { .. } => {
+        ConditionKind::Cyclic { variable, options } => {
+            PartKind::Cyclic(Box::new(cyclic::create(variable, options, surroundings)?))
+        }
+        ConditionKind::Probing { .. } => {
             let name = unsupported_condition(condition).unwrap_or("this condition");
             return Err(EvaluationError { message: format!("{name} is not supported yet"), place: condition.place });
         }
@@ -295,6 +298,7 @@ pub(super) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubl
         PartKind::Persisted(leaf) => persistence::look_back(leaf, site, surroundings, troubles),
         PartKind::Regression(leaf) => regression::look_back(leaf, site, surroundings, troubles),
         PartKind::Statistical(leaf) => statistics::look_back(leaf, site, surroundings, troubles),
+        PartKind::Cyclic(leaf) => cyclic::look_back(leaf, site, surroundings, troubles),
         PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),

@@ -157,6 +157,7 @@ pub(super) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
         | PartKind::Persisted(_)
         | PartKind::Regression(_)
         | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
         | PartKind::Event(_)
         | PartKind::TaskEnded(_)
         | PartKind::TaskState(_)

@@ -294,6 +294,7 @@ fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, asking: &mut A
         | PartKind::Persisted(_)
         | PartKind::Regression(_)
         | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
         | PartKind::Event(_)
         | PartKind::TaskEnded(_)
         | PartKind::TaskState(_)
@@ -325,6 +326,7 @@ fn drop_settled(part: &mut Part) {
         PartKind::Episode(leaf) => leaf.settled.clear(),
         PartKind::Persisted(leaf) => leaf.settled.clear(),
         PartKind::Statistical(leaf) => leaf.settled.clear(),
+        PartKind::Cyclic(leaf) => leaf.settled.clear(),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::TaskState(leaf) => leaf.settled.clear(),
         PartKind::Allen(leaf) => leaf.found.clear(),

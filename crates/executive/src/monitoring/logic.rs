@@ -9,7 +9,7 @@
 
 use super::time_conditions::{Kind, delays};
 use super::{
-    Asking, Truth, absence, allen, episode, measurement, persistence, regression, statistics, task_state,
+    Asking, Truth, absence, allen, cyclic, episode, measurement, persistence, regression, statistics, task_state,
     time_conditions,
 };
 use crate::expression::{WithBindings, evaluate};
@@ -32,6 +32,7 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
         PartKind::Persisted(leaf) => persistence::truth(leaf, site, asking),
         PartKind::Regression(leaf) => regression::truth(leaf, site, asking),
         PartKind::Statistical(leaf) => statistics::truth(leaf, site, asking),
+        PartKind::Cyclic(leaf) => cyclic::truth(leaf, site, asking),
         PartKind::Event(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.blind),
         PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
         PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
@@ -94,6 +95,7 @@ pub(super) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
         PartKind::Persisted(leaf) => persistence::results(leaf, site, asking),
         PartKind::Regression(leaf) => regression::results(leaf, site, asking),
         PartKind::Statistical(leaf) => statistics::results(leaf, site, asking),
+        PartKind::Cyclic(leaf) => cyclic::results(leaf, site, asking),
         PartKind::Event(leaf) => leaf.settled.clone(),
         PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
         PartKind::TaskState(leaf) => leaf.settled.clone(),

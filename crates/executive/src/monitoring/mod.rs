@@ -8,6 +8,7 @@ mod aggregates;
 mod allen;
 pub(crate) mod constraints;
 mod creation;
+mod cyclic;
 mod episode;
 pub(crate) mod event;
 mod extents;
@@ -255,6 +256,10 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             let sample = Seen { variable, value, at: *at, sequence: *sequence };
             statistics::notice(leaf, site, sample, surroundings, troubles);
         }
+        (PartKind::Cyclic(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
+            let sample = Seen { variable, value, at: *at, sequence: *sequence };
+            cyclic::notice(leaf, site, sample, surroundings, troubles);
+        }
         (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
             event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
         }
@@ -302,6 +307,7 @@ fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Trou
         | PartKind::Persisted(_)
         | PartKind::Regression(_)
         | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
         | PartKind::Event(_) => {}
     }
 }
@@ -373,7 +379,11 @@ fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
         PartKind::Function(_) => None,
         // The last verdict said when these would come true.
         PartKind::Persisted(_) | PartKind::Regression(_) | PartKind::Statistical(_) => None,
-        PartKind::Measurement(_) | PartKind::Event(_) | PartKind::TaskEnded(_) | PartKind::TaskState(_) => None,
+        PartKind::Measurement(_)
+        | PartKind::Cyclic(_)
+        | PartKind::Event(_)
+        | PartKind::TaskEnded(_)
+        | PartKind::TaskState(_) => None,
     }
 }
 

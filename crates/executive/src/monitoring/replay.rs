@@ -8,7 +8,9 @@
 //! PDL: Allen relations, `:absent`, `:lateness`.
 //! Paper: section III, histories.
 
-use super::{Stimulus, Troubles, advance, extents, interest::collect_interests, notice_part, persistence, wake_of};
+use super::{
+    Stimulus, Troubles, advance, cyclic, extents, interest::collect_interests, notice_part, persistence, wake_of,
+};
 use crate::expression::Surroundings;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, History};
@@ -185,6 +187,7 @@ fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troub
             leaf.settled.clear();
             leaf.runs.clear();
         }
+        PartKind::Cyclic(leaf) => cyclic::begin_again(leaf),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => forget_time(leaf),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {

@@ -9,7 +9,7 @@
 
 use super::runs::{gap_cut, with_newest};
 use super::time_conditions::{Kind, span};
-use super::{Asking, Truth, absence, allen, logic, measurement, numbers_unmet, task_state};
+use super::{Asking, Truth, absence, allen, cyclic, logic, measurement, numbers_unmet, task_state};
 use crate::control::selection::head;
 use crate::explanation::mismatch::first_mismatch;
 use crate::explanation::words;
@@ -104,6 +104,7 @@ pub(super) fn text(part: &Part) -> String {
         PartKind::Persisted(leaf) => words::measurement(&leaf.condition),
         PartKind::Regression(leaf) => words::measurement(&leaf.condition),
         PartKind::Statistical(leaf) => words::episode(&leaf.condition),
+        PartKind::Cyclic(leaf) => words::cyclic(&leaf.wanted, &leaf.options),
         PartKind::Event(leaf) => words::event(&leaf.pattern, &leaf.timing),
         PartKind::TaskEnded(leaf) => task_state::ended_words(&leaf.variable),
         PartKind::TaskState(leaf) => words::task_state(&leaf.expression, &leaf.state),
@@ -172,6 +173,7 @@ fn state(part: &Part, asking: &mut Asking<'_>) -> Known {
         PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, super::site(part), asking),
         PartKind::Regression(leaf) => numbers_unmet::regression(leaf, super::site(part), asking),
         PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, super::site(part), asking),
+        PartKind::Cyclic(leaf) => Known::words(cyclic::words(leaf, super::site(part), asking)),
         PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
         PartKind::Event(leaf) => event_state(leaf, part, asking),
         PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), asking),

@@ -178,7 +178,7 @@ impl Lowering {
                     lowering.constraints(constraints, &Expected::plain("the frequency", kind))?
                 }
                 "custom" => lowering.custom_trend(item, constraints)?,
-                _ => lowering.significance(item, constraints)?,
+                _ => lowering.one_value(":significance", constraints, item.span)?,
             };
             Some((Symbol::new(name), constraints))
         })
@@ -245,9 +245,13 @@ impl Lowering {
         Some(vec![Constraint::Predicate(name, Vec::new())])
     }
 
-    fn significance(&mut self, item: &Datum, constraints: &[Datum]) -> Option<Vec<Constraint>> {
-        let datum = self.only(":significance", constraints, item.span)?;
-        let right = self.expression(datum)?;
+    /// An option that is a value rather than a constraint: `:hysteresis 3deg`, also as it is printed, `(= 3deg)`.
+    fn one_value(&mut self, option: &str, values: &[Datum], span: Span) -> Option<Vec<Constraint>> {
+        let datum = self.only(option, values, span)?;
+        let right = match datum.as_list() {
+            Some([equal, value]) if equal.is("=") => self.expression(value)?,
+            _ => self.expression(datum)?,
+        };
         Some(vec![Constraint::Compare { relation: Relation::Equal, right, tolerance: None }])
     }
 
@@ -288,7 +292,7 @@ impl Lowering {
         };
         let (stray, groups) = groups(options);
         self.no_stray(stray)?;
-        self.check_groups(&groups, &["period", "amplitude", "cycles"], "`:cyclic`")?;
+        self.check_groups(&groups, &["period", "amplitude", "cycles", "hysteresis"], "`:cyclic`")?;
         let variable = self.plain_state_variable(form)?;
         let values = Expected::values_of(self, &variable.attribute);
         let mut options = Vec::new();
@@ -298,7 +302,11 @@ impl Lowering {
                 "cycles" => Expected::number("the number of cycles"),
                 _ => values.clone(),
             };
-            options.push((Symbol::new(group.name), self.constraints(group.values, &expected)?));
+            let constraints = match group.name {
+                "hysteresis" => self.one_value(":hysteresis", group.values, datum.span)?,
+                _ => self.constraints(group.values, &expected)?,
+            };
+            options.push((Symbol::new(group.name), constraints));
         }
         if !options.iter().any(|(name, _)| name.is("period")) {
             return self.missing_part(

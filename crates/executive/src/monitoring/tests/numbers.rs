@@ -49,7 +49,7 @@ fn worst(offset: i64, unit: f64, number: impl Fn(i64) -> i64, samples: i64, leng
 
 #[test]
 fn offsets_spikes_and_small_noise_cost_no_digits() {
-    let tiny = 2.0_f64.powi(-23);
+    let tiny = libm::ldexp(1.0, -23);
     let cases = [
         (
             "1e9 offset, 1e-3 noise",
@@ -67,7 +67,7 @@ fn offsets_spikes_and_small_noise_cost_no_digits() {
         ),
         (
             "longitude, 1e-7 noise",
-            worst(-122 << 40, 2.0_f64.powi(-40), |index| noise(index, 110_000) + index * 7, 20_000, 1_000),
+            worst(-122 << 40, libm::ldexp(1.0, -40), |index| noise(index, 110_000) + index * 7, 20_000, 1_000),
         ),
         (
             "a million samples",
