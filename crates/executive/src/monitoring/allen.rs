@@ -277,17 +277,21 @@ fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extent
         if look.anywhere {
             continue;
         }
-        let growing = look.runs.iter().map(|run| Span::growing(*run, now.unwrap_or(run.1)));
-        let mut partners: Vec<Span> = growing.chain([Span::coming(now.unwrap_or(look.from))]).collect();
+        let coming = Span::coming(now.unwrap_or(look.from));
+        let mut partners: Vec<Span> = look.runs.iter().map(|run| Span::growing(*run, now.unwrap_or(run.1))).collect();
         let possible = |result: &Satisfaction, partner: Span| {
             let own = Span::of(result.interval);
             let (first, second) = if is_left { (partner, own) } else { (own, partner) };
             decide(part.relation, part.tolerance, first, second) != Decision::Fails
         };
         if any_will_do && bounds_only(part.relation) {
-            keep_best(&side.settled, &mut useful, &partners, possible);
+            let mut best = keep_best(&side.settled, &useful, &partners, possible);
+            let easier = |one: &Satisfaction, other: &Satisfaction| easier(part.relation, is_left, one, other);
+            keep_first_choices(&side.settled, &mut best, |result| possible(result, coming), easier);
+            useful.iter_mut().zip(best).for_each(|(useful, best)| *useful &= best);
             continue;
         }
+        partners.push(coming);
         if longer {
             // What is there already has been related to it, but the chain may lack another part.
             let passing = look.passing.iter().map(|extent| &extent.result);
@@ -312,10 +316,10 @@ fn bounds_only(relation: AllenRelation) -> bool {
 /// decided first, and the one that begins first is told first: the others cannot be the first result.
 fn keep_best(
     settled: &[Satisfaction],
-    useful: &mut [bool],
+    useful: &[bool],
     partners: &[Span],
     possible: impl Fn(&Satisfaction, Span) -> bool,
-) {
+) -> Vec<bool> {
     let mut best = vec![false; settled.len()];
     for partner in partners {
         // The place of the one that ends first, and of the one that begins first, for each set of bindings.
@@ -346,7 +350,43 @@ fn keep_best(
             }
         }
     }
-    useful.iter_mut().zip(best).for_each(|(useful, best)| *useful &= best);
+    best
+}
+
+/// Of results that one to come could be related to, those that no other one stands for: one that every such result would
+/// be related to as well, that binds the same and that would be told before. Where the one to come begins is not known
+/// yet, so a result that ends first may fail where a later one holds.
+fn keep_first_choices(
+    settled: &[Satisfaction],
+    best: &mut [bool],
+    possible: impl Fn(&Satisfaction) -> bool,
+    easier: impl Fn(&Satisfaction, &Satisfaction) -> bool,
+) {
+    let mut kept: Vec<&Satisfaction> = Vec::new();
+    let mut order: Vec<usize> = (0..settled.len()).collect();
+    order.sort_by_key(|index| settled.get(*index).map(|result| result.interval));
+    for index in order {
+        let (Some(result), Some(best)) = (settled.get(index), best.get_mut(index)) else { continue };
+        if possible(result) && !kept.iter().any(|other| easier(other, result) && binds_alike(other, result)) {
+            kept.push(result);
+            *best = true;
+        }
+    }
+}
+
+/// Is everything that `other` could be related to also related to `one`?
+fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction, other: &Satisfaction) -> bool {
+    // A partner stands to the left of the own results, or to their right.
+    let own = |edge: Edge, result: &Satisfaction| match (edge, is_left) {
+        (Edge::FirstStart, false) | (Edge::SecondStart, true) => Some(result.interval.0),
+        (Edge::FirstEnd, false) | (Edge::SecondEnd, true) => Some(result.interval.1),
+        _ => None,
+    };
+    links(relation).iter().all(|(earlier, _, later)| {
+        let no_later = own(*earlier, one) <= own(*earlier, other);
+        let no_earlier = own(*later, one) >= own(*later, other);
+        no_later && no_earlier
+    })
 }
 
 /// Do both bind the same, but for tags, which are intervals?

@@ -169,6 +169,23 @@ fn related(relation: AllenRelation, near: i64, parts: Vec<Condition>) -> Conditi
     tagged("both", ConditionKind::Allen { relation, parts, tolerance, constraints: vec![] })
 }
 
+#[test]
+fn a_result_that_ends_first_does_not_stand_for_one_that_begins_later() {
+    let condition = related(
+        AllenRelation::During,
+        0,
+        vec![Side::Points.condition("a"), Side::Runs { gap: None, least: 0 }.condition("b")],
+    );
+    let mut world = World::new(&condition);
+    // What is told of b comes later than what is told of a: its run begins with the first point.
+    tell(&mut world, &[(false, 2, 3), (true, 3, 5), (true, 7, 5), (true, 8, 3)]);
+    assert_eq!(world.answer(8), None);
+    tell(&mut world, &[(false, 3, 5)]);
+    assert_eq!(world.answer(8), None);
+    tell(&mut world, &[(false, 9, 5)]);
+    assert_eq!(world.answer(9), Some((3, 9, 9)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6_000))]
 
