@@ -6,6 +6,7 @@
 mod absence;
 mod aggregates;
 mod allen;
+mod choices;
 pub(crate) mod constraints;
 mod creation;
 mod cyclic;
