@@ -9,7 +9,7 @@ use apex_executive::{Agent, step};
 use apex_model::event::Batch;
 use apex_model::task::TaskState;
 use arbitration::twin::{State, Twin};
-use arbitration::world::{FUEL, Moment, RESOURCES, World, worlds};
+use arbitration::world::{FUEL, Moment, Node, RESOURCES, World, worlds};
 use proptest::prelude::*;
 use support::{agent, message, seconds};
 
@@ -68,6 +68,33 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
         }
     }
     Ok(())
+}
+
+/// Who is displaced for one resource has let go of the others too, also of one that is looked at only later: the fuel of
+/// t0 goes to t2, and t3, which is as weak and was made later, keeps its own.
+#[test]
+fn what_the_displaced_held_besides_is_free_at_once() {
+    let node = |needs, priority: Option<f64>| Node {
+        parent: None,
+        is_group: false,
+        ranked: false,
+        waits: priority.is_some(),
+        needs,
+        priority,
+        rank: None,
+        cost: None,
+    };
+    let nodes = vec![
+        node([1, 0, 0, 4], None),
+        node([1, 0, 0, 0], Some(2.0)),
+        node([0, 0, 0, 3], Some(1.0)),
+        node([0, 0, 0, 6], None),
+    ];
+    let world = World { nodes, moments: vec![Moment::Changes(vec![1, 2], Vec::new())] };
+    agree(&world).unwrap();
+    let mut twin = Twin::new(&world);
+    world.moments.iter().for_each(|moment| twin.happen(moment));
+    assert_eq!(twin.states, [State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
 }
 
 proptest! {

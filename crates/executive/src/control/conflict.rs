@@ -120,6 +120,8 @@ enum Placement {
 pub(crate) struct Field<'a, 'c> {
     cycle: &'a Cycle<'c>,
     uses: BTreeMap<ResourceId, Vec<Use>>,
+    /// Who has lost all it held, also of resources that are not looked at yet.
+    displaced: BTreeSet<TaskId>,
     /// None where nobody has a rank.
     precedence: Option<Precedence>,
 }
@@ -127,7 +129,7 @@ pub(crate) struct Field<'a, 'c> {
 impl<'a, 'c> Field<'a, 'c> {
     /// Nothing has been looked at.
     pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
-        Field { cycle, uses: BTreeMap::new(), precedence: None }
+        Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None }
     }
 
     /// A task that claims, in its turn and with the priority that counts for it.
@@ -161,9 +163,11 @@ impl<'a, 'c> Field<'a, 'c> {
 
     fn load(&mut self, id: ResourceId) {
         let Some(resource) = self.cycle.agent.resources.get(id) else { return };
+        let displaced = &self.displaced;
         self.uses.entry(id).or_insert_with(|| {
+            let holders = resource.holders.iter().filter(|holding| !displaced.contains(&holding.task));
             let held = |task, amount| Use { task, amount, kind: UseKind::Held };
-            resource.holders.iter().map(|holding| held(holding.task, holding.amount)).collect()
+            holders.map(|holding| held(holding.task, holding.amount)).collect()
         });
     }
 
@@ -193,6 +197,7 @@ impl<'a, 'c> Field<'a, 'c> {
                 losses.insert(index, Loss { resource: need.resource, ..spared });
             }
         }
+        self.displaced.extend(losses.iter().map(|loss| loss.loser));
         for uses in self.uses.values_mut() {
             uses.retain(|each| each.kind != UseKind::Held || losses.iter().all(|loss| loss.loser != each.task));
         }
