@@ -44,6 +44,19 @@ fn two_tasks_that_wake_each_other_at_one_instant_are_stopped() {
     ends_with_limit(pdl, "REPETITIONS_PER_INSTANT_MAX");
 }
 
+/// Each of its turns sends a message, so that the one that keeps it going is forgotten before any other limit is reached.
+#[test]
+fn a_loop_without_time_that_ends_by_forgetting_says_so() {
+    let pdl =
+        "(procedure (index (do-domain)) (step a (talk) (repeating :enabled)) (step d (terminate) (waitfor (bye))))
+      (procedure (index (talk)) (step a (inform (tick)) (waitfor (go))) (step b (inform (tock)) (waitfor (go))))";
+    ends_with_limit(pdl, "EVENT_HISTORY_MAX");
+    let mut agent = agent(pdl);
+    let few: Vec<_> = (0..900).map(|_| message(1.0, "(other)")).collect();
+    let told = story(&run(&mut agent, &few, 5.0));
+    assert!(told.iter().all(|line| !line.contains("forgotten")), "{:?}", told.last());
+}
+
 #[test]
 fn a_chain_of_steps_without_time_is_as_long_as_it_is_written() {
     let steps: String = (0..12_000).map(|number| format!("(step (work {number}))\n")).collect();

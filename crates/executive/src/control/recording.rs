@@ -7,8 +7,10 @@ use crate::control::{monitoring_clauses, primitive, question, repetition, termin
 use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
 use crate::monitoring;
-use apex_model::because::Cause;
+use apex_model::because::{Because, Cause};
+use apex_model::effect::DecisionKind;
 use apex_model::event::{Event, EventKind, Message, StateVariable};
+use apex_model::limits::EVENT_HISTORY_MAX;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
@@ -61,8 +63,23 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
 
 fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
     let number = arrival(cycle);
+    let remembered = cycle.agent.histories.events_cover(cycle.now);
     let stimulus = monitoring::record_event(&mut cycle.agent.histories, form, at, number);
     cycle.work.stimuli.push(stimulus);
+    if remembered && !cycle.agent.histories.events_cover(cycle.now) {
+        forgets(cycle);
+    }
+}
+
+/// Says once for each instant that messages of it are forgotten: who begins to listen now does not hear them. So a loop
+/// without time whose tasks send messages may end because of it.
+fn forgets(cycle: &mut Cycle<'_>) {
+    let message = format!(
+        "more than {EVENT_HISTORY_MAX} messages at this instant: the oldest of them are forgotten, tasks made now do not \
+         hear them; look for tasks that keep causing one another without time passing, or send fewer messages at once"
+    );
+    let cause = Cause::LimitReached { limit: "EVENT_HISTORY_MAX".into(), value: EVENT_HISTORY_MAX as u64 };
+    cycle.decide(None, DecisionKind::Trouble { message }, Because::new(cause, None));
 }
 
 fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
