@@ -7,15 +7,14 @@
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
-use super::{Asking, Site, Troubles, Truth, extents, logic, remember, unmet};
+use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
-use apex_model::monitor::AbsentPart;
-use apex_model::monitor::{Keep, Part, Satisfaction};
+use apex_model::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
 use apex_model::time::{Duration, Time};
 
 /// The part, not yet looked back. The length is evaluated now.
@@ -62,16 +61,19 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     }
     let mut asking = Asking::new(surroundings);
     let extents = extents::take(&mut part.part, &mut asking);
-    let passing = extents.passing.iter().map(|extent| extent.result.interval.1);
-    let newest = extents.settled.iter().map(|result| result.interval.1).chain(passing).max();
-    part.since = part.since.max(newest.unwrap_or(part.since));
+    let passing = extents.passing.iter().map(|extent| extent.result.interval);
+    let found: Vec<(Time, Time)> = extents.settled.iter().map(|result| result.interval).chain(passing).collect();
     let goes_on = extents.passing.iter().any(|extent| extent.open);
-    part.unknown = goes_on || extents.silent || logic::truth(&part.part, &mut asking) == Truth::Unknown;
+    part.unknown = goes_on || extents.doubt || is_blind(&part.part);
+    let begins = found.iter().map(|(start, _)| *start).filter(|start| *start > part.since).min();
+    if !part.unknown && begins.is_some_and(|begins| part.since + part.length < begins) {
+        // It is known only now that nothing was there before.
+        note(part, asking.now);
+    }
+    part.since = found.iter().map(|(_, end)| *end).chain([part.since]).max().unwrap_or(part.since);
     let over = part.since + part.length;
-    if !part.unknown && over <= asking.now && part.told != Some(part.since) {
-        part.told = Some(part.since);
-        let interval = (part.since, over);
-        remember(&mut part.found, result(&part.part, interval, asking.now));
+    if !part.unknown && over <= asking.now {
+        note(part, asking.now);
     }
     let waits = Some(over).filter(|over| *over > asking.now);
     part.decides_at =
@@ -80,6 +82,24 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
         if !troubles.0.contains(&trouble) {
             troubles.0.push(trouble);
         }
+    }
+}
+
+/// Is there less remembered than the part's window asks for?
+fn is_blind(part: &Part) -> bool {
+    match &part.kind {
+        PartKind::Measurement(leaf) => leaf.blind,
+        PartKind::Event(leaf) => leaf.blind,
+        _ => false,
+    }
+}
+
+/// The window that began when the part was last there has passed without it.
+fn note(part: &mut AbsentPart, now: Time) {
+    if part.told != Some(part.since) {
+        part.told = Some(part.since);
+        let interval = (part.since, part.since + part.length);
+        remember(&mut part.found, result(&part.part, interval, now));
     }
 }
 

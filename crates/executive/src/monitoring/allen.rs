@@ -312,21 +312,14 @@ pub(super) fn results(part: &AllenPart) -> Vec<Satisfaction> {
     part.found.iter().chain(&part.passing).map(|chain| chain.result.clone()).collect()
 }
 
-/// Satisfied; not known, when a run that goes on decides or the data do not say whether a part holds; else not.
+/// Satisfied; not known, when the data do not say whether a part holds that has found nothing; else not.
 pub(super) fn truth(part: &AllenPart, asking: &mut Asking<'_>) -> Truth {
     if !part.found.is_empty() || !part.passing.is_empty() {
         return Truth::True;
     }
-    let sides = part.parts.iter().zip(&part.sides);
-    let separately = sides.fold(Truth::True, |all, (each, side)| {
-        let own = if side.newest.is_some() { Truth::True } else { logic::truth(each, asking) };
-        all.min(own)
-    });
-    match (separately, part.undecided) {
-        (Truth::True, true) => Truth::Unknown,
-        (Truth::True, false) => Truth::False,
-        (other, _) => other,
-    }
+    let sides = part.parts.iter().zip(&part.sides).filter(|(_, side)| side.newest.is_none());
+    let missing: Vec<Truth> = sides.map(|(each, _)| logic::truth(each, asking)).collect();
+    missing.into_iter().min().filter(|least| *least == Truth::Unknown).unwrap_or(Truth::False)
 }
 
 /// In what the newest results of two adjacent parts miss the relation: the place of the first part, and words.

@@ -9,7 +9,7 @@
 
 use super::episode::TICK;
 use super::runs::{advance_run, with_newest};
-use super::{Asking, Site, logic, site};
+use super::{Asking, Site, Truth, logic, site};
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Part, PartKind, Satisfaction};
@@ -38,8 +38,9 @@ pub(super) struct Extents {
     pub(super) from: Time,
     /// Later results may lie anywhere.
     pub(super) anywhere: bool,
-    /// A run is over only because samples fail to come: nobody knows what it does now.
-    pub(super) silent: bool,
+    /// Nobody knows whether an episode in it goes on: nothing was measured, no sample shows where its run began, or
+    /// samples fail to come.
+    pub(super) doubt: bool,
     /// When time alone can change what is listed here.
     pub(super) changes_at: Option<Time>,
 }
@@ -82,6 +83,7 @@ fn bind_tag<'a>(tag: Option<&Symbol>, results: impl Iterator<Item = &'a mut Sati
 
 fn passing_episodes(leaf: &EpisodePart, site: Site, asking: &mut Asking<'_>, extents: &mut Extents) {
     let now = asking.now;
+    extents.doubt = leaf.blind || leaf.runs.is_empty();
     let mut objects: Vec<_> = leaf.runs.iter().collect();
     objects.sort_by_key(|(_, run)| run.rank);
     for (object, state) in objects {
@@ -90,7 +92,7 @@ fn passing_episodes(leaf: &EpisodePart, site: Site, asking: &mut Asking<'_>, ext
         extents.passing.extend(over.map(|result| Extent { result, open: false }));
         let silent_from = judged.run.as_ref().and_then(|run| silent_from(leaf, run.last));
         let open = silent_from.is_none_or(|at| at > now);
-        extents.silent |= judged.run.is_some() && !open;
+        extents.doubt |= judged.run.is_some() && (!open || (judged.found.is_none() && !judged.contradicted));
         if let Some(run) = judged.run.filter(|_| open) {
             extents.runs.push((run.start, run.last));
             extents.changes_at = extents.changes_at.into_iter().chain(silent_from).min();
@@ -115,7 +117,25 @@ fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
         }
     }
     extents.anywhere = true;
+    extents.doubt = match logic::truth(part, asking) {
+        Truth::False => false,
+        Truth::Unknown => true,
+        // What was found stays true; whether it goes on, only its episodes can say.
+        Truth::True => is_in_doubt(part, asking),
+    };
     extents.runs.extend(open.iter().map(|(_, start, last)| (*start, *last)));
+}
+
+/// Is any episode within the part in doubt?
+fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
+    let mut doubt = false;
+    if let PartKind::Episode(leaf) = &part.kind {
+        let mut own = Extents::default();
+        passing_episodes(leaf, site(part), asking, &mut own);
+        doubt = own.doubt;
+    }
+    for_each_inner(part, &mut |inner| doubt |= is_in_doubt(inner, asking));
+    doubt
 }
 
 fn rests_on(evidence: &Evidence, open: &[(StateVariable, Time, Time)]) -> bool {

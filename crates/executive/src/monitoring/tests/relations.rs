@@ -325,8 +325,11 @@ proptest! {
                 prop_assert!(!quiet || !known, "not absent at {now}: {intervals:?}");
                 continue;
             };
-            prop_assert!(quiet, "absent at {now}: {intervals:?}");
-            prop_assert_eq!(result.interval, (Time(since), Time(since + length)));
+            let (from, to) = (result.interval.0.0, result.interval.1.0);
+            let begins = from == 0 || intervals.iter().any(|(interval, _)| interval.1 == from);
+            let inside = intervals.iter().any(|(interval, _)| interval.1 > from && interval.0 <= to);
+            prop_assert!(begins && !inside && to == from + length && to <= now, "absent at {now}: {intervals:?}");
+            prop_assert!(quiet || from < since, "absent at {now}: {intervals:?}");
             break;
         }
     }
