@@ -197,6 +197,8 @@ pub struct Composite {
     pub constraints: Vec<Expr>,
     /// Results of the parts must be combined: they share variables, or stand under constraints or an order.
     pub combines: bool,
+    /// The variables that occur in more than one part.
+    pub shared: Vec<Symbol>,
 }
 
 /// A value test, prepared so that a sample costs little.

@@ -9,10 +9,12 @@ use std::collections::BTreeSet;
 pub const NOT_YET: &[&str] = &[];
 
 /// Forms that the executive accepts and that are not compared: the definition does not have them, or it is not decided yet
-/// who is right. The list may only become shorter.
+/// who is right. The list may only become shorter. Open readings of `:absent`: of what holds at instants only (`:not`,
+/// `:function`), and whether it is unknown or does not hold while an episode goes on.
 pub const NOT_COMPARED: &[&str] = &[":linear-regression", ":absent", ":persist"];
 
-/// Forms of which it is compared whether and how they are satisfied, but not yet what is unknown and what does not hold.
+/// Forms of which it is compared whether and how they are satisfied, but not yet what is unknown and what does not hold:
+/// relations whose sample was replaced.
 pub const UNKNOWN_NOT_COMPARED: &[&str] = &["Allen", ":stats", ":trend"];
 
 /// The first of `list` that the question has; each stands for all features that begin so.

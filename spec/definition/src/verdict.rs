@@ -114,6 +114,14 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
 
 /// Every length of time that the condition names.
 fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
+    if let Kind::InOrder(parts, _) = &condition.kind {
+        // Delays in a row add up.
+        let mut row = 0;
+        for part in parts {
+            row = if let Kind::Delay(least, _) = part.kind { row + least } else { 0 };
+            spans.push(row);
+        }
+    }
     let parts = match &condition.kind {
         Kind::Measurement(measurement) => {
             if let Some(crate::condition::Estimation::Persist(Some(timeout))) = &measurement.estimation {

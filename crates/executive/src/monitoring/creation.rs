@@ -150,7 +150,7 @@ fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> 
     Ok(AllenPart {
         relation: *relation,
         tolerance,
-        shares: share_variables(parts, surroundings),
+        shares: !shared_variables(parts, surroundings).is_empty(),
         sides: vec![Side::default(); parts.len()],
         parts: parts.iter().map(|each| part(each, inner, surroundings)).collect::<Result<_, _>>()?,
         constraints: constraints.clone(),
@@ -208,12 +208,13 @@ fn composite(
     ordered: bool,
     surroundings: &dyn Surroundings,
 ) -> Result<Composite, EvaluationError> {
-    let combines = ordered || !constraints.is_empty() || share_variables(parts, surroundings);
+    let shared = shared_variables(parts, surroundings);
+    let combines = ordered || !constraints.is_empty() || !shared.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
     let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
     let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
     let parts = parts.iter().map(|each| part(each, role, surroundings)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines })
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared })
 }
 
 fn alternatives(
@@ -225,20 +226,20 @@ fn alternatives(
     let combines = !constraints.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
     let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, surroundings)).collect::<Result<_, _>>()?;
-    Ok(Composite { parts, constraints: constraints.to_vec(), combines })
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new() })
 }
 
-/// Does any variable that is not bound yet occur in more than one part?
-fn share_variables(parts: &[Condition], surroundings: &dyn Surroundings) -> bool {
-    let mut seen: BTreeSet<&Symbol> = BTreeSet::new();
-    parts.iter().any(|part| {
+/// The variables, not bound yet, that occur in more than one part.
+fn shared_variables(parts: &[Condition], surroundings: &dyn Surroundings) -> Vec<Symbol> {
+    let (mut seen, mut shared) = (BTreeSet::new(), BTreeSet::new());
+    for part in parts {
         let mut own = BTreeSet::new();
         collect(part, &mut own);
         own.retain(|name| surroundings.variable(name).is_none());
-        let shared = own.iter().any(|name| seen.contains(name));
+        shared.extend(own.intersection(&seen).copied());
         seen.extend(own);
-        shared
-    })
+    }
+    shared.into_iter().cloned().collect()
 }
 
 fn collect<'a>(condition: &'a Condition, names: &mut BTreeSet<&'a Symbol>) {

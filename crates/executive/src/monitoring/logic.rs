@@ -7,6 +7,7 @@
 //! PDL: `:and`, `:or`, `:not`, `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
+use super::episode::TICK;
 use super::time_conditions::{Kind, delays};
 use super::{
     Asking, Truth, absence, allen, cyclic, episode, measurement, persistence, regression, statistics, task_state,
@@ -42,10 +43,8 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
         PartKind::Absent(leaf) => absence::truth(leaf),
         PartKind::Function(leaf) => Truth::of(leaf.holds.is_some(), leaf.value.is_none()),
         PartKind::And(composite) => {
-            let all = composite
-                .parts
-                .iter()
-                .fold(Truth::True, |all, part| all.min(truth_beside(part, composite.combines, asking)));
+            let all =
+                composite.parts.iter().fold(Truth::True, |all, part| all.min(truth_beside(part, composite, asking)));
             combined(part, composite, all, asking)
         }
         PartKind::InOrder(composite) => {
@@ -64,21 +63,18 @@ pub(super) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
 }
 
 /// Is a part of an `:and` true? What a shared variable must not be is known only in combination.
-fn truth_beside(part: &Part, combines: bool, asking: &mut Asking<'_>) -> Truth {
+fn truth_beside(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Truth {
     let inner = match &part.kind {
-        PartKind::Not(inner) if combines => inner,
+        PartKind::Not(inner) if composite.combines => inner,
         _ => return truth(part, asking),
     };
+    let stands_alone = |result: &Satisfaction| composite.shared.iter().all(|name| result.bindings.get(name).is_none());
     asking.of_everything(|asking| match truth(inner, asking) {
-        Truth::True if results(inner, asking).iter().any(binds_nothing) => Truth::False,
+        // It agrees with whatever the other parts find, since it binds nothing that they bind.
+        Truth::True if results(inner, asking).iter().any(stands_alone) => Truth::False,
         Truth::True | Truth::False => Truth::True,
         Truth::Unknown => Truth::Unknown,
     })
-}
-
-/// Does the result agree with every other, since it binds nothing but tags?
-fn binds_nothing(result: &Satisfaction) -> bool {
-    result.bindings.iter().all(|(_, value)| matches!(value, Value::Interval(..)))
 }
 
 fn combined(part: &Part, composite: &Composite, separately: Truth, asking: &mut Asking<'_>) -> Truth {
@@ -213,6 +209,8 @@ struct Partial {
 struct Step {
     results: Vec<Satisfaction>,
     delay: Option<(Duration, Duration)>,
+    /// It is a `:not`: true now, and at any later instant as well while nothing happens.
+    stands: bool,
 }
 
 impl<'a> Combination<'a> {
@@ -252,7 +250,11 @@ impl<'a> Combination<'a> {
                     }
                     Truth::True | Truth::Unknown => return Vec::new(),
                 },
-                _ => steps.push(Step { results: results(part, asking), delay: delay.take() }),
+                kind => steps.push(Step {
+                    results: results(part, asking),
+                    delay: delay.take(),
+                    stands: matches!(kind, PartKind::Not(_)),
+                }),
             }
         }
         let start = Partial {
@@ -286,6 +288,11 @@ impl<'a> Combination<'a> {
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {
+                // Time alone will put it behind the part before: at that very instant it is looked at again.
+                let due = partial.end + step.delay.map_or(TICK, |(least, _)| least);
+                if step.stands && due > asking.now {
+                    asking.wake_at(due);
+                }
                 continue;
             }
             let Some(bindings) = joined(&partial.bindings, &result.bindings) else { continue };
