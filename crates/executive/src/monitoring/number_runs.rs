@@ -254,8 +254,9 @@ impl Evaluation<'_> {
         instants
     }
 
-    /// Asks to be woken at the next instant at which time alone makes the criteria hold, as far as it can be foreseen.
-    pub(super) fn foresee(&self, state: &NumberRun, asking: &mut Asking<'_>) {
+    /// Asks to be woken at the next instant at which time alone makes the criteria hold, or fail when it is not known yet
+    /// what they do, as far as it can be foreseen.
+    pub(super) fn foresee(&self, state: &NumberRun, outcome: Outcome, asking: &mut Asking<'_>) {
         let Some(start) = self.start(state) else { return };
         if self.part.at_close {
             if let Some(over_at) = self.part.gap_max.map(|most| state.newest.at + most + TICK) {
@@ -266,9 +267,8 @@ impl Evaluation<'_> {
         let instants = self.licensed(state, start, asking.now, WINDOW_FORESIGHT_MAX);
         let more = instants.len() == WINDOW_FORESIGHT_MAX;
         let last = instants.last().copied().filter(|_| more);
-        let first = instants
-            .into_iter()
-            .find(|at| self.at(state, true, *at, *at).is_ok_and(|(outcome, _)| outcome == Outcome::Holds));
+        let decides = |then: Outcome| then == Outcome::Holds || (then == Outcome::Fails && outcome != Outcome::Fails);
+        let first = instants.into_iter().find(|at| self.at(state, true, *at, *at).is_ok_and(|(then, _)| decides(then)));
         if let Some(at) = first.or(last) {
             asking.wake_at_after_now(at);
         }

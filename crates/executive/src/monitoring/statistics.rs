@@ -330,7 +330,7 @@ pub(super) fn truth(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>)
             Outcome::Holds | Outcome::Fails => stale,
         };
         if !met || site.keep == Keep::Every {
-            evaluation.foresee(state, asking);
+            evaluation.foresee(state, evaluated.outcome, asking);
         }
     }
     Truth::of(met, open)
