@@ -299,9 +299,13 @@ fn unmet_parts_say_what_is_known_and_since_when() {
 
 #[test]
 fn unsupported_constructs_are_refused_in_words() {
-    let cyclic = condition(ConditionKind::Cyclic { variable: uav("a"), options: vec![] });
-    let error = create(&cyclic, Window::from(Time(0)), &View::default()).unwrap_err();
-    assert_eq!(error.message, ":cyclic is not supported yet");
+    let inner = Box::new(condition(event(vec![word("awake")])));
+    let goal = apex_model::expression::Template::Constant(Value::symbol("wake"));
+    let (time_limit, count_limit) = (None, None);
+    let probing =
+        condition(ConditionKind::Probing { condition: inner, goal, interval: span(5), time_limit, count_limit });
+    let error = create(&probing, Window::from(Time(0)), &View::default()).unwrap_err();
+    assert_eq!(error.message, ":probing is not supported yet");
 }
 
 #[test]
