@@ -3,7 +3,6 @@
 //! Each function answers with the name of the unsupported construct as its author writes it.
 
 use crate::condition::{Condition, ConditionKind};
-use crate::procedure::{Procedure, Step};
 
 /// The first construct of `condition` (its parts included) that the executive cannot evaluate.
 pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
@@ -24,14 +23,4 @@ pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
         | ConditionKind::TaskState { .. }
         | ConditionKind::Function(_) => None,
     }
-}
-
-/// The first clause of `step` itself (not of its conditions) that the executive cannot carry out.
-pub fn unsupported_step(_step: &Step) -> Option<&'static str> {
-    None
-}
-
-/// The first clause of `procedure` itself (not of its steps or conditions) that the executive cannot carry out.
-pub fn unsupported_procedure(_procedure: &Procedure) -> Option<&'static str> {
-    None
 }

@@ -8,7 +8,7 @@
 //! Paper: section V.B, services for detecting cyclic patterns.
 
 use super::constraints::{Reading, all, unit_of};
-use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
@@ -95,14 +95,11 @@ pub(super) fn notice(
     if !concerns(part.variable.as_ref(), &part.wanted.attribute, sample.variable) {
         return;
     }
-    let late = part.objects.get(&sample.variable.object).is_some_and(|object| sample.at < object.newest.0);
-    if late && sample.at >= site.window.start {
-        let history = surroundings.histories().get(sample.variable);
-        if history.is_some_and(|history| history.covers(site.window.start)) {
-            look_back(part, site, surroundings, troubles);
-        }
-    } else if site.window.contains(sample.at, sample.sequence) {
-        feed(part, site, sample, surroundings, troubles);
+    let newest = part.objects.get(&sample.variable.object).map(|object| object.newest.0);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
     }
 }
 
@@ -112,25 +109,24 @@ fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn 
     }
     let (number, dimension) = sample.value.as_number().unwrap_or((f64::NAN, Dimension::NONE));
     let object = &sample.variable.object;
-    let count = part.objects.len();
-    let mut state = match part.objects.remove(object) {
-        Some(state) if sample.at > state.newest.0 => settle(part, site, object, state, surroundings, troubles),
-        Some(state) => state,
-        None if count >= MONITOR_OBJECTS_MAX => {
+    match part.objects.get(object).map(|state| state.newest.0) {
+        Some(newest) if sample.at > newest => settle(part, site, object, surroundings, troubles),
+        Some(_) => {}
+        None if part.objects.len() >= MONITOR_OBJECTS_MAX => {
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
-        None => CyclicObject {
-            rank: count as u64,
-            bindings: bindings_of(part, site, sample, surroundings, troubles),
-            newest: (sample.at, number),
-            swing: Swing { dimension, ..Swing::default() },
-        },
-    };
+        None => {
+            let bindings = bindings_of(part, site, sample, surroundings, troubles);
+            let newest = (sample.at, number);
+            let state = CyclicObject { rank: sample.sequence, bindings, newest, swing: Swing::default() };
+            part.objects.insert(object.clone(), state);
+        }
+    }
+    let Some(state) = part.objects.get_mut(object) else { return };
     if dimension != state.swing.dimension {
         state.swing = Swing { dimension, contradicted: state.swing.contradicted, ..Swing::default() };
     }
     state.newest = (sample.at, number);
-    part.objects.insert(object.clone(), state);
 }
 
 fn bindings_of(
@@ -151,22 +147,17 @@ fn bindings_of(
     }
 }
 
-/// Makes the newest sample part of the past, because one of a later instant has come.
-fn settle(
-    part: &mut CyclicPart,
-    site: Site,
-    object: &Value,
-    mut state: CyclicObject,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) -> CyclicObject {
+/// Makes the newest sample of an object part of the past, because one of a later instant has come.
+fn settle(part: &mut CyclicPart, site: Site, object: &Value, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let judge = Judge { part, site, surroundings };
-    let (swing, found) = judge.with_newest(object, &state, troubles);
-    state.swing = swing;
+    let Some(state) = part.objects.get(object) else { return };
+    let (swing, found) = judge.with_newest(object, state, troubles);
+    if let Some(state) = part.objects.get_mut(object) {
+        state.swing = swing;
+    }
     if let Some(result) = found {
         remember(&mut part.settled, result);
     }
-    state
 }
 
 /// All results up to now, earliest recognised first.

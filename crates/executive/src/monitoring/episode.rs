@@ -9,7 +9,7 @@
 
 use super::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
 use super::runs::{Judged, advance_run};
-use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::{Site, Troubles, Truth, WakeReason, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
@@ -109,18 +109,12 @@ pub(super) fn notice(
     if quick_runs::notice(part, site, sample) {
         return;
     }
-    let late = part.runs.get(&sample.variable.object).is_some_and(|run| sample.at < run.newest.at);
-    if late && planted::is(Bug::LateSampleIgnored) {
-        return;
-    }
-    if late && sample.at >= site.window.start {
-        let kept =
-            surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
-        if kept {
-            look_back(part, site, surroundings, troubles);
-        }
-    } else if site.window.contains(sample.at, sample.sequence) {
-        feed(part, site, sample, surroundings, troubles);
+    let newest = part.runs.get(&sample.variable.object).map(|run| run.newest.at);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late if planted::is(Bug::LateSampleIgnored) => {}
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
     }
 }
 

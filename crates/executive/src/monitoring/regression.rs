@@ -10,7 +10,7 @@
 use super::aggregates::in_unit;
 use super::constraints::unit_of;
 use super::line_crossing::{Scale, band, bind, earliest, number_of};
-use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::time_bounds::{bounds, duration_of, instant_of};
 use super::{Asking, Site, Troubles, Truth};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
@@ -162,14 +162,11 @@ pub(super) fn notice(
         return;
     }
     let window = fit_window(part, site);
-    let newest = part.objects.get(&sample.variable.object).and_then(|fit| fit.newest);
-    if newest.is_some_and(|(at, _)| sample.at < at) {
-        let kept = surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(window.start));
-        if sample.at >= window.start && kept {
-            look_back(part, site, surroundings, troubles);
-        }
-    } else if window.contains(sample.at, sample.sequence) {
-        feed(part, site, sample, surroundings, troubles);
+    let newest = part.objects.get(&sample.variable.object).and_then(|fit| fit.newest).map(|(at, _)| at);
+    match arrival(window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
     }
 }
 

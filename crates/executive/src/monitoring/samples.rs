@@ -15,6 +15,7 @@ use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, VariablePattern};
 use apex_model::event::StateVariable;
 use apex_model::history::History;
+use apex_model::monitor::Window;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
@@ -58,6 +59,32 @@ pub(super) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variab
     match known {
         Some(known) => known == variable,
         None => variable.attribute == *attribute,
+    }
+}
+
+/// What a sample is to a part that keeps the newest sample of each object apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arrival {
+    /// Too early, too late, or answered before: nothing.
+    Nothing,
+    /// Not the newest, but all since the window began is remembered: the part looks back again.
+    Late,
+    /// It goes on with it.
+    Next,
+}
+
+/// What `sample` is to a part with this window, whose newest sample of the object is at `newest`.
+pub(super) fn arrival(
+    window: Window,
+    sample: Seen<'_>,
+    newest: Option<Time>,
+    surroundings: &dyn Surroundings,
+) -> Arrival {
+    let kept = || surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(window.start));
+    match newest.is_some_and(|newest| sample.at < newest) {
+        true if sample.at >= window.start && kept() => Arrival::Late,
+        false if window.contains(sample.at, sample.sequence) => Arrival::Next,
+        _ => Arrival::Nothing,
     }
 }
 

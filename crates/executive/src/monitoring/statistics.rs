@@ -11,7 +11,7 @@ use super::aggregates::{Judgement, criteria, name};
 use super::constraints::{Reading, all, prepare, satisfies_all, unit_of};
 use super::number_runs::{Evaluated, Evaluation, Outcome, contradicted, take_in};
 use super::regression::declared_scale;
-use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::time_bounds::duration_of;
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings};
@@ -110,15 +110,11 @@ pub(super) fn notice(
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
-    let late = part.objects.get(&sample.variable.object).is_some_and(|state| sample.at < state.newest.at);
-    if late && sample.at >= site.window.start {
-        let kept =
-            surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(site.window.start));
-        if kept {
-            look_back(part, site, surroundings, troubles);
-        }
-    } else if site.window.contains(sample.at, sample.sequence) {
-        feed(part, site, sample, surroundings, troubles);
+    let newest = part.objects.get(&sample.variable.object).map(|state| state.newest.at);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
     }
 }
 

@@ -46,7 +46,6 @@ impl Lowering {
     /// `(:episode [tag] (ATTR OBJ) :quality Q ..)`; `outer` is a quality that stands directly after the form.
     pub(crate) fn episode(&mut self, datum: &Datum, items: &[Datum], outer: Option<&Datum>) -> Option<Condition> {
         let (any, items) = self.without_any(items);
-        let items = self.without_unsupported(&items)?;
         let (tag, items) = self.condition_tag(&items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
             let diagnostic = Diagnostic::error(
@@ -257,8 +256,7 @@ impl Lowering {
 
     /// `(:atomic-episode [tag] FORM [:timing T..])`
     pub(crate) fn atomic_episode(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
-        let items = self.without_unsupported(items)?;
-        let (tag, items) = self.condition_tag(&items);
+        let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
             let diagnostic = Diagnostic::error(
                 codes::MALFORMED_CONDITION,
@@ -279,8 +277,7 @@ impl Lowering {
 
     /// `(:cyclic [tag] (ATTR OBJ) :period C ..)`
     pub(crate) fn cyclic(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
-        let items = self.without_unsupported(items)?;
-        let (tag, items) = self.condition_tag(&items);
+        let (tag, items) = self.condition_tag(items);
         let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
             let diagnostic = Diagnostic::error(
                 codes::MALFORMED_CONDITION,

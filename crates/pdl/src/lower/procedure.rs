@@ -81,7 +81,6 @@ impl Lowering {
         }
         self.finish_scope(complete);
         complete.then_some(())?;
-        self.check_procedure_support(&procedure, datum.span)?;
         self.finish_kind(datum, &mut procedure);
         Some(procedure)
     }

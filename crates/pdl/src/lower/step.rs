@@ -135,7 +135,6 @@ impl Lowering {
         step.binds = swap(binds)?.map(Box::new);
         complete.then_some(())?;
         self.check_repetition(source, &step)?;
-        self.check_step_support(&step, source.span)?;
         Some(step)
     }
 

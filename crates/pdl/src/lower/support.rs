@@ -3,11 +3,10 @@
 use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::read::{Datum, DatumKind};
+use crate::read::Datum;
 use apex_model::condition::{Condition, ConditionKind};
-use apex_model::procedure::{Procedure, Step};
 use apex_model::source::Place;
-use apex_model::support::{unsupported_condition, unsupported_procedure, unsupported_step};
+use apex_model::support::unsupported_condition;
 
 impl Lowering {
     /// Refuses a condition that the executive cannot evaluate; a note in a fragment. `source` holds its text.
@@ -16,35 +15,6 @@ impl Lowering {
         let place = innermost_unsupported(condition).place;
         let span = span_at(source, place).unwrap_or(source.span);
         self.unsupported(what, span)
-    }
-
-    pub(crate) fn check_step_support(&mut self, step: &Step, span: Span) -> Option<()> {
-        match unsupported_step(step) {
-            Some(what) => self.unsupported(what, span),
-            None => Some(()),
-        }
-    }
-
-    pub(crate) fn check_procedure_support(&mut self, procedure: &Procedure, span: Span) -> Option<()> {
-        match unsupported_procedure(procedure) {
-            Some(what) => self.unsupported(what, span),
-            None => Some(()),
-        }
-    }
-
-    /// The parts of an episode without words that have no meaning yet; each is refused, or noted in a fragment.
-    pub(super) fn without_unsupported(&mut self, items: &[Datum]) -> Option<Vec<Datum>> {
-        let mut kept = Vec::new();
-        for item in items {
-            match (item.keyword(), &item.kind) {
-                (_, DatumKind::List(parts)) => {
-                    let parts = self.without_unsupported(parts)?;
-                    kept.push(Datum { kind: DatumKind::List(parts), span: item.span });
-                }
-                _ => kept.push(item.clone()),
-            }
-        }
-        Some(kept)
     }
 
     fn unsupported(&mut self, what: &str, span: Span) -> Option<()> {
