@@ -15,11 +15,12 @@ use apex_model::index::LibraryIndex;
 use apex_model::library::Library;
 use apex_model::monitor::Satisfaction;
 use apex_model::monitor_set::Found;
+use apex_model::probing::ProbingId;
 use apex_model::procedure::{Procedure, Step};
 use apex_model::resource::ResourceId;
 use apex_model::source::Place;
 use apex_model::step_clauses::StepClauses;
-use apex_model::task::{ProcedureRef, Task, TaskId, TaskState};
+use apex_model::task::{Origin, ProcedureRef, Task, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use smallvec::SmallVec;
@@ -81,6 +82,8 @@ pub(crate) struct Work {
     pub(crate) starting: TaskList,
     /// Act, a round later: resumed tasks that may rather start over.
     pub(crate) resuming: BTreeSet<TaskId>,
+    /// At rest: probings that begin or end a probe when nothing else is left to do at this instant.
+    pub(crate) probings: SmallVec<[ProbingId; 1]>,
     /// Tasks that ended and whose parents have not reacted.
     pub(crate) ended: VecDeque<TaskId>,
     /// What the round did to the number of tasks that live.
@@ -150,8 +153,17 @@ impl Work {
         self.stimuli.is_empty() && self.has_only_stimuli()
     }
 
+    /// True when nothing is left to do but to begin and end probes.
+    pub(crate) fn has_only_probings(&self) -> bool {
+        self.stimuli.is_empty() && self.has_no_more_than_stimuli_and_probings()
+    }
+
     /// True when nothing is left to do but to notice what was recorded.
     pub(crate) fn has_only_stimuli(&self) -> bool {
+        self.probings.is_empty() && self.has_no_more_than_stimuli_and_probings()
+    }
+
+    fn has_no_more_than_stimuli_and_probings(&self) -> bool {
         self.said.is_empty()
             && self.touched.is_empty()
             && self.firings.is_empty()
@@ -237,7 +249,11 @@ impl<'a> Cycle<'a> {
 
     /// Where `id` was written.
     pub(crate) fn place_of(&self, id: TaskId) -> Option<Place> {
-        let step = self.task(id)?.step()?;
+        let task = self.task(id)?;
+        if let Origin::Probe(probing) = task.origin {
+            return self.agent.probings.get(&probing).map(|probing| probing.place);
+        }
+        let step = task.step()?;
         self.agent.procedure(step.procedure)?.steps.get(step.step as usize).map(|step| step.place)
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::control::instantiation::{self, Seed};
 use crate::control::{
-    contention, enablement, invariants, invocation, monitoring_clauses, recording, selection, termination,
+    contention, enablement, invariants, invocation, monitoring_clauses, probing, recording, selection, termination,
 };
 use crate::cycle::{Cycle, Work};
 use apex_model::agent::Agent;
@@ -92,6 +92,7 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
         termination::settle(cycle);
         invocation::act(cycle);
         recording::wake(cycle);
+        probing::pursue(cycle);
     }
     cycle.work.end_instant();
     invariants::check(cycle.agent);

@@ -1,6 +1,6 @@
 //! The agent: all state that can influence behaviour, in one value that can be cloned, compared and stored.
 
-use crate::clause::Watch;
+use crate::clause::{MonitorId, Watch};
 use crate::controller::OpenCommand;
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::history::Histories;
@@ -8,6 +8,7 @@ use crate::host::HostFunctions;
 use crate::index::{Candidate, Heads, LibraryIndex, ProcedureIndex};
 use crate::interests::Interests;
 use crate::library::Library;
+use crate::probing::{Probing, ProbingId};
 use crate::procedure::Procedure;
 use crate::resource::ResourceTable;
 use crate::source::Place;
@@ -69,6 +70,9 @@ pub struct Agent {
     pub requests: BTreeMap<SolveRequestId, TaskId>,
     /// Questions without an answer, with the tasks that wait.
     pub questions: BTreeMap<QuestionId, TaskId>,
+    /// What is pursued while conditions with `:probing` are waited for.
+    #[serde(default, with = "crate::pairs")]
+    pub probings: BTreeMap<ProbingId, Probing>,
     /// What will happen by itself.
     pub wakes: WakeQueue,
     /// Claimants whose priority can change without a change of a task: it rises, or reads histories.
@@ -140,6 +144,7 @@ impl Default for Agent {
             commands: BTreeMap::new(),
             requests: BTreeMap::new(),
             questions: BTreeMap::new(),
+            probings: BTreeMap::new(),
             wakes: WakeQueue::default(),
             unsteady: BTreeSet::new(),
             next: Counters::default(),
@@ -258,7 +263,19 @@ impl Agent {
             let procedure = self.procedure(step.procedure)?;
             procedure.steps.get(step.step as usize).map(|step| step.tag.clone())
         });
-        step.unwrap_or_else(|| Symbol::new(if task.parent.is_some() { "meanwhile" } else { "root" }))
+        step.unwrap_or_else(|| {
+            Symbol::new(match task.origin {
+                Origin::Probe(_) => "probe",
+                _ if task.parent.is_some() => "meanwhile",
+                _ => "root",
+            })
+        })
+    }
+
+    /// The probings for the condition of `monitor`, in written order.
+    pub fn probings_of(&self, monitor: MonitorId) -> impl Iterator<Item = (ProbingId, &Probing)> {
+        let of = |part| ProbingId { monitor, part };
+        self.probings.range(of(0)..=of(u32::MAX)).map(|(id, probing)| (*id, probing))
     }
 
     fn describe_wake(&self, wake: Wake) -> String {
@@ -270,6 +287,12 @@ impl Agent {
             Wake::Duration(task) => format!("the duration of {} ends", name(task)),
             Wake::Update(task) => format!("{} updates", name(task)),
             Wake::MinimumInterval(task) => format!("the least interval of {} is over", name(task)),
+            Wake::Probing(monitor) => match self.watches.get(monitor.0) {
+                Some(watch) => {
+                    format!("{} probes for its {}, or its time for that is over", name(watch.task), watch.clause.word())
+                }
+                None => "a probe is due".into(),
+            },
             Wake::PriorityCrossing(task) => format!("the rising priority of {} may win a conflict", name(task)),
             Wake::CommandTimeout(command) => match self.commands.get(&command) {
                 Some(open) => format!("command {} of {} times out", command.0, name(open.task)),

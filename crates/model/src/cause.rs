@@ -2,6 +2,7 @@
 
 use crate::because::{ConflictRule, Share, Strength};
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
+use crate::probing::ProbingEnd;
 use crate::symbol::Symbol;
 use crate::task::TaskId;
 use crate::time::Duration;
@@ -38,6 +39,24 @@ pub enum Cause {
     Meanwhile {
         /// The parent.
         parent: TaskId,
+    },
+    /// A task waits for a condition with `:probing`, and this is one of its probes.
+    Probes {
+        /// The task that waits.
+        waiting: TaskId,
+        /// Which probe it is, from 1.
+        number: u64,
+        /// How many there may be.
+        limit: Option<u64>,
+    },
+    /// No more is pursued for a condition with `:probing`.
+    ProbingStopped {
+        /// The task that waits, or waited.
+        waiting: TaskId,
+        /// How many probes were begun.
+        probes: u64,
+        /// Why.
+        reason: ProbingEnd,
     },
     /// This is the `on-failure` of a task that failed.
     HandlesFailure {

@@ -3,6 +3,7 @@
 
 use crate::because::{ConflictRule, Share, Strength};
 use crate::cause::Cause;
+use crate::probing::{ordinal, stopped_text};
 use crate::task::TaskId;
 use crate::value::Value;
 
@@ -29,6 +30,12 @@ impl Cause {
             Cause::PlanBegunAgain { parent } => format!("the plan of {parent} is a cycle and begins again"),
             Cause::ItemOf { parent } => format!("{parent} started and has this item in its forall"),
             Cause::Meanwhile { parent } => format!("this is done while {parent} waits for its plan"),
+            Cause::Probes { waiting, number, limit } => {
+                format!("{waiting} waits for a condition with :probing, and this is {}", ordinal(*number, *limit))
+            }
+            Cause::ProbingStopped { waiting, probes, reason } => {
+                format!("{} (of {waiting})", stopped_text(*probes, *reason))
+            }
             Cause::HandlesFailure { of } => format!("{of} failed and this is its on-failure"),
             Cause::Responding { answered } => {
                 format!("{answered} answers the event before, and this waits for the next")

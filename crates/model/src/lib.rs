@@ -40,6 +40,7 @@ pub mod ordered_numbers;
 mod pairs;
 pub mod pattern;
 pub mod planted;
+pub mod probing;
 pub mod problem;
 pub mod procedure;
 pub mod quantity;

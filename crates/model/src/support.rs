@@ -11,8 +11,9 @@ pub fn unsupported_condition(condition: &Condition) -> Option<&'static str> {
             parts.iter().find_map(unsupported_condition)
         }
         ConditionKind::Allen { parts, .. } => parts.iter().find_map(unsupported_condition),
-        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => unsupported_condition(part),
-        ConditionKind::Probing { .. } => Some(":probing"),
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) | ConditionKind::Probing { condition: part, .. } => {
+            unsupported_condition(part)
+        }
         ConditionKind::Measurement(_)
         | ConditionKind::Episode(_)
         | ConditionKind::Cyclic { .. }

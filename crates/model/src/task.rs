@@ -3,6 +3,7 @@
 use crate::bindings::Bindings;
 use crate::clause::MonitorId;
 use crate::controller::{Controller, Selection};
+use crate::probing::ProbingId;
 use crate::resource::{Need, ResourceId};
 use crate::step_clauses::StepClauses;
 use crate::time::{Duration, Time};
@@ -105,6 +106,8 @@ pub enum Origin {
     OnFailure(StepRef),
     /// What its parent does while a plan is late: the solver declaration's index.
     Meanwhile(u32),
+    /// A probe for a condition with `:probing`.
+    Probe(ProbingId),
 }
 
 /// A task. Small, because a hundred thousand may wait; what few tasks need is boxed.
@@ -212,7 +215,7 @@ impl Task {
     pub fn step(&self) -> Option<StepRef> {
         match self.origin {
             Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => Some(step),
-            Origin::Initial | Origin::Meanwhile(_) => None,
+            Origin::Initial | Origin::Meanwhile(_) | Origin::Probe(_) => None,
         }
     }
 

@@ -18,6 +18,8 @@ pub enum Wake {
     CommandTimeout(CommandId),
     /// A monitor's verdict can change by time alone.
     Monitor(MonitorId),
+    /// The next probe for the monitor's condition is due, or the time for probing is over.
+    Probing(MonitorId),
     /// A repetition's least interval is over.
     MinimumInterval(TaskId),
     /// A rising priority overtakes another one.

@@ -2,7 +2,7 @@
 
 use super::evidence::{self, ends_in, moves, require};
 use super::world::{Known, World};
-use super::{Step, ends};
+use super::{Step, ends, probing};
 use apex_model::because::{Because, Cause, ConflictRule, Share, Strength};
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
 use apex_model::task::{Outcome, TaskId, TaskState};
@@ -124,6 +124,7 @@ impl Scene<'_> {
                     .any(|effect| matches!(effect, Effect::Solve(request) if request.task == *parent));
                 require(asks, "the parent asks for no plan now")
             }
+            Cause::Probes { waiting, number, limit } => probing::probes(self, parent, (*waiting, *number, *limit)),
             Cause::HandlesFailure { of } => {
                 same(of)?;
                 let failed = self.earlier(*of).any(|decision| matches!(decision.kind, DecisionKind::Trouble { .. }));

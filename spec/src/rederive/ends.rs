@@ -3,6 +3,7 @@
 use super::Step;
 use super::causes::Scene;
 use super::evidence::require;
+use super::probing;
 use super::world::{Known, World};
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{Effect, Method};
@@ -53,6 +54,10 @@ pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     match &because.cause {
         Cause::ExpressionFailed { .. } | Cause::LimitReached { .. } => of_expression_or_limit(because, &because.cause),
         Cause::NobodyHears { .. } | Cause::InputRefused { .. } => of_nobody(scene.world, scene.step, because),
+        Cause::ProbingStopped { waiting, probes, reason } => {
+            require(*waiting == scene.id, "another task waits")?;
+            probing::limit(scene, *waiting, *probes, *reason)
+        }
         // The failure that an on-failure handles.
         _ => failed(scene, scene.own()?),
     }
@@ -128,6 +133,10 @@ fn ended_from_outside(scene: &Scene<'_>, own: &Known, outcome: &Outcome) -> Chec
             let made = known.made == Cause::HandlesFailure { of: scene.id };
             require(made && known.state == TaskState::Terminated && known.since == now, "that task did not handle it")?;
             require(known.outcome.as_ref() == Some(outcome), "that task ended in another way")
+        }
+        Cause::ProbingStopped { waiting, probes, reason } => {
+            require(*outcome == Outcome::Cut, "it was not cut")?;
+            probing::cut(scene, own, (*waiting, *probes, *reason))
         }
         Cause::ApplicationEnded { by } => {
             world.task(*by)?;

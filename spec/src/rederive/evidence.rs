@@ -224,6 +224,7 @@ fn collect<'a>(condition: &'a Condition, leaves: &mut Vec<&'a ConditionKind>) {
         | ConditionKind::Or(parts, _)
         | ConditionKind::InOrder(parts, _)
         | ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, leaves)),
+        ConditionKind::Probing { condition, .. } => collect(condition, leaves),
         leaf => leaves.push(leaf),
     }
 }

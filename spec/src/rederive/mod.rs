@@ -5,6 +5,7 @@ mod ends;
 mod evidence;
 pub mod mutation;
 mod numbers;
+mod probing;
 mod thresholds;
 mod world;
 

@@ -59,6 +59,8 @@ fn shifted(because: &Because) -> Option<Because> {
         | Cause::PlanBegunAgain { parent: task }
         | Cause::ItemOf { parent: task }
         | Cause::Meanwhile { parent: task }
+        | Cause::Probes { waiting: task, .. }
+        | Cause::ProbingStopped { waiting: task, .. }
         | Cause::HandlesFailure { of: task }
         | Cause::Responding { answered: task }
         | Cause::PredecessorEnded { predecessor: task }

@@ -68,7 +68,9 @@ fn own_selects(origin: Option<Origin>, step: &Step) -> Vec<&(Symbol, Expr)> {
     let wanted = match origin {
         Some(Origin::Step(_)) => false,
         Some(Origin::Item(_)) => true,
-        Some(Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Initial) | None => return Vec::new(),
+        Some(Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Probe(_) | Origin::Initial) | None => {
+            return Vec::new();
+        }
     };
     step.select.iter().zip(depends).filter(|(_, of_item)| *of_item == wanted).map(|(select, _)| select).collect()
 }

@@ -169,7 +169,7 @@ pub(crate) fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
     let Some(task) = agent.task(id) else { return (id, 0, id) };
     let step = match task.origin {
         Origin::Step(step) => step.step,
-        Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) => 0,
+        Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Probe(_) => 0,
     };
     (task.parent.unwrap_or(id), step, id)
 }

@@ -102,6 +102,9 @@ pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
             let declared = agent.library.solvers.get(solver as usize).and_then(|solver| solver.meanwhile.as_ref());
             declared.map(|goal| instantiate_partially(goal, &view))
         }
+        Origin::Probe(probing) => {
+            agent.probings.get(&probing).map(|probing| instantiate_partially(&probing.goal, &view))
+        }
         Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => {
             let template = agent.procedure(step.procedure).and_then(|each| each.steps.get(step.step as usize));
             template.map(|step| activity_as_value(activity_of(Some(task.origin), step), &view))

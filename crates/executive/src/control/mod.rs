@@ -22,6 +22,7 @@ pub(crate) mod plain_episodes;
 pub(crate) mod precedence;
 pub(crate) mod primitive;
 pub(crate) mod priority;
+pub(crate) mod probing;
 pub(crate) mod procedure;
 pub(crate) mod question;
 pub(crate) mod recording;

@@ -5,7 +5,7 @@
 //! Bound: touches only the monitors interested in a stimulus; O(log n) to find them.
 //! PDL: `waitfor`, `end-when`, `restart-when`, `suspend-when`, `resume-when`.  Paper: section III, condition monitoring.
 
-use crate::control::plain_episodes;
+use crate::control::{plain_episodes, probing};
 use crate::cycle::{Cycle, Firing};
 use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::{self, Stimulus};
@@ -39,6 +39,7 @@ pub(crate) fn watch(
     window: Window,
     standing: bool,
 ) -> Result<MonitorId, EvaluationError> {
+    let probings = probing::of_condition(condition, &cycle.view(task, level), task, level)?;
     let (monitor, second) = {
         let view = cycle.view(task, level);
         let create = if standing { monitoring::create } else { monitoring::create_for_changes };
@@ -56,6 +57,7 @@ pub(crate) fn watch(
         task.monitors.push(id);
     }
     cycle.work.touched.push(id);
+    probing::begin(cycle, id, probings);
     Ok(id)
 }
 
@@ -150,6 +152,7 @@ fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
     if let Some(wake) = watch.wake {
         cycle.agent.wakes.cancel(wake);
     }
+    probing::not_awaited(cycle, id);
 }
 
 /// The notice phase: tells monitors what was recorded, then judges all that were touched.
@@ -256,6 +259,7 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
     let (task, clause, level, place) = (watch.task, watch.clause, watch.level, watch.monitor.root.place);
     let window = watch.monitor.window;
+    probing::judged(cycle, id, &watch, matches!(verdict, Verdict::Satisfied(_)));
     cycle.agent.watches.put(id.0, watch);
     for trouble in troubles {
         cycle.trouble(Some(task), trouble.message, Some(trouble.place));

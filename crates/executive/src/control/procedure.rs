@@ -128,6 +128,13 @@ pub(crate) fn adopt(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId, counts
     }
 }
 
+/// `child` has ended, and is a child no more.
+pub(crate) fn disown(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
+    if let Some(Controller::Procedure(controller)) = controller(cycle, parent) {
+        controller.children.remove(child);
+    }
+}
+
 fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Controller> {
     cycle.agent.task_mut(id)?.controller.as_deref_mut()
 }

@@ -3,7 +3,7 @@
 //! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
 //! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
 
-use crate::control::{monitoring_clauses, primitive, question, repetition, termination};
+use crate::control::{monitoring_clauses, primitive, probing, question, repetition, termination};
 use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
 use crate::monitoring;
@@ -100,6 +100,7 @@ pub(crate) fn wake(cycle: &mut Cycle<'_>) {
             Wake::CommandTimeout(command) => primitive::timed_out(cycle, command),
             Wake::Monitor(monitor) => monitoring_clauses::woken(cycle, monitor),
             Wake::MinimumInterval(task) => repetition::interval_over(cycle, task),
+            Wake::Probing(monitor) => probing::woken(cycle, monitor),
             Wake::PriorityCrossing(task) => {
                 if let Some(extras) = cycle.agent.task_mut(task).and_then(|task| task.extras.as_mut()) {
                     extras.crossing = None;

@@ -105,6 +105,10 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
                 None => Err(Value::nil()),
             }
         }
+        (Some(Origin::Probe(probing)), _) => match cycle.agent.probings.get(&probing) {
+            Some(probing) => Ok(instantiate(&probing.goal, &cycle.view(id, Level::Step)).map_err(failed)?),
+            None => Err(Value::nil()),
+        },
         _ => Ok(cycle.agent.initial_task.clone()),
     };
     match goal {

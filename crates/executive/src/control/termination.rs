@@ -6,13 +6,13 @@
 
 use crate::control::transition::{Trigger, transition};
 use crate::control::{
-    binding, failure, interruption, monitoring_clauses, primitive, procedure, question, repetition, resources,
+    binding, failure, interruption, monitoring_clauses, primitive, probing, procedure, question, repetition, resources,
 };
 use crate::cycle::Cycle;
 use apex_model::because::{Because, Cause};
 use apex_model::controller::Controller;
 use apex_model::effect::Effect;
-use apex_model::task::{Outcome, ProcedureRef, TaskId, TaskState};
+use apex_model::task::{Origin, Outcome, ProcedureRef, TaskId, TaskState};
 use apex_model::value::Value;
 
 /// Ends the task with its subtree.
@@ -145,7 +145,12 @@ pub(crate) fn settle(cycle: &mut Cycle<'_>) {
 }
 
 fn react(cycle: &mut Cycle<'_>, parent: TaskId, child: TaskId) {
-    let Some(outcome) = cycle.task(child).and_then(|task| task.outcome.clone()) else { return };
+    let Some((origin, outcome)) = cycle.task(child).and_then(|task| Some((task.origin, task.outcome.clone()?))) else {
+        return;
+    };
+    if let Origin::Probe(id) = origin {
+        return probing::ended(cycle, id, parent, child);
+    }
     let failed = outcome == Outcome::Failure;
     let because = Because::new(Cause::ChildFailed { child }, cycle.place_of(child));
     match cycle.task(parent).and_then(|task| task.controller.as_deref()) {

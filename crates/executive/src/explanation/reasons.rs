@@ -3,12 +3,14 @@
 use crate::control::competition::in_order;
 use crate::control::plain_episodes;
 use crate::control::priority::{defence, priority};
+use crate::expression::instantiate_partially;
 use crate::monitoring;
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::because::Strength;
 use apex_model::clause::{Clause, Level};
 use apex_model::controller::{Controller, PrimitiveController};
+use apex_model::probing::{Probing, ordinal, stopped_text};
 use apex_model::resource::Need;
 use apex_model::source::Place;
 use apex_model::task::{Task, TaskId, TaskState};
@@ -138,8 +140,30 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
                 ..Reason::new(ReasonKind::Condition, text)
             });
         }
+        reasons.extend(agent.probings_of(*id).map(|(_, probing)| probed(agent, probing)));
     }
     reasons
+}
+
+/// What is pursued for a condition with `:probing`, or that it is no more.
+fn probed(agent: &Agent, probing: &Probing) -> Reason {
+    let view = View { agent, task: probing.waiting, level: probing.level, now: agent.now };
+    let goal = instantiate_partially(&probing.goal, &view);
+    let text = format!("probing for it with {goal} every {}", probing.interval);
+    let next = probing.next_at(agent.now);
+    let now = match (probing.end, probing.running) {
+        (Some(reason), _) => stopped_text(probing.begun, reason),
+        (None, Some(id)) => format!("{} is {}", ordinal(probing.begun, probing.count_limit), name(agent, id)),
+        (None, None) => format!("{} begins at {next}", ordinal(probing.begun + 1, probing.count_limit)),
+    };
+    Reason {
+        now: Some(now),
+        since: probing.last_at,
+        until: Some(next).filter(|at| probing.end.is_none() && probing.running.is_none() && *at > agent.now),
+        task: probing.running,
+        place: Some(probing.place),
+        ..Reason::new(ReasonKind::Condition, text)
+    }
 }
 
 fn predecessor(agent: &Agent, task: &Task) -> Option<Reason> {

@@ -86,7 +86,10 @@ fn view(agent: &Agent, task: &Task) -> TaskView {
         needs: needs.collect(),
         method: selection.and_then(|selection| method(agent, &selection.way)),
         outcome: task.outcome.clone(),
-        place: step,
+        place: match task.origin {
+            Origin::Probe(probing) => agent.probings.get(&probing).map(|probing| probing.place),
+            _ => step,
+        },
         depth: task.depth,
         children: task.controller.as_deref().map(apex_model::controller::Controller::children).unwrap_or_default(),
     }

@@ -21,7 +21,6 @@ use apex_model::condition::{
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::monitor::{AbsentPart, AllenPart, FunctionPart, Side};
 use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
-use apex_model::support::unsupported_condition;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;
@@ -117,10 +116,8 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
         ConditionKind::Cyclic { variable, options } => {
             PartKind::Cyclic(Box::new(cyclic::create(variable, options, surroundings)?))
         }
-        ConditionKind::Probing { .. } => {
-            let name = unsupported_condition(condition).unwrap_or("this condition");
-            return Err(EvaluationError { message: format!("{name} is not supported yet"), place: condition.place });
-        }
+        // What is pursued meanwhile is the business of control.
+        ConditionKind::Probing { condition, .. } => return part(condition, role, surroundings),
     };
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
 }

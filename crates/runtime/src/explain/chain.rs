@@ -7,6 +7,7 @@ use crate::limits::EXPLANATION_LINKS_MAX;
 use crate::narrator::cause_text;
 use apex_model::because::{Because, Cause, Evidence};
 use apex_model::effect::{DecisionKind, Effect};
+use apex_model::probing::ProbingEnd;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use std::collections::BTreeSet;
@@ -156,6 +157,8 @@ impl<'a> Chain<'a> {
             Cause::PlanPursued { parent } | Cause::PlanBegunAgain { parent } => {
                 log.before(*parent, "procedure-added", row.id)?
             }
+            Cause::Probes { waiting, .. } => log.before(*waiting, "created", row.id)?,
+            Cause::ProbingStopped { waiting, reason, .. } => self.stopped(*waiting, *reason, here)?,
             Cause::HandlesFailure { of } | Cause::ParentFailed { parent: of } => log.beside(*of, "trouble", here)?,
             Cause::Responding { answered } => log.transition(*answered, "enabled", here)?,
             Cause::Repetition => log.transition_before(own, "terminated", row.id)?,
@@ -215,6 +218,18 @@ impl<'a> Chain<'a> {
             | Cause::ExecutiveFault { .. } => None,
         };
         Ok(found.into_iter().collect())
+    }
+
+    /// What ended the waiting, or the task that waits.
+    fn stopped(&self, waiting: TaskId, reason: ProbingEnd, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
+        match reason {
+            ProbingEnd::Satisfied => self.log.beside(waiting, "satisfied", here),
+            ProbingEnd::NotAwaited => {
+                let ended = self.log.transition(waiting, "terminated", here)?;
+                Ok(ended.filter(|row| row.at == here.1))
+            }
+            ProbingEnd::TimeLimit(_) | ProbingEnd::CountLimit(_) => self.log.before(waiting, "created", here.0),
+        }
     }
 
     /// The change of state, or the clause that came true without one.

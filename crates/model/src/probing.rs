@@ -1,0 +1,106 @@
+//! Probing: goals that are pursued again and again while a condition with `:probing` is waited for (active sensing).
+
+use crate::clause::{Level, MonitorId};
+use crate::expression::Template;
+use crate::source::Place;
+use crate::task::TaskId;
+use crate::time::{Duration, Time};
+use crate::wake::WakeKey;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Names a probing: the monitor, and the place of the `:probing` among those of its condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct ProbingId {
+    /// The monitor of the whole condition.
+    pub monitor: MonitorId,
+    /// Counted in written order.
+    pub part: u32,
+}
+
+/// A goal pursued as long as a condition is waited for. At most one of its probes lives at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Probing {
+    /// The task whose clause it serves.
+    pub waiting: TaskId,
+    /// Where the clause stands: at the step, the probes are children of the waiting task's parent, else of itself.
+    pub level: Level,
+    /// The condition with the option.
+    pub place: Place,
+    /// What is pursued.
+    pub goal: Template,
+    /// From start to start, at least.
+    pub interval: Duration,
+    /// Not longer than this after the first start.
+    pub time_limit: Option<Duration>,
+    /// Not more probes than this.
+    pub count_limit: Option<u64>,
+    /// How many probes have been begun.
+    pub begun: u64,
+    /// When the first was begun.
+    pub first_at: Option<Time>,
+    /// When the last was begun.
+    pub last_at: Option<Time>,
+    /// The one that lives.
+    pub running: Option<TaskId>,
+    /// The next probe, or the end of the time limit.
+    pub wake: Option<WakeKey>,
+    /// Why no other probe will be begun; none as long as one may.
+    pub end: Option<ProbingEnd>,
+    /// The clause is watched no more: this is forgotten with its last probe.
+    pub forgotten: bool,
+}
+
+impl Probing {
+    /// When the next probe may begin: `now` for the first one.
+    pub fn next_at(&self, now: Time) -> Time {
+        self.last_at.map_or(now, |last| last + self.interval)
+    }
+
+    /// When the time limit is over; none before the first probe, and without a limit.
+    pub fn deadline(&self) -> Option<Time> {
+        Some(self.first_at? + self.time_limit?)
+    }
+}
+
+/// Why probing ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ProbingEnd {
+    /// The condition holds.
+    Satisfied,
+    /// The task waits for it no more.
+    NotAwaited,
+    /// Its `:time-limit` is over.
+    TimeLimit(Duration),
+    /// Its `:count-limit` is reached.
+    CountLimit(u64),
+}
+
+impl fmt::Display for ProbingEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ProbingEnd::Satisfied => f.write_str("its condition holds"),
+            ProbingEnd::NotAwaited => f.write_str("its condition is not waited for any more"),
+            ProbingEnd::TimeLimit(span) => write!(f, "its :time-limit of {span} is over"),
+            ProbingEnd::CountLimit(count) => write!(f, "its :count-limit of {count} is reached"),
+        }
+    }
+}
+
+/// `probe 2 of at most 3`, `probe 2`.
+pub fn ordinal(number: u64, limit: Option<u64>) -> String {
+    match limit {
+        Some(limit) => format!("probe {number} of at most {limit}"),
+        None => format!("probe {number}"),
+    }
+}
+
+/// `probing stopped after 3 of 3 probes: its :count-limit of 3 is reached`.
+pub fn stopped_text(probes: u64, reason: ProbingEnd) -> String {
+    let of = match reason {
+        ProbingEnd::CountLimit(limit) => format!(" of {limit}"),
+        ProbingEnd::Satisfied | ProbingEnd::NotAwaited | ProbingEnd::TimeLimit(_) => String::new(),
+    };
+    let word = if probes == 1 { "probe" } else { "probes" };
+    format!("probing stopped after {probes}{of} {word}: {reason}")
+}
