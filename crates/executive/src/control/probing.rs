@@ -13,7 +13,6 @@ use crate::expression::{EvaluationError, evaluate};
 use crate::monitoring;
 use crate::view::View;
 use apex_model::because::{Because, Cause};
-use apex_model::bindings::Bindings;
 use apex_model::clause::{Level, MonitorId, Watch};
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::controller::Controller;
@@ -264,7 +263,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     let seed = Seed {
         parent: Some(host),
         origin: Origin::Probe(id),
-        bindings: own.unwrap_or_else(Bindings::new),
+        bindings: own.unwrap_or_default(),
         by_predecessor: false,
         after_sequence: None,
         cause: Cause::Probes { waiting, number: probing.begun + 1, limit: probing.count_limit },

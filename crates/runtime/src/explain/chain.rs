@@ -157,8 +157,7 @@ impl<'a> Chain<'a> {
             Cause::PlanPursued { parent } | Cause::PlanBegunAgain { parent } => {
                 log.before(*parent, "procedure-added", row.id)?
             }
-            Cause::Probes { waiting, .. } => log.before(*waiting, "created", row.id)?,
-            Cause::ProbingStopped { waiting, reason, .. } => self.stopped(*waiting, *reason, here)?,
+            Cause::Probes { .. } | Cause::ProbingStopped { .. } => self.of_probing(cause, here)?,
             Cause::HandlesFailure { of } | Cause::ParentFailed { parent: of } => log.beside(*of, "trouble", here)?,
             Cause::Responding { answered } => log.transition(*answered, "enabled", here)?,
             Cause::Repetition => log.transition_before(own, "terminated", row.id)?,
@@ -220,15 +219,20 @@ impl<'a> Chain<'a> {
         Ok(found.into_iter().collect())
     }
 
-    /// What ended the waiting, or the task that waits.
-    fn stopped(&self, waiting: TaskId, reason: ProbingEnd, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
-        match reason {
-            ProbingEnd::Satisfied => self.log.beside(waiting, "satisfied", here),
-            ProbingEnd::NotAwaited => {
-                let ended = self.log.transition(waiting, "terminated", here)?;
+    /// What is waited for by probing, or what ended the waiting.
+    fn of_probing(&self, cause: &Cause, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
+        match cause {
+            Cause::ProbingStopped { waiting, reason: ProbingEnd::Satisfied, .. } => {
+                self.log.beside(*waiting, "satisfied", here)
+            }
+            Cause::ProbingStopped { waiting, reason: ProbingEnd::NotAwaited, .. } => {
+                let ended = self.log.transition(*waiting, "terminated", here)?;
                 Ok(ended.filter(|row| row.at == here.1))
             }
-            ProbingEnd::TimeLimit(_) | ProbingEnd::CountLimit(_) => self.log.before(waiting, "created", here.0),
+            Cause::Probes { waiting, .. } | Cause::ProbingStopped { waiting, .. } => {
+                self.log.before(*waiting, "created", here.0)
+            }
+            _ => Ok(None),
         }
     }
 
