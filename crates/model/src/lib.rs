@@ -48,7 +48,6 @@ pub mod resource;
 pub mod solver;
 pub mod source;
 pub mod step_clauses;
-pub mod support;
 pub mod symbol;
 pub mod table;
 pub mod task;

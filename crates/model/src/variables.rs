@@ -125,9 +125,13 @@ pub fn of_condition(condition: &Condition, sink: Sink<'_>) {
             of_pattern(state, sink);
         }
         ConditionKind::Function(expr) => of_expr(expr, sink),
-        ConditionKind::Probing { condition, goal, .. } => {
+        ConditionKind::Probing { condition, goal, interval, time_limit, count_limit } => {
             of_condition(condition, sink);
             of_template(goal, sink);
+            [Some(interval), time_limit.as_ref(), count_limit.as_ref()]
+                .into_iter()
+                .flatten()
+                .for_each(|part| of_expr(part, sink));
         }
         ConditionKind::Cyclic { variable, options } => {
             of_pattern(&variable.object, sink);

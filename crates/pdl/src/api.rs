@@ -70,10 +70,7 @@ pub fn parse_condition(text: &str, options: CheckOptions<'_>) -> ParsedCondition
     lowering.scope = Scope::of_tasks();
     let conditions = lowering.conditions(&read.data);
     let condition = match conditions.map(|mut all| (all.pop(), all.is_empty())) {
-        Some((Some(condition), true)) => {
-            let supported = read.data.first().and_then(|datum| lowering.check_condition_support(&condition, datum));
-            supported.map(|()| condition)
-        }
+        Some((Some(condition), true)) => Some(condition),
         Some(_) => {
             let span = read.data.get(1).map_or(Span { line: 1, column: 1, ..Span::default() }, |datum| datum.span);
             lowering.report(Diagnostic::error(codes::NOT_ONE_DATUM, span, "exactly one condition is expected"));

@@ -63,6 +63,16 @@ mod tests {
     }
 
     #[test]
+    fn nobody_pursues_the_goals_of_a_condition_that_stands_alone() {
+        let condition = "(:or (x uav > 3) (:measurement (x uav > 5) :probing ((look at x) 5s)))";
+        let (read, messages) = read("", condition);
+        assert!(!read.checked.has_errors(), "{messages}");
+        assert!(messages.contains("warning[W0508]: `:probing` has no effect here"), "{messages}");
+        assert!(messages.contains("condition:1:57"), "{messages}");
+        assert_eq!(read.conditions.len(), 1);
+    }
+
+    #[test]
     fn mistakes_are_told_as_in_a_program() {
         let declarations = "(state-variable (roll-angle ?a) :unit deg)";
         for (condition, expected) in [

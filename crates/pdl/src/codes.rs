@@ -66,7 +66,7 @@ codes! {
     VALUE_TYPE "E0307" "A value is compared with a state variable of another type.";
     DURATION_EXPECTED "E0308" "Something other than a duration stands where a duration is needed.";
     UNSOLVABLE "E0309" "An estimated value or its time is constrained in a way that cannot be solved.";
-    NOT_SUPPORTED "E0401" "The executive cannot do this yet.";
+    NOTHING_TO_PROBE "E0310" "Probing is given no time, or no probe.";
     WAIT_CYCLE "E0701" "Steps wait for each other in a circle.";
     NEVER_STARTS "E0702" "A step waits for what can never happen.";
     IMPOSSIBLE_CONDITION "E0703" "A condition can never hold.";

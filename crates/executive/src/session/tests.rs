@@ -51,6 +51,22 @@ fn told(session: &mut MonitorSession) -> Vec<String> {
 }
 
 #[test]
+fn a_session_pursues_nothing_and_judges_as_without_probing() {
+    let plain = "(:episode (roll-angle uav) :quality :no-constraints :value (> 15) :timing (:duration (>= 2s))";
+    let streams = [format!("{plain})"), format!("{plain} :probing ((look at uav) 1s :count-limit 1))")].map(|text| {
+        let (mut session, _) = session(&text, 0.0);
+        for (second, value) in [20.0, 20.0, 20.0, 0.0, 20.0, 30.0, 30.0].into_iter().enumerate() {
+            session.sample(&roll("uav"), Value::Real(value), at(second as f64));
+            session.advance(at(second as f64 + 0.5));
+        }
+        told(&mut session)
+    });
+    let [without, with] = streams;
+    assert_eq!(without, with);
+    assert_eq!(with.len(), 3, "{with:?}");
+}
+
+#[test]
 fn each_run_is_told_when_recognised_and_again_when_over() {
     let condition = "(:episode (roll-angle uav) :quality (:max-gap 2s) :value (> 15) :timing (:duration (>= 2s)))";
     let (mut session, id) = session(condition, 0.0);

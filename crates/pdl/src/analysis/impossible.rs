@@ -100,7 +100,7 @@ fn never(
 }
 
 /// The number that an expression always is, in SI units.
-fn number(expr: &Expr, library: &Library) -> Option<f64> {
+pub(super) fn number(expr: &Expr, library: &Library) -> Option<f64> {
     match &expr.kind {
         ExprKind::Constant(value) => value.as_number().map(|(number, _)| number),
         // An indexical that is defined as a literal; one step only, so that a circle of definitions does no harm.

@@ -29,6 +29,12 @@ fn look(program: &Program<'_>, condition: &Condition, decides: bool, report: &mu
         return report.add(diagnostic);
     }
     let decides = decides
-        && matches!(condition.kind, ConditionKind::And(..) | ConditionKind::InOrder(..) | ConditionKind::Allen { .. });
+        && matches!(
+            condition.kind,
+            ConditionKind::And(..)
+                | ConditionKind::InOrder(..)
+                | ConditionKind::Allen { .. }
+                | ConditionKind::Probing { .. }
+        );
     walk::parts(condition).iter().for_each(|part| look(program, part, decides, report));
 }

@@ -114,6 +114,19 @@ impl<'l> Locator<'l> {
         found.unwrap_or_else(|| self.span(place))
     }
 
+    /// The goal of the `:probing` in the condition at `place`, else the whole condition.
+    pub(crate) fn probe(&mut self, place: Place) -> Span {
+        self.datum(place).as_ref().and_then(probe).map_or_else(|| self.span(place), |goal| goal.span)
+    }
+
+    /// The first `?name` in the goal of the `:probing` in the condition at `place`, else the whole goal.
+    pub(crate) fn variable_of_probe(&mut self, place: Place, name: &Symbol) -> Span {
+        let datum = self.datum(place);
+        let found =
+            datum.as_ref().and_then(probe).and_then(|goal| find(goal, &|part| part.as_variable() == Some(name)));
+        found.unwrap_or_else(|| self.probe(place))
+    }
+
     /// The definition at `place`: what it is of, without its body.
     pub(crate) fn head_line(&mut self, place: Place) -> Span {
         let datum = self.datum(place);
@@ -164,6 +177,13 @@ impl<'l> Locator<'l> {
         let found = datum.as_ref().and_then(|form| find(form, &|part| part.as_symbol() == Some(name)));
         found.unwrap_or_else(|| self.span(place))
     }
+}
+
+/// The goal after the option `:probing` of a condition.
+fn probe(condition: &Datum) -> Option<&Datum> {
+    let mut items = condition.tail().iter();
+    items.find(|item| item.is(":probing"))?;
+    items.next()?.as_list()?.first()
 }
 
 /// The closing parenthesis of the form.

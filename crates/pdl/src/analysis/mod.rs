@@ -16,6 +16,7 @@ pub(crate) mod locate;
 mod loops;
 mod memory;
 mod methods;
+mod probes;
 mod profiles;
 mod resemblance;
 mod served;
@@ -76,6 +77,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
     limits::check(&program, &mut report);
+    probes::check(&program, &mut report);
     profiles::check(&program, &mut report);
     served::check(&program, &mut report);
     shadows::check(&program, &mut report);
@@ -98,6 +100,8 @@ pub(crate) fn analyse_conditions(library: &Library, conditions: &[Condition], na
     let program = Program { library: &whole, names, fragment: false, foreign: &foreign, methods, endings };
     let mut report = Report { locator: Locator::new(&whole.sources), diagnostics: Vec::new() };
     limits::check(&program, &mut report);
+    probes::check(&program, &mut report);
+    probes::without_effect(conditions, &mut report);
     dimensions::check(&program, &mut report);
     resemblance::check(&program, &mut report);
     memory::check(&program, &mut report);

@@ -86,6 +86,15 @@ fn unknown_to(
             }
             open.extend(known);
         }
+        walk::probes(procedure, &mut |place, goal| {
+            let Some(methods) = program.methods.serving(goal) else { return };
+            let known: Vec<Method> = methods.iter().copied().filter(|method| knows(program, agent, *method)).collect();
+            if known.is_empty() && !methods.is_empty() && told.insert((place.file, place.line)) {
+                let span = report.locator.probe(place);
+                report_unknown(program, agent, goal, &methods, span, report);
+            }
+            open.extend(known);
+        });
     }
 }
 

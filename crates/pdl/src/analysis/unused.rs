@@ -191,7 +191,13 @@ fn reached(program: &Program<'_>) -> Option<BTreeSet<Method>> {
             continue;
         }
         let Method::Procedure(number) = method else { continue };
-        for (index, step) in library.procedures.get(number)?.steps.iter().enumerate() {
+        let procedure = library.procedures.get(number)?;
+        let mut probes = Vec::new();
+        walk::probes(procedure, &mut |_, goal| probes.push(goal));
+        for goal in probes {
+            open.extend(program.methods.serving(goal)?);
+        }
+        for (index, step) in procedure.steps.iter().enumerate() {
             match (&step.activity, step.on_failure.as_deref()) {
                 (Activity::BuiltIn(BuiltInActivity::Plan, _), _)
                 | (_, Some(Activity::BuiltIn(BuiltInActivity::Plan, _))) => {

@@ -7,6 +7,7 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::{
     Activity, Hooks, Primitive, PriorityClause, Procedure, Repetition, ResourceNeed, Step, Transitions,
 };
+use apex_model::source::Place;
 
 /// Receives every expression, outer ones before inner ones.
 pub(crate) type Visit<'v, 'l> = &'v mut dyn FnMut(&'l Expr);
@@ -271,6 +272,15 @@ pub(crate) fn library<'l>(library: &'l Library, visit: Visit<'_, 'l>) {
         exprs(&solver.budget, visit);
         solver.meanwhile.iter().for_each(|goal| template(goal, visit));
     }
+}
+
+/// Every goal that is pursued while a condition of the procedure is waited for, with the condition's place.
+pub(crate) fn probes<'l>(procedure: &'l Procedure, visit: &mut dyn FnMut(Place, &'l Template)) {
+    conditions_of(procedure, &mut |condition| {
+        if let ConditionKind::Probing { goal, .. } = &condition.kind {
+            visit(condition.place, goal);
+        }
+    });
 }
 
 /// Every condition of a procedure, outer ones before inner ones.

@@ -63,18 +63,20 @@ impl Lowering {
 
     /// Lowers conditions that stand alone, each in a scope of its own.
     pub(crate) fn lone_conditions(&mut self, items: &[Datum]) -> Vec<Condition> {
+        let goals = self.goals.len();
         let mut lowered = Vec::new();
         let mut rest = items;
-        while let Some((item, after)) = rest.split_first() {
+        while let [_, after @ ..] = rest {
             let length = if matches!(after, [mark, _, ..] if mark.is(":quality")) { 3 } else { 1 };
             let (form, next) = rest.split_at_checked(length).unwrap_or((rest, &[]));
             self.scope = Scope::of_tasks();
             let condition = self.conditions(form).and_then(|mut all| all.pop());
-            let condition = condition.filter(|condition| self.check_condition_support(condition, item).is_some());
             self.finish_scope(condition.is_some());
             lowered.extend(condition);
             rest = next;
         }
+        // Nobody pursues goals here: they need not be served.
+        self.goals.truncate(goals);
         lowered
     }
 

@@ -30,7 +30,6 @@ mod shared;
 mod slips;
 mod special;
 mod step;
-mod support;
 mod tags;
 mod template;
 mod timing;

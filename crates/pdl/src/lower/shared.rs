@@ -59,10 +59,7 @@ impl Lowering {
     fn clause_condition(&mut self, name: &str, items: &[Datum], clause: &Datum) -> Option<Condition> {
         let mut lowered = self.conditions(items)?;
         match (lowered.pop(), lowered.is_empty()) {
-            (Some(condition), true) => {
-                self.check_condition_support(&condition, clause)?;
-                Some(condition)
-            }
+            (Some(condition), true) => Some(condition),
             _ => {
                 let diagnostic = Diagnostic::error(
                     codes::MALFORMED,

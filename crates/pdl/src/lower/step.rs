@@ -154,9 +154,6 @@ impl Lowering {
                     return self.missing_part(clause.span, "this `waitfor` waits for nothing", "(waitfor CONDITION..)");
                 }
                 step.waitfor = self.conditions(items)?;
-                for condition in &step.waitfor {
-                    self.check_condition_support(condition, clause)?;
-                }
             }
             "select" => step.select.push(self.select(clause)?),
             "forall" => step.forall = Some(Box::new(self.forall(clause)?)),

@@ -298,17 +298,6 @@ fn unmet_parts_say_what_is_known_and_since_when() {
 }
 
 #[test]
-fn unsupported_constructs_are_refused_in_words() {
-    let inner = Box::new(condition(event(vec![word("awake")])));
-    let goal = apex_model::expression::Template::Constant(Value::symbol("wake"));
-    let (time_limit, count_limit) = (None, None);
-    let probing =
-        condition(ConditionKind::Probing { condition: inner, goal, interval: span(5), time_limit, count_limit });
-    let error = create(&probing, Window::from(Time(0)), &View::default()).unwrap_err();
-    assert_eq!(error.message, ":probing is not supported yet");
-}
-
-#[test]
 fn interests_route_by_head_variable_and_task() {
     let whole = condition(ConditionKind::Or(
         vec![

@@ -1,0 +1,127 @@
+//! Messages about `:probing`: spans and counts that are none, and goals that need what the condition is still to bind.
+
+use super::bound::{Bound, by_all, by_pattern};
+use super::impossible::number;
+use super::{Program, Report, walk};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use apex_model::condition::{Condition, ConditionKind};
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::procedure::{Procedure, Step};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use apex_model::variables;
+use std::collections::BTreeSet;
+
+pub(super) fn check(program: &Program<'_>, report: &mut Report<'_>) {
+    for procedure in &program.library.procedures {
+        walk::conditions_of(procedure, &mut |condition| amounts(program, condition, report));
+        for step in &procedure.steps {
+            needs_itself(procedure, step, report);
+        }
+    }
+}
+
+/// An interval or a limit that is known beforehand, and with which there is nothing to pursue.
+fn amounts(program: &Program<'_>, condition: &Condition, report: &mut Report<'_>) {
+    let ConditionKind::Probing { interval, time_limit, count_limit, .. } = &condition.kind else { return };
+    let library = program.library;
+    let spans = [(Some(interval), "interval"), (time_limit.as_ref(), "time limit")];
+    for (span, name) in spans {
+        let Some(span) = span else { continue };
+        if number(span, library).is_some_and(|length| length <= 0.0) {
+            let message = format!("the {name} of `:probing` is not longer than nothing");
+            let reason = match name {
+                "interval" => "a probe would follow the other at the same instant, without end",
+                _ => "probing would be over before the first probe",
+            };
+            report_amount(span, message, reason, "write a duration such as 10s", report);
+        }
+    }
+    if let Some(limit) = count_limit
+        && let ExprKind::Constant(value) = &limit.kind
+        && !matches!(value, Value::Integer(1..))
+    {
+        let message = format!("the count limit of `:probing` is {value}, not a number of probes");
+        let help = "write a whole number, 1 or more; without `:count-limit` there is no limit";
+        report_amount(limit, message, "probes are counted from 1", help, report);
+    }
+}
+
+fn report_amount(amount: &Expr, message: String, reason: &str, help: &str, report: &mut Report<'_>) {
+    let span = report.locator.span(amount.place);
+    report.add(Diagnostic::error(codes::NOTHING_TO_PROBE, span, message).reason(reason).help(help));
+}
+
+/// Outside of an agent there are no tasks, so nothing is pursued.
+pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) {
+    for condition in conditions {
+        walk::conditions(condition, &mut |part| {
+            if let ConditionKind::Probing { .. } = part.kind {
+                let span = report.locator.probe(part.place);
+                let message = "`:probing` has no effect here: nobody pursues its goal";
+                let diagnostic = Diagnostic::new(Severity::Warning, codes::WITHOUT_EFFECT, span, message)
+                    .reason("a condition that is watched alone has no task; the samples that come are all there is")
+                    .help("remove the option, or let an agent wait for the condition: `(waitfor ..)` in a procedure");
+                report.add(diagnostic);
+            }
+        });
+    }
+}
+
+/// Goals whose variables only the waitfor that they probe for, or what is evaluated after it, gives a value.
+fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
+    let mut goals: Vec<(Place, &Template)> = Vec::new();
+    for condition in &step.waitfor {
+        walk::conditions(condition, &mut |part| {
+            if let ConditionKind::Probing { goal, .. } = &part.kind {
+                goals.push((part.place, goal));
+            }
+        });
+    }
+    if goals.is_empty() {
+        return;
+    }
+    let known = known_before(procedure);
+    let waitfor = by_all(&step.waitfor);
+    let after: BTreeSet<&Symbol> =
+        step.select.iter().map(|(name, _)| name).chain(step.forall.iter().map(|forall| &forall.0)).collect();
+    let mut told: BTreeSet<Symbol> = BTreeSet::new();
+    for (place, goal) in goals {
+        let mut names: Vec<Symbol> = Vec::new();
+        variables::of_template(goal, &mut |name| names.push(name.clone()));
+        for name in names {
+            let comes_later = binds(&waitfor, &name) || after.contains(&name);
+            if !comes_later || known.contains(&name) || !told.insert(name.clone()) {
+                continue;
+            }
+            let span = report.locator.variable_of_probe(place, &name);
+            let message = format!("`?{name}` has no value yet when this is pursued");
+            let diagnostic = Diagnostic::error(codes::UNBOUND_VARIABLE, span, message)
+                .reason("a probe begins while what gives it a value is still waited for")
+                .help("name what is to be probed, or let the index or another step's result bind it");
+            report.add(diagnostic);
+        }
+    }
+}
+
+/// What has a value while a step waits: variables of the index, tags, results, which the step waits for, and what a form
+/// assigns.
+fn known_before(procedure: &Procedure) -> BTreeSet<Symbol> {
+    let mut known: BTreeSet<Symbol> = procedure.steps.iter().map(|step| step.tag.clone()).collect();
+    let results = procedure.steps.iter().filter_map(|step| step.binds.as_deref());
+    for bound in results.chain([&procedure.index]).map(by_pattern) {
+        known.extend(bound.surely.into_iter().chain(bound.perhaps.into_keys()).cloned());
+    }
+    walk::procedure(procedure, &mut |expr| {
+        if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
+            known.insert(name.clone());
+        }
+    });
+    known
+}
+
+fn binds(bound: &Bound<'_>, name: &Symbol) -> bool {
+    bound.surely.contains(name) || bound.perhaps.contains_key(name) || bound.never.contains_key(name)
+}
