@@ -70,7 +70,7 @@ pub(super) fn without_effect(conditions: &[Condition], report: &mut Report<'_>) 
     }
 }
 
-/// Goals whose variables only the waitfor that they probe for, or what is evaluated after it, gives a value.
+/// Goals whose variables only the waitfor that they probe for gives a value. What a `select` does is told elsewhere.
 fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     let mut goals: Vec<(Place, &Template)> = Vec::new();
     for condition in &step.waitfor {
@@ -85,15 +85,12 @@ fn needs_itself(procedure: &Procedure, step: &Step, report: &mut Report<'_>) {
     }
     let known = known_before(procedure);
     let waitfor = by_all(&step.waitfor);
-    let after: BTreeSet<&Symbol> =
-        step.select.iter().map(|(name, _)| name).chain(step.forall.iter().map(|forall| &forall.0)).collect();
     let mut told: BTreeSet<Symbol> = BTreeSet::new();
     for (place, goal) in goals {
         let mut names: Vec<Symbol> = Vec::new();
         variables::of_template(goal, &mut |name| names.push(name.clone()));
         for name in names {
-            let comes_later = binds(&waitfor, &name) || after.contains(&name);
-            if !comes_later || known.contains(&name) || !told.insert(name.clone()) {
+            if !binds(&waitfor, &name) || known.contains(&name) || !told.insert(name.clone()) {
                 continue;
             }
             let span = report.locator.variable_of_probe(place, &name);
