@@ -68,7 +68,7 @@ mod tests {
         let (read, messages) = read("", condition);
         assert!(!read.checked.has_errors(), "{messages}");
         assert!(messages.contains("warning[W0508]: `:probing` has no effect here"), "{messages}");
-        assert!(messages.contains("condition:1:57"), "{messages}");
+        assert!(messages.contains("condition:1:54"), "{messages}");
         assert_eq!(read.conditions.len(), 1);
     }
 
