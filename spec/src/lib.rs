@@ -5,6 +5,7 @@
 //! ([`question`]). See `README.md` for the blocks.
 
 pub mod coverage;
+pub mod data_file;
 pub mod diff;
 pub mod explained;
 pub mod outside;

@@ -1,5 +1,6 @@
 //! A whole page: every `trace`, `why`, `check` and `memory` block against what really happens.
 
+use crate::data_file;
 use crate::diff;
 use crate::page::{self, Block};
 use crate::question;
@@ -58,8 +59,12 @@ pub fn transitions(text: &str) -> BTreeSet<(TaskState, TaskState)> {
         .collect()
 }
 
-/// Each compared block with what really happens.
+/// Each compared block with what really happens, and each that shows a file with what that holds.
 fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
+    let files = page::blocks(text).into_iter().filter_map(|block| {
+        let shown = data_file::text_of(&block)?.and_then(|text| data_file::shown(&block, &text));
+        Some((block, shown))
+    });
     let scenarios = scenarios(text).into_iter();
     let results = scenarios.map(|(block, scenario)| {
         let actual = match block.kind.as_str() {
@@ -71,16 +76,20 @@ fn results(text: &str) -> Vec<(Block, Result<String, String>)> {
         };
         (block, actual)
     });
-    results.collect()
+    files.chain(results).collect()
 }
 
 /// Each block that is no part of a scenario, with the scenario so far. `pdl`, `inputs` and `options` hold until the next
-/// of their kind; a new program starts without inputs and options, and with the files before it.
+/// of their kind; a new program starts without inputs and options, and with the files before it. Programs and inputs may
+/// name a file of this package that holds them.
 pub fn scenarios(text: &str) -> Vec<(Block, Scenario)> {
     let mut scenario = Scenario::default();
     let mut files = Vec::new();
     let mut found = Vec::new();
-    for block in page::blocks(text) {
+    for mut block in page::blocks(text) {
+        if let Some(Ok(text)) = data_file::text_of(&block) {
+            block.body = text;
+        }
         match block.kind.as_str() {
             "pdl" => scenario = Scenario { pdl: block.body, files: files.clone(), ..Scenario::default() },
             "file" => files.push((block.argument, block.body)),

@@ -1,4 +1,5 @@
-//! A program without a vehicle: `apex run`. Inputs come from a list; every command is acknowledged at once.
+//! A program without a vehicle: `apex run`. Inputs come from a list; every command is acknowledged at once, or as the list
+//! says.
 
 use crate::error::RunError;
 use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
@@ -11,7 +12,8 @@ use apex_model::value::Value;
 
 /// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any more.
 ///
-/// Commands are acknowledged at the instant at which they are sent, with `nil`. Requests to solvers fail, with a
+/// Commands are acknowledged at the instant at which they are sent, with `nil`; where an input acknowledges a command, as
+/// in what was recorded of a flight, only by inputs. Requests to solvers fail, with a
 /// reason; give a deliberator to [`run_with`] where planners are at hand.
 ///
 /// # Errors
@@ -30,7 +32,7 @@ pub fn run_with(
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly(agent, &mut NoVehicle::default(), deliberator, observers, options)
+    fly(agent, &mut NoVehicle::beside(&options.inputs), deliberator, observers, options)
 }
 
 /// As [`run`], with all agents of an application.
@@ -42,13 +44,23 @@ pub fn run_all(
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_all(agents, &mut NoVehicle::default(), &mut NoDeliberator, observers, options)
+    fly_all(agents, &mut NoVehicle::beside(&options.inputs), &mut NoDeliberator, observers, options)
 }
 
 /// Stands in for a vehicle: does nothing, and acknowledges everything at once.
 #[derive(Debug, Default)]
 pub struct NoVehicle {
     acknowledgements: Vec<Input>,
+    /// Somebody else acknowledges.
+    silent: bool,
+}
+
+impl NoVehicle {
+    /// Acknowledges nothing if `inputs` acknowledge anything.
+    pub fn beside(inputs: &[Input]) -> NoVehicle {
+        let silent = inputs.iter().any(|input| matches!(input.kind, EventKind::CommandAcknowledged(..)));
+        NoVehicle { silent, ..NoVehicle::default() }
+    }
 }
 
 impl Vehicle for NoVehicle {
@@ -62,8 +74,10 @@ impl Vehicle for NoVehicle {
     }
 
     fn command(&mut self, command: CommandId, _: &Value, at: Time) {
-        let kind = EventKind::CommandAcknowledged(command, Ok(Value::nil()));
-        self.acknowledgements.push(Input::new(at, kind));
+        if !self.silent {
+            let kind = EventKind::CommandAcknowledged(command, Ok(Value::nil()));
+            self.acknowledgements.push(Input::new(at, kind));
+        }
     }
 
     fn withdraw(&mut self, command: CommandId, _: Time) {

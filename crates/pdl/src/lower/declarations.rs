@@ -34,6 +34,11 @@ impl Lowering {
                         return self.missing_part(form.span, "this `defindexical` has the wrong parts", shape);
                     }
                 };
+                if apex_model::builtins::INDEXICALS.contains(&name.folded()) {
+                    let message = format!("`+{name}+` has a meaning of its own everywhere");
+                    let diagnostic = Diagnostic::error(codes::DUPLICATE_DEFINITION, form.span, message);
+                    return self.refuse(diagnostic.help("choose another name"));
+                }
                 let first = self.names.indexicals.get(&name).copied();
                 self.define(&format!("+{name}+"), first, form.span)?;
                 self.names.indexicals.insert(name, form.span);

@@ -9,7 +9,8 @@ use apex_model::time::Time;
 /// Names less alike than this are not suggested; 1 is the same.
 const LIKENESS_MIN: f64 = 0.5;
 
-/// The task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has.
+/// The task called `name` among `tasks`: `T12`, `12`, its tag, its goal, or a part of its goal that no other has. Of several
+/// called so, the one that lives.
 ///
 /// # Errors
 /// [`RecordError::Question`] with candidates when none or several are meant.
@@ -29,10 +30,12 @@ pub fn find_task<'a>(tasks: &'a [TaskRow], name: &str, at: Time) -> Result<&'a T
         known.iter().copied().filter(|task| task.goal.to_lowercase().contains(&folded)).collect()
     };
     let found = if exact.is_empty() { loose() } else { exact };
-    match found.as_slice() {
-        [one] => Ok(one),
-        [] => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
-        several => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
+    let living: Vec<&TaskRow> =
+        found.iter().copied().filter(|task| task.ended.is_none_or(|ended| ended > at)).collect();
+    match (found.as_slice(), living.as_slice()) {
+        ([one], _) | (_, [one]) => Ok(one),
+        ([], _) => Err(question(format!("No task is called `{name}` at {at}."), "Tasks are", &known)),
+        (several, _) => Err(question(format!("`{name}` may be one of {} tasks.", several.len()), "Say which", several)),
     }
 }
 
@@ -158,6 +161,19 @@ mod tests {
     fn numbers_tags_goals_and_parts_of_goals_name_tasks() {
         let names = ["T2", "t2", "2", "power", "POWER-UP CAMERA-1", "(power-up camera-1)", "camera-1"];
         assert!(names.into_iter().all(|name| ask(name) == "T2"));
+    }
+
+    #[test]
+    fn of_tasks_with_one_name_the_living_is_meant() {
+        let mut tasks = [task(1, "fly", "(fly to a)", 0.0), task(2, "fly", "(fly to b)", 5.0)];
+        let told = |tasks: &[TaskRow]| find_task(tasks, "fly", Time::from_seconds(10.0)).map(|task| task.id.0).ok();
+        assert_eq!(told(&tasks), None);
+        tasks[0].ended = Some(Time::from_seconds(5.0));
+        assert_eq!(told(&tasks), Some(2));
+        tasks[0].ended = Some(Time::from_seconds(11.0));
+        assert_eq!(told(&tasks), None);
+        tasks.iter_mut().for_each(|task| task.ended = Some(Time::from_seconds(9.0)));
+        assert_eq!(told(&tasks), None);
     }
 
     #[test]

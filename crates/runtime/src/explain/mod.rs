@@ -70,6 +70,8 @@ fn ask_one(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) ->
     }
     match find_task(&scene.tasks, name, scene.at).map(|row| row.id) {
         Ok(id) => why::of_task(scene, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
+        // A step's tag means its tasks, never a command with the same word in it.
+        Err(error) if tagged => Err(find::of_no_agent(error, name, &scene.name)),
         Err(error) => match things::of_command(&scene, name)? {
             Some(answer) => Ok(Answer::Command(Box::new(answer))),
             None => Err(find::of_no_agent(error, name, &scene.name)),

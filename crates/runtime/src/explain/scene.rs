@@ -13,6 +13,8 @@ use apex_model::time::Time;
 
 /// Longer goals are cut where they are only mentioned.
 const GOAL_CHARACTERS_MAX: usize = 60;
+/// Stands for what is cut.
+const CUT_SIGN: &str = " ..)";
 
 /// What is asked of a record.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,13 +99,20 @@ impl<'a> Scene<'a> {
 
     /// The goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.
     pub(super) fn goal(&self, task: TaskId) -> String {
-        let living =
-            self.agent().and_then(|agent| explanation::describe_task(agent, task)).map(|view| view.goal.to_string());
-        let goal = living.or_else(|| self.row(task).map(|row| row.goal.clone())).unwrap_or_default();
-        match goal.char_indices().nth(GOAL_CHARACTERS_MAX) {
-            Some((end, _)) => format!("{} ..)", goal.get(..end).unwrap_or_default().trim_end()),
+        let goal = self.whole_goal(task);
+        // What is left out must be longer than the sign that stands for it.
+        let is_long = goal.char_indices().nth(GOAL_CHARACTERS_MAX + CUT_SIGN.len()).is_some();
+        match goal.char_indices().nth(GOAL_CHARACTERS_MAX).filter(|_| is_long) {
+            Some((end, _)) => format!("{}{CUT_SIGN}", goal.get(..end).unwrap_or_default().trim_end()),
             None => goal,
         }
+    }
+
+    /// The same, never cut.
+    pub(super) fn whole_goal(&self, task: TaskId) -> String {
+        let living =
+            self.agent().and_then(|agent| explanation::describe_task(agent, task)).map(|view| view.goal.to_string());
+        living.or_else(|| self.row(task).map(|row| row.goal.clone())).unwrap_or_default()
     }
 
     /// The task's row.

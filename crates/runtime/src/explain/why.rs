@@ -25,7 +25,10 @@ pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, aske
     let history = History::read(scene.reader, id, scene.at)?;
     let subtasks = subtasks(&scene, id)?;
     let blocked = history.blocked.as_ref().map(|conflict| blocked(&scene, conflict));
-    let goal = history.goal.clone().unwrap_or_else(|| row.goal.clone());
+    let goal = match history.waits() {
+        true => scene.whole_goal(id),
+        false => history.goal.clone().unwrap_or_else(|| row.goal.clone()),
+    };
     let about = scene.about(question, "task", asked);
     let waits = history.waits();
     let chosen = log.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
@@ -119,7 +122,7 @@ fn subtasks(scene: &Scene<'_>, parent: TaskId) -> Result<Vec<Subtask>, RecordErr
         }
         let state = history::state_at(scene.reader, task.id, scene.at)?;
         if state != "terminated" {
-            subtasks.push(Subtask { task: task.id.to_string(), goal: task.goal.clone(), state });
+            subtasks.push(Subtask { task: task.id.to_string(), goal: scene.whole_goal(task.id), state });
         }
     }
     Ok(subtasks)
