@@ -21,7 +21,7 @@ const TWO_CLUSTERS_SILHOUETTE: f64 = 0.65;
 const CROWDED_INDEX: f64 = 0.85;
 
 /// How targets lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Space {
     /// In two crowds.
     TwoClusters,

@@ -11,6 +11,7 @@ pub mod random;
 pub mod single_visit;
 pub mod surveillance;
 pub mod table;
+pub mod test_missions;
 pub mod two_opt;
 pub mod validate;
 pub mod wam;
