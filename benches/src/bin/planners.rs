@@ -1,0 +1,94 @@
+//! Planners of surveillance beside each other on test missions: mean log ratio of expected costs at equal CPU time.
+//!
+//! `planners MILLISECONDS MISSIONS [CELL ..]`
+
+use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{Budget, Environment};
+use apex_solvers::test_missions::Cell;
+
+/// CPU time of this thread, in nanoseconds.
+fn cpu_ns() -> u64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|first| first.parse().ok()).unwrap_or(0)
+}
+
+/// A budget of CPU time, looked at every few thousand units.
+struct CpuBudget {
+    until_ns: u64,
+    used: u64,
+    next: u64,
+    over: bool,
+}
+
+impl Budget for CpuBudget {
+    fn charge(&mut self, units: u64) {
+        self.used += units;
+        if self.used >= self.next {
+            self.next = self.used + 2_000;
+            self.over = cpu_ns() >= self.until_ns;
+        }
+    }
+    fn exhausted(&self) -> bool {
+        self.over
+    }
+    fn used(&self) -> u64 {
+        self.used
+    }
+}
+
+fn cost(solver: &str, problem: &Problem, milliseconds: u64, seed: u64) -> (f64, u64, f64) {
+    let begin = cpu_ns();
+    let mut budget = CpuBudget { until_ns: begin + milliseconds * 1_000_000, used: 0, next: 0, over: false };
+    let Some(solver) = apex_solvers::solver(solver) else { return (f64::NAN, 0, 0.0) };
+    let plan = {
+        let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {} };
+        solver.solve(problem, &mut environment)
+    };
+    let took = (cpu_ns() - begin) as f64 * 1e-6;
+    match plan {
+        Ok(Plan::Surveillance(plan)) => (plan.expected_cost, budget.used, took),
+        _ => (f64::NAN, 0, took),
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number =
+        |index: usize, default: u64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(default);
+    let (milliseconds, missions, long) = (number(0, 100), number(1, 5), number(2, 0));
+    let cells: Vec<Cell> = match arguments.get(3..) {
+        Some(names) if !names.is_empty() => names.iter().filter_map(|name| name.parse().ok()).collect(),
+        _ => Cell::subset(),
+    };
+    let (mut all, mut worst) = (0.0, 0.0_f64);
+    for cell in &cells {
+        let (mut ratio, mut two, mut gap, mut units, mut took) = (0.0, 0.0, 0.0, 0, 0.0);
+        for number in 0..missions {
+            let problem = Problem::Surveillance(cell.mission(number));
+            let two_opt = cost("two-opt", &problem, milliseconds, 1).0;
+            let wam = cost("wam", &problem, milliseconds, 1).0;
+            let (any, used, ms) = cost("anytime", &problem, milliseconds, 1);
+            ratio += (any / two_opt.min(wam)).ln();
+            two += (wam / two_opt).ln();
+            units += used;
+            took += ms;
+            if long > 0 {
+                let best = (0..2).map(|seed| cost("anytime", &problem, long, 7 + seed).0).fold(any, f64::min);
+                gap += (any / best).ln();
+            }
+        }
+        let mean = |sum: f64| 100.0 * sum / missions as f64;
+        println!(
+            "{:44} any/min {:7.2} %   wam/2opt {:7.2} %   gap {:6.3} %   {:8} units {:6.1} ms",
+            cell.to_string(),
+            mean(ratio),
+            mean(two),
+            mean(gap),
+            units / missions,
+            took / missions as f64
+        );
+        all += mean(gap);
+        worst = worst.max(mean(gap));
+    }
+    println!("mean gap {:.3} %, worst cell {:.3} %", all / cells.len() as f64, worst);
+}
