@@ -1,3 +1,5 @@
+//! Test missions: what they are, that their names are read back, and that they do not drift.
+
 use super::*;
 use apex_model::problem::{CostFunction, SurveillanceProblem};
 use sha2::{Digest, Sha256};
