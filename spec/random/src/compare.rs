@@ -2,7 +2,13 @@
 
 use crate::generate::{Case, UNTIL};
 use crate::{executive, print};
-use apex_reference::{Cut, Run};
+use apex_executive::Agent;
+use apex_reference::trace::State;
+use apex_reference::{Cut, Line, Run, What};
+
+/// Tasks made at an instant that does not come to rest, and still there when the reference gives up, from which on that
+/// instant is left out.
+const MADE_MAX: usize = 10;
 
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,21 +31,13 @@ pub fn judge(case: &Case) -> Verdict {
         Err(messages) => return Verdict::Refused(messages),
     };
     let theirs = apex_reference::run(&case.program, &case.inputs, UNTIL);
-    let mut again = agent.clone();
-    if let Some(cut @ Cut::Restless(at)) = theirs.cut {
-        // The executive goes on for longer before it gives up: seconds. Compared is what comes before.
-        let ours = executive::run(&mut agent, &case.inputs, at - 1, false);
-        let before: Vec<_> = theirs.lines.iter().take_while(|line| line.at < at).collect();
-        let same = ours.cut.is_none() && before.iter().copied().eq(&ours.lines);
-        let difference = || format!("before {at} ns, where the reference gives up\n{}", last(&theirs));
-        return if same { Verdict::Cut(cut) } else { Verdict::Different(difference()) };
+    if let Some(cut) = theirs.cut {
+        return judge_cut(&mut agent, case, &theirs, cut);
     }
+    let mut again = agent.clone();
     let ours = executive::run(&mut agent, &case.inputs, UNTIL, false);
     if let Some(difference) = difference(&theirs, &ours) {
         return Verdict::Different(difference);
-    }
-    if let Some(cut) = theirs.cut {
-        return Verdict::Cut(cut);
     }
     // How events are divided into batches must not matter, unless some come late: then it says how late they are.
     if case.inputs.iter().any(|input| input.at < input.arrives) {
@@ -53,8 +51,32 @@ pub fn judge(case: &Case) -> Verdict {
     Verdict::Same(Box::new(theirs))
 }
 
+/// The reference gave up: at a restless instant the executive has to give up too, later, and until then both do the same. An
+/// instant that makes tasks without end is left out: the executive looks for its end among thousands of them.
+fn judge_cut(agent: &mut Agent, case: &Case, theirs: &Run, cut: Cut) -> Verdict {
+    let last = match cut {
+        Cut::Restless(at) => at,
+        Cut::Long => theirs.lines.last().map_or(0, |line| line.at),
+    };
+    let lives = |task: usize| theirs.states.get(&task).is_some_and(|state| *state != State::Terminated);
+    let made = |line: &&Line| line.at == last && matches!(line.what, What::Created(..)) && lives(line.task);
+    if theirs.lines.iter().filter(made).count() > MADE_MAX {
+        let ours = executive::run(agent, &case.inputs, last - 1, false);
+        let before = theirs.lines.iter().filter(|line| line.at < last);
+        let same = ours.cut.is_none() && before.eq(&ours.lines);
+        let difference = || format!("before {last} ns, where the reference gives up\n{}", told_last(theirs));
+        return if same { Verdict::Cut(cut) } else { Verdict::Different(difference()) };
+    }
+    let ours = executive::run(agent, &case.inputs, last, false);
+    let both = cut == Cut::Long || ours.cut == Some(cut);
+    if both && ours.lines.starts_with(&theirs.lines) {
+        return Verdict::Cut(cut);
+    }
+    Verdict::Different(difference(theirs, &ours).unwrap_or_else(|| "the executive tells less".into()))
+}
+
 /// The last things that happened.
-fn last(run: &Run) -> String {
+fn told_last(run: &Run) -> String {
     run.lines.iter().rev().take(40).rev().map(|line| format!("    {line}\n")).collect()
 }
 
@@ -63,9 +85,9 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
     let mut told = 0;
     let length = match (theirs.cut, ours.cut) {
         (None, None) => theirs.lines.len().max(ours.lines.len()),
-        // Whoever gives up has told what came before.
-        (Some(_), None) => theirs.lines.len(),
-        (_, Some(_)) => theirs.lines.len().min(ours.lines.len()),
+        // Whoever gives up has told what came before; of a restless instant the executive tells more.
+        (Some(_), _) => theirs.lines.len(),
+        (None, Some(_)) => theirs.lines.len().min(ours.lines.len()),
     };
     let pair = |index: usize| (theirs.lines.get(index), ours.lines.get(index));
     let first = (0..length).find(|index| pair(*index).0 != pair(*index).1);
@@ -87,9 +109,9 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
         return Some(format!(
             "who gives up\n  reference: {:?}\n{}  executive: {:?}\n{}",
             theirs.cut,
-            last(theirs),
+            told_last(theirs),
             ours.cut,
-            last(ours)
+            told_last(ours)
         ));
     }
     if theirs.cut.is_some() {

@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         return planted(seed);
     }
     if has("--show") {
-        println!("{}", page::of(seed, &generate::case(seed)));
+        println!("{}", page::without_difference(seed, &generate::case(seed)));
         return ExitCode::SUCCESS;
     }
     many(seed, count)

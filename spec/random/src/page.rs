@@ -8,6 +8,15 @@ use std::fmt::Write;
 
 /// The page of a case. Its trace is empty: `UPDATE=1` fills it, and a person judges it.
 pub fn of(seed: u64, case: &Case) -> String {
+    let mut page = without_difference(seed, case);
+    if let Verdict::Different(difference) = judge(case) {
+        let _ = write!(page, "\n<!--\n{difference}-->\n");
+    }
+    page
+}
+
+/// The same, but nothing is run.
+pub fn without_difference(seed: u64, case: &Case) -> String {
     let mut page = format!("# Random program {seed}\n\n```pdl\n{}```\n", print::program(&case.program));
     if !case.inputs.is_empty() {
         let _ = write!(page, "\n```inputs\n{}```\n", print::inputs(&case.inputs));
@@ -18,8 +27,5 @@ pub fn of(seed: u64, case: &Case) -> String {
         "\n```options\nuntil {until}s\nshow enabled ongoing interrupted terminated pending print inform causes\n```\n"
     );
     page.push_str("\n```trace\n```\n");
-    if let Verdict::Different(difference) = judge(case) {
-        let _ = write!(page, "\n<!--\n{difference}-->\n");
-    }
     page
 }

@@ -13,6 +13,8 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 const ROUNDS_MAX: u32 = 120;
 /// Tasks of one run before it is not followed any more.
 const TASKS_MAX: usize = 300;
+/// Tasks made at one instant before it is not followed any more: all compete with all in every round.
+const TASKS_PER_INSTANT_MAX: usize = 100;
 
 /// What can be heard or measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -181,6 +183,7 @@ impl Agent<'_> {
     }
 
     fn come_to_rest(&mut self) {
+        let before = self.tasks.len();
         for _ in 0..ROUNDS_MAX {
             self.changed = false;
             for said in std::mem::take(&mut self.said) {
@@ -197,7 +200,7 @@ impl Agent<'_> {
             if !self.changed || self.finished {
                 return;
             }
-            if self.tasks.len() > TASKS_MAX {
+            if self.tasks.len() > TASKS_MAX.min(before + TASKS_PER_INSTANT_MAX) {
                 self.cut = Some(Cut::Long);
                 return;
             }

@@ -70,7 +70,13 @@ impl Agent<'_> {
             if more.is_empty() {
                 return self.commit(field);
             }
-            orphans.extend(more);
+            // Whose parent stops only for another orphan will see whether it still does without that one.
+            let only_for_orphan = |id: &usize| {
+                let loss = field.displaced.iter().find(|loss| Some(loss.loser) == self.tasks[*id].parent);
+                loss.is_some_and(|loss| more.contains(&loss.winner))
+            };
+            let certain: Vec<usize> = more.iter().filter(|id| !only_for_orphan(id)).copied().collect();
+            orphans.extend(if certain.is_empty() { more } else { certain });
         }
     }
 
@@ -160,10 +166,17 @@ impl Agent<'_> {
         }
     }
 
-    /// Who goes before others is as important as they are.
+    /// Who goes before others is as important as they are, and as those whom they go before.
     fn weight(&self, field: &Field, id: usize) -> f64 {
-        let behind = field.order.iter().filter(|other| self.goes_before(id, **other));
-        behind.map(|other| self.weight(field, *other)).fold(self.priority(id, self.now), f64::max)
+        let mut counted = vec![id];
+        let mut next = 0;
+        while let Some(each) = counted.get(next).copied() {
+            next += 1;
+            let others = field.order.iter().filter(|other| !counted.contains(other) && self.goes_before(each, **other));
+            let behind: Vec<usize> = others.copied().collect();
+            counted.extend(behind);
+        }
+        counted.into_iter().map(|each| self.priority(each, self.now)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// What an ongoing task defends its resources with.

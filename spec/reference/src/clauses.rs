@@ -42,8 +42,8 @@ impl Agent<'_> {
         self.tasks[id].answered = self.tasks[id].answered.max(answered);
         self.unwatch(id, |clause, level| clause == watch.clause && level == watch.level);
         let cause = format!("clause {}", watch.clause.word());
-        // What begins to be watched now counts from the evidence on.
-        let end = proof.end(self.now);
+        // What begins to be watched now counts from the evidence on; from a fact that stood before, as it was looked for.
+        let end = proof.end(self.now).max(watch.window.start);
         let newest = self.arrivals.checked_sub(1).filter(|_| end >= self.now);
         let after = Window { start: end.min(self.now), after: answered.or(newest) };
         match watch.clause {

@@ -112,7 +112,8 @@ impl<'p> Agent<'p> {
         // Work that begins in a state that would start it over has not begun before that.
         let standing = clause != Clause::RestartWhen;
         let condition = condition.clone();
-        let watch = Watch { number, clause, level, condition, window, made, standing, at_once: false };
+        let watch =
+            Watch { number, clause, level, condition, window, made, made_at: self.now, standing, at_once: false };
         self.tasks[id].watches.push(watch);
         self.changed = true;
     }

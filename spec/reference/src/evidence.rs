@@ -178,7 +178,11 @@ impl Agent<'_> {
         let mut proofs = Vec::new();
         let state = before.iter().rev().find(|each| each.task == other).map_or(State::Pending, |each| each.to);
         let stands = (place.watch.standing || tagged > made) && state.word() == word;
-        proofs.extend(stands.then(|| Proof::at(self.now, None)));
+        let since_when = match before.last() {
+            Some(last) if tagged > made => last.at,
+            _ => place.watch.made_at,
+        };
+        proofs.extend(stands.then(|| Proof::at(since_when, None)));
         for each in since.iter().filter(|each| each.task == other) {
             let resumed = each.from == State::Interrupted && each.to == State::Ongoing && word == "resumed";
             if each.to.word() == word || resumed {

@@ -69,7 +69,8 @@ impl Agent<'_> {
     }
 
     pub(crate) fn is_below(&self, low: usize, high: usize) -> bool {
-        low != high && self.line(low).contains(&high)
+        let mut above = std::iter::successors(self.tasks[low].parent, |id| self.tasks[*id].parent);
+        above.any(|id| id == high)
     }
 
     pub(crate) fn are_related(&self, a: usize, b: usize) -> bool {
@@ -83,8 +84,9 @@ impl Agent<'_> {
         Some((self.rank(first)?, self.rank(second)?)).filter(|(a, b)| a != b)
     }
 
-    /// When the order of two priorities changes by itself, also against what is added in the defence of something. It is
-    /// looked for at many places between here and a far instant, and by halving: priorities rise, and stop rising.
+    /// When one priority gets ahead of another by itself, also against what is added in the defence of something. Being as
+    /// high for an instant on the way is not yet ahead. It is looked for at many places between here and a far
+    /// instant, and by halving: priorities rise, and stop rising.
     pub(crate) fn priorities_cross(&self) -> Option<Time> {
         const PLACES: i64 = 64;
         let competes = |task: &Task| !matches!(task.state, State::Pending | State::Terminated);
@@ -97,19 +99,18 @@ impl Agent<'_> {
         let places: Vec<Time> = (0..PLACES).map(place).chain([until]).collect();
         let all: Vec<Vec<f64>> =
             places.iter().map(|at| competitors.iter().map(|id| self.priority(*id, *at)).collect()).collect();
-        let order = |own: f64, other: f64| {
-            let beats: Vec<bool> = costs.iter().map(|cost| own > other + cost).collect();
-            (beats, own.total_cmp(&other))
-        };
+        let beats = |own: f64, other: f64| costs.iter().map(|cost| own > other + cost).collect::<Vec<bool>>();
+        let more = |then: &[bool], now: &[bool]| then.iter().zip(now).any(|(then, now)| *then && !now);
         let mut first: Option<Time> = None;
         for (a, b) in (0..competitors.len()).flat_map(|a| (0..competitors.len()).map(move |b| (a, b))) {
-            let now = order(all[0][a], all[0][b]);
-            let Some(changed) = (1..places.len()).find(|at| order(all[*at][a], all[*at][b]) != now) else { continue };
+            let now = beats(all[0][a], all[0][b]);
+            let ahead = |at: &usize| more(&beats(all[*at][a], all[*at][b]), &now);
+            let Some(changed) = (1..places.len()).find(ahead) else { continue };
             let (mut low, mut high) = (places[changed - 1], places[changed]);
             while high - low > 1 {
                 let middle = low + (high - low) / 2;
                 let (own, other) = (self.priority(competitors[a], middle), self.priority(competitors[b], middle));
-                if order(own, other) == now { low = middle } else { high = middle }
+                if more(&beats(own, other), &now) { high = middle } else { low = middle }
             }
             first = Some(first.map_or(high, |before| before.min(high)));
         }

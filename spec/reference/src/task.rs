@@ -167,6 +167,8 @@ pub(crate) struct Watch {
     pub(crate) window: Window,
     /// How many changes of state there had been when it was made.
     pub(crate) made: usize,
+    /// When it was made: since then it has been known what stood already.
+    pub(crate) made_at: Time,
     /// Ends and states of tasks count that were there already.
     pub(crate) standing: bool,
     /// It must be judged at once, not only in the next round.

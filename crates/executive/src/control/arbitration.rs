@@ -7,6 +7,7 @@
 use apex_model::because::{ConflictRule, Strength};
 use apex_model::resource::ResourceId;
 use apex_model::task::TaskId;
+use std::rc::Rc;
 
 /// What arbitration decides.
 #[derive(Default)]
@@ -57,7 +58,7 @@ pub(crate) struct Refusal {
     /// The conflict that is told.
     pub(crate) loss: Loss,
     /// Whose priorities count for the loser: its own, and those of whom it goes before.
-    pub(crate) stands_for: Vec<TaskId>,
+    pub(crate) stands_for: Rc<[TaskId]>,
     /// All who stand in its way: at least one of them would have to yield.
     pub(crate) rivals: Vec<Rival>,
 }
@@ -70,5 +71,5 @@ pub(crate) struct Rival {
     /// It has the resource, and does not only claim it.
     pub(crate) holds: bool,
     /// Whose priorities count for it.
-    pub(crate) stands_for: Vec<TaskId>,
+    pub(crate) stands_for: Rc<[TaskId]>,
 }

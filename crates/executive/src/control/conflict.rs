@@ -12,6 +12,7 @@ use crate::control::competition::{
 use crate::control::line;
 use crate::control::precedence::Precedence;
 use crate::control::priority;
+use crate::control::resources::needs_of;
 use crate::control::sharing::{Use, UseKind, any_related, has_room, matters};
 use crate::cycle::Cycle;
 use crate::expression::Surroundings;
@@ -24,6 +25,7 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
 /// all, nobody else is looked at.
@@ -72,18 +74,38 @@ fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<I
     granted.filter(move |id| !has_begun(cycle.agent, *id) && parent(*id).is_some_and(stops))
 }
 
-/// Arbitrates all resources in `dirty`, with everything their claimants need besides. No step of a task that stops working
-/// begins, so such steps do not compete.
+/// Arbitrates all resources in `dirty`, with everything their claimants need besides, and everything that those leave who
+/// are displaced. No step of a task that stops working begins, so such steps do not compete.
 fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut orphaned = BTreeSet::new();
+    let mut dirty = dirty.clone();
     loop {
-        let result = arbitrate_without(cycle, dirty, &orphaned);
-        let before = orphaned.len();
-        orphaned.extend(orphans(cycle, &result));
-        if orphaned.len() == before {
+        let result = arbitrate_without(cycle, &dirty, &orphaned);
+        let known = dirty.len();
+        dirty.extend(left_behind(cycle, &result));
+        if dirty.len() > known {
+            continue;
+        }
+        let found: BTreeSet<TaskId> = orphans(cycle, &result).filter(|id| !orphaned.contains(id)).collect();
+        if found.is_empty() {
             return result;
         }
+        // Whose parent stops only for another orphan will see whether it still does without that one.
+        let only_for_orphan = |id: &TaskId| {
+            let parent = cycle.task(*id).and_then(|task| task.parent);
+            let loss = result.displaced.iter().find(|loss| Some(loss.loser) == parent);
+            loss.is_some_and(|loss| found.contains(&loss.winner))
+        };
+        let certain: Vec<TaskId> = found.iter().filter(|id| !only_for_orphan(id)).copied().collect();
+        orphaned.extend(if certain.is_empty() { found.into_iter().collect() } else { certain });
     }
+}
+
+/// What displaced tasks have besides what they lost, where somebody waits for it.
+fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
+    let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
+    let needs = |loss: &Loss| needs_of(cycle, loss.loser).into_iter().map(|need| need.resource);
+    result.displaced.iter().flat_map(needs).filter(awaited)
 }
 
 fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
@@ -151,8 +173,8 @@ impl<'a, 'c> Field<'a, 'c> {
         self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
     }
 
-    fn stands_for(&self, id: TaskId) -> Vec<TaskId> {
-        self.precedence.as_ref().map_or_else(|| vec![id], |precedence| precedence.stands_for(id))
+    fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
+        self.precedence.as_ref().map_or_else(|| Rc::from([id]), |precedence| precedence.stands_for(id))
     }
 
     /// The rule by which the greater priority of `winner` decides.

@@ -31,7 +31,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     let mut free = Vec::new();
     let mut fresh: BTreeMap<ResourceId, Vec<TaskId>> = BTreeMap::new();
     for id in in_order(&mut cycle.work.claims) {
-        if !competition::is_eligible(cycle.agent, id) {
+        if !competition::is_eligible(cycle.agent, id) || waits_for_parent(cycle, id) {
             continue;
         }
         let needs = resources::needs_of(cycle, id);
@@ -66,6 +66,15 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
         }
     });
     result
+}
+
+/// A task that may start over has not gone on yet: its steps are offered when it does, all at once.
+fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let resuming = &cycle.work.resuming;
+    if resuming.is_empty() || cycle.state(id) != TaskState::Enabled {
+        return false;
+    }
+    cycle.task(id).and_then(|task| task.parent).is_some_and(|parent| resuming.contains(&parent))
 }
 
 /// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed anew.
@@ -196,21 +205,28 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     let loser = refusal.loss.loser;
-    let mut moved = refusal.stands_for.iter().any(|each| priority::reads_inputs(cycle.agent, *each));
-    let mut at: Option<Time> = None;
+    // Many rivals can stand for the same ones.
+    let mut concerned = refusal.stands_for.to_vec();
+    let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
     for rival in &refusal.rivals {
         let holds = rival.holds || cycle.state(rival.task) == TaskState::Ongoing;
-        for other in &rival.stands_for {
-            moved |= priority::reads_inputs(cycle.agent, *other);
-            let ranked = competition::rank_order(cycle.agent, loser, rival.task, cycle.now).is_some();
-            for own in refusal.stands_for.iter().filter(|_| !ranked) {
-                let holder = holds.then_some(rival.task);
-                let contest = Contest { agent: cycle.agent, challenger: *own, rival: *other, holder };
-                at = [at, contest.next_look(cycle.now)].into_iter().flatten().min();
-            }
+        concerned.extend(rival.stands_for.iter());
+        if competition::rank_order(cycle.agent, loser, rival.task, cycle.now).is_none() {
+            contests.extend(rival.stands_for.iter().map(|other| (*other, holds.then_some(rival.task))));
         }
     }
-    if moved {
+    contests.sort_unstable();
+    contests.dedup();
+    concerned.sort_unstable();
+    concerned.dedup();
+    let mut at: Option<Time> = None;
+    for (rival, holder) in contests {
+        for challenger in refusal.stands_for.iter().copied() {
+            let contest = Contest { agent: cycle.agent, challenger, rival, holder };
+            at = [at, contest.next_look(cycle.now)].into_iter().flatten().min();
+        }
+    }
+    if concerned.iter().any(|each| priority::reads_inputs(cycle.agent, *each)) {
         cycle.agent.unsteady.insert(loser);
     }
     let Some(task) = cycle.agent.task_mut(loser) else { return };

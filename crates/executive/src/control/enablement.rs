@@ -62,8 +62,12 @@ fn fire_all(cycle: &mut Cycle<'_>) {
 }
 
 fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
-    let Firing { task: id, clause, level, satisfaction, answered, place, .. } = firing;
+    if !monitoring_clauses::still_holds(cycle, &firing) {
+        return;
+    }
+    let Firing { task: id, clause, level, monitor, satisfaction, answered, place } = firing;
     let Some(task) = cycle.task(id) else { return };
+    let watched_from = cycle.agent.watches.get(monitor.0).map(|watch| watch.monitor.window.start);
     let state = task.state;
     if clause == Clause::Waitfor && repetition::is_known(cycle, id, &satisfaction.bindings) {
         repetition::wait_for_new(cycle, id, answered);
@@ -80,7 +84,9 @@ fn fire(cycle: &mut Cycle<'_>, firing: Firing) {
     if clause == Clause::Waitfor {
         return preconditions_hold(cycle, id, satisfaction, place);
     }
-    let after = interruption::window_after(cycle, satisfaction.interval.1, answered);
+    // A fact can have stood before it was looked for.
+    let end = satisfaction.interval.1.max(watched_from.unwrap_or(satisfaction.interval.1));
+    let after = interruption::window_after(cycle, end, answered);
     let because = Because { cause, place: Some(place), evidence: satisfaction.evidence };
     match clause {
         Clause::Waitfor => {}

@@ -183,6 +183,16 @@ pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
+/// Steps that claimed before the task stopped do not until it goes on: they are offered then.
+pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
+    let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
+    for child in children.unwrap_or_default() {
+        if cycle.state(child) == TaskState::Enabled {
+            withdraw_claims(cycle, child);
+        }
+    }
+}
+
 /// Makes the monitors of the clauses of the procedure that the task begins.
 ///
 /// # Errors

@@ -29,6 +29,7 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
         } else if interruption::may_start_over(cycle, id) {
             // Its resumption is noticed first; what starts over does not go on before that.
             cycle.work.resuming.insert(id);
+            interruption::hold_children(cycle, id);
         } else {
             go_on(cycle, id);
         }

@@ -18,6 +18,7 @@ use apex_model::resource::{Need, ResourceId};
 use apex_model::step_clauses::StepClauses;
 use apex_model::task::{Origin, Task, TaskId};
 use apex_model::waiting::{Claim, Turn, Waiting};
+use std::rc::Rc;
 
 /// Descendants looked at to see whether one of them waits too; a task with more is left to conflict resolution.
 const FAMILY_MAX: usize = 64;
@@ -116,8 +117,8 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
                 result.granted.push(first);
             }
             Err(loss) => {
-                let in_the_way = Rival { task: holder.task, holds: true, stands_for: vec![holder.task] };
-                result.refused.push(Refusal { loss, stands_for: vec![first], rivals: vec![in_the_way] });
+                let in_the_way = Rival { task: holder.task, holds: true, stands_for: Rc::new([holder.task]) };
+                result.refused.push(Refusal { loss, stands_for: Rc::new([first]), rivals: vec![in_the_way] });
                 winner = holder;
             }
         },
@@ -125,7 +126,7 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
     for task in fresh.iter().filter(|task| **task != first) {
         let loss = field.confront(&as_claimant(cycle, *task), id, &winner).err()?;
         // Nobody behind the first can overtake the holder before the first does.
-        result.refused.push(Refusal { loss, stands_for: vec![*task], rivals: Vec::new() });
+        result.refused.push(Refusal { loss, stands_for: Rc::new([*task]), rivals: Vec::new() });
     }
     Some(result)
 }

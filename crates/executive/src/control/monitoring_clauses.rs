@@ -270,6 +270,21 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     }
 }
 
+/// Is what was noticed still so? What took effect before it in this phase may have ended what must not have ended.
+pub(crate) fn still_holds(cycle: &Cycle<'_>, firing: &Firing) -> bool {
+    let absence = |evidence: &Evidence| matches!(evidence, Evidence::Absence { .. });
+    if cycle.work.stimuli.is_empty() || !firing.satisfaction.evidence.iter().any(absence) {
+        return true;
+    }
+    let Some(watch) = cycle.agent.watches.get(firing.monitor.0) else { return false };
+    let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
+    let mut monitor = watch.monitor.clone();
+    for stimulus in &cycle.work.stimuli {
+        monitoring::notice(&mut monitor, stimulus, &view);
+    }
+    matches!(monitoring::verdict(&mut monitor, &view), Verdict::Satisfied(_))
+}
+
 /// A monitor's wake has come: it is judged again.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let own = cycle.agent.watches.get_mut(id.0).and_then(|watch| watch.wake.take());

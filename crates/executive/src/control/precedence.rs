@@ -2,7 +2,7 @@
 //! What: puts competitors into one order that keeps to ranks and to priorities. Who goes before another one by its rank is
 //! as important as that one, so ranks and priorities never contradict one another in a ring.
 //! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
-//! Bound: O(c^2 * depth) for c competitors.
+//! Bound: O(c^2 * depth) for c competitors; as much for each one that is asked whom it stands for, where priorities move.
 //! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::competition::{Claimant, by_priority};
@@ -10,7 +10,9 @@ use crate::control::priority;
 use apex_model::agent::Agent;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// The order of all competitors for some resources.
 pub(crate) struct Precedence {
@@ -18,6 +20,8 @@ pub(crate) struct Precedence {
     places: BTreeMap<TaskId, Place>,
     /// Priorities of some of them can change without anybody claiming or giving up.
     varies: bool,
+    /// What was found for who was asked about: each one stands in the way of many.
+    stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,
 }
 
 /// One that claims or holds, with the ranks on its way from the root down.
@@ -48,7 +52,8 @@ impl Precedence {
             let id = each.claimant.id;
             priority::moves(agent, id, true) || priority::reads_inputs(agent, id)
         });
-        let mut precedence = Precedence { competitors, places: BTreeMap::new(), varies };
+        let (places, stand_for) = (BTreeMap::new(), RefCell::default());
+        let mut precedence = Precedence { competitors, places, varies, stand_for };
         precedence.place_all();
         precedence
     }
@@ -107,17 +112,26 @@ impl Precedence {
     }
 
     /// All whose priorities may count for the task: itself, those that it goes before, those that they go before.
-    pub(crate) fn stands_for(&self, id: TaskId) -> Vec<TaskId> {
+    pub(crate) fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
+        if !self.varies {
+            return Rc::new([id]);
+        }
+        let known = self.stand_for.borrow().get(&id).cloned();
+        known.unwrap_or_else(|| {
+            let found: Rc<[TaskId]> = self.all_behind(id).into();
+            self.stand_for.borrow_mut().insert(id, Rc::clone(&found));
+            found
+        })
+    }
+
+    fn all_behind(&self, id: TaskId) -> Vec<TaskId> {
         let mut found = vec![id];
-        let mut next = 0;
-        while let Some(id) = found.get(next).copied().filter(|_| self.varies) {
-            next += 1;
-            let Some(competitor) = self.competitors.iter().find(|each| each.claimant.id == id) else { continue };
-            for other in self.competitors.iter().filter(|other| competitor.goes_before(other)) {
-                if !found.contains(&other.claimant.id) {
-                    found.push(other.claimant.id);
-                }
-            }
+        let (mut open, mut rest): (Vec<_>, Vec<_>) = self.competitors.iter().partition(|each| each.claimant.id == id);
+        while let Some(competitor) = open.pop() {
+            let (behind, others): (Vec<_>, Vec<_>) = rest.into_iter().partition(|other| competitor.goes_before(other));
+            found.extend(behind.iter().map(|each| each.claimant.id));
+            open.extend(behind);
+            rest = others;
         }
         found
     }
