@@ -53,6 +53,20 @@ fn results_and_verdicts_are_told_with_their_reasons() {
 }
 
 #[test]
+fn the_largest_sampling_gap_of_a_result_is_told() {
+    let desk = Desk::new();
+    let sample = |t: u32| format!("{{\"t\": {t}, \"measurement\": \"(roll-angle uav)\", \"value\": 20}}\n");
+    desk.write("i.jsonl", &[1, 2, 3, 4, 5, 6, 20, 21].map(sample).concat());
+    let condition = "(:episode (roll-angle uav) :quality :no-constraints :value (> 15))";
+    let said = desk.apex(&["monitor", condition, "--inputs", "i.jsonl"]).well();
+    assert!(said.out.contains("\n  no sample of (roll-angle uav) for 14.000 s, from 6s to 20s\n"), "{}", said.out);
+    let lines = desk.apex(&["monitor", condition, "--inputs", "i.jsonl", "--json"]).well().json_lines();
+    assert_eq!(lines[0]["gaps"], serde_json::json!([]), "one sample");
+    let gap = serde_json::json!({"variable": "(roll-angle uav)", "start_s": 6.0, "end_s": 20.0, "length_s": 14.0});
+    assert_eq!(lines[1]["gaps"], serde_json::json!([gap]));
+}
+
+#[test]
 fn standard_input_is_told_as_it_comes_and_json_tells_the_same() {
     let said = desk().apex_hearing(&["monitor", "(go ?n)"], GAPPED);
     assert_eq!(said.out, "at 4s, ?n = 1\n  because (go 1) at 4s\nsatisfied up to 4s, 1 result\n");

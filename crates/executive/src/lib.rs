@@ -22,7 +22,7 @@ pub mod planted;
 
 pub use apex_model::agent::Agent;
 pub use constants::failing_constants;
-pub use session::{Judgement, MonitorResult, MonitorSession, SessionTrouble, Telling};
+pub use session::{Judgement, MonitorResult, MonitorSession, SamplingGap, SessionTrouble, Telling};
 pub use step::step;
 
 use apex_model::clause::Level;

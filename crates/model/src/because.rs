@@ -198,7 +198,8 @@ impl Evidence {
             Evidence::TaskState { task, state, at } => format!("(state {task}) = {state} at {at}"),
             Evidence::TaskEnd { task, at } => format!("{task} ended at {at}"),
             Evidence::Run { variable, start, end, samples } => {
-                format!("{variable} from {start} to {end}, {samples} samples")
+                let noun = if *samples == 1 { "sample" } else { "samples" };
+                format!("{variable} from {start} to {end}, {samples} {noun}")
             }
             Evidence::Instant { since: Some(since), at } => format!("{} after {since}, at {at}", *at - *since),
             Evidence::Instant { since: None, at } => format!("it is {at}"),

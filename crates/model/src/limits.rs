@@ -62,5 +62,8 @@ pub const PRIORITY_SEARCH_MAX: u32 = 2_000;
 pub const PRIORITY_LOOK_AGAIN_MS: i64 = 250;
 /// Milliseconds between updates of a primitive whose `update` names no interval: a pilot's hand, not a control loop.
 pub const UPDATE_INTERVAL_DEFAULT_MS: i64 = 100;
+/// Ever shorter spacings of samples that a monitoring session remembers of a variable, to name the largest gap of a result;
+/// samples in a steady rhythm need a few.
+pub const SPACINGS_MAX: usize = 1_000;
 /// Troubles that a monitoring session keeps until they are taken: who does not look does not read more.
 pub const SESSION_TROUBLES_MAX: usize = 1_000;

@@ -32,6 +32,7 @@ pub fn run(options: &MonitorOptions) -> Outcome {
     let style = Style { json: options.json, live: matches!(source, Source::Lines), several: conditions.len() > 1 };
     let library = Arc::new(checked.library);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
+        .map(MonitorSession::with_gaps)
         .map_err(|reason| Trouble::user("the library cannot be used").because(reason))?;
     let mut watching = Watching { session, conditions, created, style, out: Listened::standard(), heard: false };
     let gone = watching.out.gone();

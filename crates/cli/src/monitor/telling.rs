@@ -1,6 +1,7 @@
 //! Results of conditions for people and for programs.
 
-use apex_executive::{Judgement, MonitorResult, Telling};
+use apex_executive::{Judgement, MonitorResult, SamplingGap, Telling};
+use apex_model::because::Evidence;
 use apex_model::library::Library;
 use apex_model::monitor::{Unmet, Verdict};
 use apex_model::source::Place;
@@ -37,7 +38,7 @@ impl Style {
             let line = json!({
                 "condition": number, "telling": telling, "open": open, "start_s": start.seconds(),
                 "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "bindings": bindings,
-                "evidence": evidence,
+                "evidence": evidence, "gaps": result.gaps.iter().map(gap_json).collect::<Vec<Json>>(),
             });
             return Some(format!("{line}\n"));
         }
@@ -62,6 +63,16 @@ impl Style {
             let _ = write!(text, ", {}", bindings.join(", "));
         }
         let _ = writeln!(text, "\n  because {}", evidence.join(", "));
+        for gap in result.gaps.iter().filter(|gap| is_long(gap, &satisfaction.evidence)) {
+            let _ = writeln!(
+                text,
+                "  no sample of {} for {:.3} s, from {} to {}",
+                gap.variable,
+                gap.length().seconds(),
+                gap.start,
+                gap.end
+            );
+        }
         Some(text)
     }
 
@@ -89,6 +100,24 @@ impl Style {
         }
         text
     }
+}
+
+/// Is the gap worth a line for people: more than twice as long as the samples of its run are apart on average?
+fn is_long(gap: &SamplingGap, evidence: &[Evidence]) -> bool {
+    evidence.iter().any(|fact| match fact {
+        Evidence::Run { variable, start, end, samples } if *variable == gap.variable && *end >= gap.end => {
+            let spacings = samples.saturating_sub(1).max(1) as f64;
+            *start <= gap.start && gap.length().seconds() > 2.0 * (*end - *start).seconds() / spacings
+        }
+        _ => false,
+    })
+}
+
+fn gap_json(gap: &SamplingGap) -> Json {
+    json!({
+        "variable": gap.variable.to_string(), "start_s": gap.start.seconds(), "end_s": gap.end.seconds(),
+        "length_s": gap.length().seconds(),
+    })
 }
 
 /// A verdict as programs and `--expect` name it.

@@ -117,7 +117,8 @@ impl MonitorSession {
                 watched.results += 1;
                 watched.first.get_or_insert_with(|| result.clone());
             }
-            self.results.push(MonitorResult { watch: told.monitor, telling, result });
+            let gaps = self.gaps_of(&result);
+            self.results.push(MonitorResult { watch: told.monitor, telling, result, gaps });
         }
         self.heard = heard;
     }

@@ -1,6 +1,7 @@
 //! Conditions without tasks: a session watches conditions over samples and messages and tells every result.
 
 mod banks;
+mod gaps;
 mod scene;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,8 @@ use apex_model::table::Table;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+pub use gaps::SamplingGap;
+use gaps::Spacings;
 use scene::{KnownTask, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -76,6 +79,8 @@ pub struct MonitorSession {
     heard: Vec<episode_bank::Told>,
     wakes: BTreeSet<(Time, MonitorId)>,
     results: Vec<MonitorResult>,
+    /// For the gaps of results, if they are asked for.
+    spacings: Option<Spacings>,
     troubles: Vec<SessionTrouble>,
 }
 
@@ -88,6 +93,9 @@ pub struct MonitorResult {
     pub telling: Telling,
     /// The result: interval, instant of recognition, bindings, evidence.
     pub result: Satisfaction,
+    /// The largest sampling gap of each run that it rests on, as it was known when this was told; see
+    /// [`MonitorSession::with_gaps`].
+    pub gaps: Vec<SamplingGap>,
 }
 
 /// What is told of a result.
@@ -163,8 +171,17 @@ impl MonitorSession {
             heard: Vec::new(),
             wakes: BTreeSet::new(),
             results: Vec::new(),
+            spacings: None,
             troubles: Vec::new(),
         })
+    }
+
+    /// Results tell the largest time without a sample within them, so that who relies on one can see how dense its data were.
+    ///
+    /// It is known for runs whose samples all came to this session in order.
+    pub fn with_gaps(mut self) -> MonitorSession {
+        self.spacings = Some(Spacings::default());
+        self
     }
 
     /// Watches `condition` with a window from `created_at` on (rule 2). An instant to come is waited for; for one that is
@@ -221,6 +238,10 @@ impl MonitorSession {
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
+        // Also of what nobody watches yet: a condition may begin to be watched at this instant.
+        if let Some(spacings) = &mut self.spacings {
+            spacings.note(variable, at, recording.recorded);
+        }
         if let Some(message) = recording.trouble {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
@@ -265,7 +286,7 @@ impl MonitorSession {
             let Some(mut watched) = self.watches.lift(number) else { continue };
             self.take_out_of_bank(MonitorId(number), &mut watched);
             for telling in watched.finish(&self.world) {
-                self.results.push(told(MonitorId(number), telling));
+                self.results.push(self.told(MonitorId(number), telling));
             }
             self.watches.put(number, watched);
         }
@@ -410,7 +431,7 @@ impl MonitorSession {
                 watched.results += 1;
                 watched.first.get_or_insert_with(|| telling.result.clone());
             }
-            self.results.push(told(id, telling));
+            self.results.push(self.told(id, telling));
         }
         watched.refile(&mut self.interests, id);
         let wake = if self.put_into_bank(id, &mut watched) { None } else { watched.next_wake() };
@@ -428,12 +449,16 @@ impl MonitorSession {
             self.trouble(SessionTrouble { watch: Some(id), at: self.world.now, message, place });
         }
     }
-}
 
-fn told(watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
-    let kind = match telling.kind {
-        TellingKind::Found { open } => Telling::Recognised { open },
-        TellingKind::Closed => Telling::Closed,
-    };
-    MonitorResult { watch, telling: kind, result: telling.result }
+    fn told(&self, watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
+        let kind = match telling.kind {
+            TellingKind::Found { open } => Telling::Recognised { open },
+            TellingKind::Closed => Telling::Closed,
+        };
+        MonitorResult { watch, telling: kind, gaps: self.gaps_of(&telling.result), result: telling.result }
+    }
+
+    fn gaps_of(&self, result: &Satisfaction) -> Vec<SamplingGap> {
+        self.spacings.as_ref().map(|spacings| spacings.of(result)).unwrap_or_default()
+    }
 }

@@ -67,6 +67,40 @@ fn a_session_pursues_nothing_and_judges_as_without_probing() {
 }
 
 #[test]
+fn the_largest_gap_of_a_run_is_told_when_asked_for() {
+    let plain = "(:episode (roll-angle uav) :quality :no-constraints :value (> 15))";
+    let long = "(:episode (roll-angle uav) :quality (:max-gap 5s) :value (> 15) :timing (:duration (>= 4s)))";
+    for condition in [plain, long] {
+        // Watched from the first sample on, as `apex monitor` does.
+        let (session, _) = session(condition, 1.0);
+        let mut session = session.with_gaps();
+        for (second, value) in [(1.0, 20.0), (2.0, 21.0), (6.0, 22.0), (6.5, 23.0), (7.0, f64::NAN), (16.0, 3.0)] {
+            session.sample(&roll("uav"), Value::Real(value), at(second));
+            session.sample(&roll("other"), Value::Real(value), at(second));
+        }
+        session.finish();
+        let results = session.take_results();
+        let gaps = |result: &MonitorResult| {
+            let told = result.gaps.iter().map(|gap| (gap.variable.clone(), gap.start.seconds(), gap.end.seconds()));
+            told.collect::<Vec<_>>()
+        };
+        // The gap of 9.5 s behind it, where a sample is no number, is not within the run.
+        assert_eq!(gaps(results.last().unwrap()), [(roll("uav"), 2.0, 6.0)], "{condition}: {results:?}");
+        let mut silent = session_over(condition);
+        assert!(silent.take_results().iter().all(|result| result.gaps.is_empty()));
+    }
+}
+
+fn session_over(condition: &str) -> MonitorSession {
+    let (mut session, _) = session(condition, 0.0);
+    for second in [1.0, 2.0, 6.0, 8.0] {
+        session.sample(&roll("uav"), Value::Real(20.0), at(second));
+    }
+    session.finish();
+    session
+}
+
+#[test]
 fn each_run_is_told_when_recognised_and_again_when_over() {
     let condition = "(:episode (roll-angle uav) :quality (:max-gap 2s) :value (> 15) :timing (:duration (>= 2s)))";
     let (mut session, id) = session(condition, 0.0);

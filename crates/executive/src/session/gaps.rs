@@ -1,0 +1,155 @@
+//! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
+//! average, and nothing where nobody asked.
+
+use apex_model::because::Evidence;
+use apex_model::event::StateVariable;
+use apex_model::history::Recorded;
+use apex_model::limits::SPACINGS_MAX;
+use apex_model::monitor::Satisfaction;
+use apex_model::time::{Duration, Time};
+use std::collections::{BTreeMap, VecDeque};
+
+/// The longest time without a sample between the first and the last one of a run that a result rests on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SamplingGap {
+    /// Whose samples.
+    pub variable: StateVariable,
+    /// The sample before the gap.
+    pub start: Time,
+    /// The sample after it.
+    pub end: Time,
+}
+
+impl SamplingGap {
+    /// From sample to sample.
+    pub fn length(&self) -> Duration {
+        self.end - self.start
+    }
+}
+
+/// The spacings of the samples of all variables.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spacings {
+    variables: BTreeMap<StateVariable, OfVariable>,
+}
+
+/// What is needed to name the largest spacing up to the newest sample, or up to the one before it, which ends a run that the
+/// newest does not belong to.
+#[derive(Clone, Debug)]
+struct OfVariable {
+    /// All spacings from here on are known.
+    known_from: Time,
+    newest: Time,
+    /// Between the last two samples.
+    last: Option<(Time, Time)>,
+    /// Of the spacings before that those which no later one reaches: ever shorter ones.
+    peaks: VecDeque<(Time, Time)>,
+}
+
+impl Spacings {
+    /// A sample of `variable` was recorded so.
+    pub(super) fn note(&mut self, variable: &StateVariable, at: Time, recorded: Option<Recorded>) {
+        match recorded {
+            Some(Recorded::Appended) => match self.variables.get_mut(variable) {
+                Some(known) => known.append(at),
+                None => {
+                    self.variables.insert(variable.clone(), OfVariable::from(at));
+                }
+            },
+            // It divides a spacing that is no longer at hand: what is known begins anew.
+            Some(Recorded::Inserted) => {
+                if let Some(known) = self.variables.get_mut(variable) {
+                    *known = OfVariable::from(known.newest);
+                }
+            }
+            Some(Recorded::Replaced | Recorded::Repeated | Recorded::TooLate | Recorded::Missing) | None => {}
+        }
+    }
+
+    /// The largest gap of each run that the result rests on, where it is known; a run of one sample has none.
+    pub(super) fn of(&self, result: &Satisfaction) -> Vec<SamplingGap> {
+        let of_run = |evidence: &Evidence| {
+            let Evidence::Run { variable, start, end, .. } = evidence else { return None };
+            let (start, end) = self.variables.get(variable)?.largest(*start, *end)?;
+            Some(SamplingGap { variable: variable.clone(), start, end })
+        };
+        result.evidence.iter().filter_map(of_run).collect()
+    }
+}
+
+fn length((start, end): (Time, Time)) -> Duration {
+    end - start
+}
+
+impl OfVariable {
+    fn from(at: Time) -> OfVariable {
+        OfVariable { known_from: at, newest: at, last: None, peaks: VecDeque::new() }
+    }
+
+    fn append(&mut self, at: Time) {
+        if let Some(last) = self.last {
+            while self.peaks.back().is_some_and(|peak| length(*peak) <= length(last)) {
+                self.peaks.pop_back();
+            }
+            self.peaks.push_back(last);
+            if self.peaks.len() > SPACINGS_MAX
+                && let Some((_, end)) = self.peaks.pop_front()
+            {
+                self.known_from = end;
+            }
+        }
+        self.last = Some((self.newest, at));
+        self.newest = at;
+    }
+
+    /// The largest spacing between `start` and `end`, the later one of equals; none where it is not known.
+    fn largest(&self, start: Time, end: Time) -> Option<(Time, Time)> {
+        let (before, _) = self.last?;
+        if start < self.known_from || (end != self.newest && end != before) {
+            return None;
+        }
+        let first = self.peaks.partition_point(|(from, _)| *from < start);
+        let peak = self.peaks.get(first).copied();
+        let last = self.last.filter(|(from, _)| end == self.newest && *from >= start);
+        match (peak, last) {
+            (Some(peak), Some(last)) if length(last) < length(peak) => Some(peak),
+            (peak, last) => last.or(peak),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against looking at all samples.
+        #[test]
+        fn the_largest_spacing_is_that_of_all_samples(steps in prop::collection::vec(1i64..6, 1..40), from in 0usize..40) {
+            let times: Vec<Time> = steps.iter().scan(0, |at, step| { *at += step; Some(Time(*at)) }).collect();
+            let mut known = OfVariable::from(times[0]);
+            for (number, at) in times.iter().enumerate().skip(1) {
+                known.append(*at);
+                for end in [number - 1, number] {
+                    let start = from.min(end);
+                    let pairs = times[start..=end].windows(2).map(|pair| (pair[0], pair[1]));
+                    // The last one of the largest.
+                    let expected = pairs.max_by_key(|pair| length(*pair));
+                    prop_assert_eq!(known.largest(times[start], times[end]), expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_told() {
+        let mut known = OfVariable::from(Time(10));
+        assert_eq!(known.largest(Time(10), Time(10)), None);
+        [12, 20, 21].into_iter().for_each(|at| known.append(Time(at)));
+        assert_eq!(known.largest(Time(9), Time(21)), None, "before the first sample");
+        assert_eq!(known.largest(Time(10), Time(12)), None, "ended two samples ago");
+        assert_eq!(known.largest(Time(12), Time(20)), Some((Time(12), Time(20))));
+        assert_eq!(known.largest(Time(21), Time(21)), None, "one sample");
+    }
+}
