@@ -2,6 +2,7 @@
 
 mod banks;
 mod gaps;
+mod results;
 mod scene;
 #[cfg(test)]
 mod tests;
@@ -19,9 +20,8 @@ use apex_model::host::HostFunctions;
 use apex_model::interests::Interests;
 use apex_model::library::Library;
 use apex_model::limits::SESSION_TROUBLES_MAX;
-use apex_model::monitor::{Interest, Satisfaction, Unmet, Verdict};
+use apex_model::monitor::{Interest, Satisfaction, Verdict};
 use apex_model::monitor_set::Found;
-use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::table::Table;
 use apex_model::task::{TaskId, TaskState};
@@ -29,6 +29,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 pub use gaps::SamplingGap;
 use gaps::Spacings;
+pub use results::{Judgement, MonitorResult, SessionTrouble, Telling};
 use scene::{KnownTask, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -82,56 +83,6 @@ pub struct MonitorSession {
     /// For the gaps of results, if they are asked for.
     spacings: Option<Spacings>,
     troubles: Vec<SessionTrouble>,
-}
-
-/// A result of a watched condition.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MonitorResult {
-    /// The condition.
-    pub watch: MonitorId,
-    /// What is told of the result.
-    pub telling: Telling,
-    /// The result: interval, instant of recognition, bindings, evidence.
-    pub result: Satisfaction,
-    /// The largest sampling gap of each run that it rests on, as it was known when this was told; see
-    /// [`MonitorSession::with_gaps`].
-    pub gaps: Vec<SamplingGap>,
-}
-
-/// What is told of a result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Telling {
-    /// It was recognised just now.
-    Recognised {
-        /// Its interval may still grow; it will be told once more when it is final.
-        open: bool,
-    },
-    /// Its interval is final; it was told before.
-    Closed,
-}
-
-/// What is known about a condition.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judgement {
-    /// Satisfied by the first result; otherwise what can be said now.
-    pub verdict: Verdict,
-    /// The parts that do not hold, with the reason of each; empty when satisfied.
-    pub because: Vec<Unmet>,
-    /// How many results were told.
-    pub results: u64,
-}
-
-/// Something that went wrong: a sample that was refused, a condition whose expression failed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SessionTrouble {
-    /// The condition, if it is about one.
-    pub watch: Option<MonitorId>,
-    /// When.
-    pub at: Time,
-    /// A sentence for people.
-    pub message: String,
-    /// Where in the condition's or library's text.
-    pub place: Option<Place>,
 }
 
 impl MonitorSession {

@@ -1,0 +1,59 @@
+//! What a session tells: results, verdicts with their reasons, troubles.
+
+#[cfg(doc)]
+use super::MonitorSession;
+use super::SamplingGap;
+use apex_model::clause::MonitorId;
+use apex_model::monitor::{Satisfaction, Unmet, Verdict};
+use apex_model::source::Place;
+use apex_model::time::Time;
+
+/// A result of a watched condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonitorResult {
+    /// The condition.
+    pub watch: MonitorId,
+    /// What is told of the result.
+    pub telling: Telling,
+    /// The result: interval, instant of recognition, bindings, evidence.
+    pub result: Satisfaction,
+    /// The largest sampling gap of each run that it rests on, as it was known when this was told; see
+    /// [`MonitorSession::with_gaps`].
+    pub gaps: Vec<SamplingGap>,
+}
+
+/// What is told of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Telling {
+    /// It was recognised just now.
+    Recognised {
+        /// Its interval may still grow; it will be told once more when it is final.
+        open: bool,
+    },
+    /// Its interval is final; it was told before.
+    Closed,
+}
+
+/// What is known about a condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement {
+    /// Satisfied by the first result; otherwise what can be said now.
+    pub verdict: Verdict,
+    /// The parts that do not hold, with the reason of each; empty when satisfied.
+    pub because: Vec<Unmet>,
+    /// How many results were told.
+    pub results: u64,
+}
+
+/// Something that went wrong: a sample that was refused, a condition whose expression failed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SessionTrouble {
+    /// The condition, if it is about one.
+    pub watch: Option<MonitorId>,
+    /// When.
+    pub at: Time,
+    /// A sentence for people.
+    pub message: String,
+    /// Where in the condition's or library's text.
+    pub place: Option<Place>,
+}
