@@ -68,6 +68,10 @@ fn cell(text: &str, subject: &str, arrival: &str) -> Option<Scenario> {
     };
     let section = find(format!("## The {subject}"), 0)?;
     let start = find(format!("### The challenger arrives {arrival}"), section)?;
+    // That of the other subject is another cell.
+    if lines.get(section + 1..start)?.iter().any(|line| line.starts_with("## ")) {
+        return None;
+    }
     let end =
         lines.iter().skip(start + 1).position(|line| line.starts_with('#')).map_or(lines.len(), |n| n + start + 1);
     let prose = lines.get(start + 1..end)?.iter().find(|line| !line.is_empty())?;
