@@ -6,8 +6,8 @@
 //! an ordinary sample (late, replaced, of another kind) takes every episode out first, and goes the general way.
 
 use crate::bindings::Bindings;
-use crate::clause::MonitorId;
 use crate::monitor::{ObjectRun, Run, RunSample};
+pub use crate::plain_episode::{Band, LeafId, Open, PlainEpisode, Seen, Taken, Told, What};
 use crate::quantity::Dimension;
 use crate::time::{Duration, Time};
 use crate::value::Value;
@@ -18,78 +18,12 @@ use std::collections::BTreeMap;
 /// Beyond this not every whole number is a double: comparing them takes the general way.
 pub const EXACT_INTEGER_MAX: i64 = 1 << 53;
 
-/// Values between two bounds, both included; infinite where there is no bound.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Band {
-    /// The least value, in SI.
-    pub least: f64,
-    /// The greatest value, in SI.
-    pub most: f64,
-}
-
-/// A plain episode, as the bank must know it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlainEpisode {
-    /// Values that satisfy it.
-    pub band: Band,
-    /// Their dimension.
-    pub dimension: Dimension,
-    /// The greatest gap between samples; the greatest duration is none.
-    pub gap_max: Duration,
-    /// The run lasts at least so long.
-    pub duration_min: Duration,
-    /// Samples before this do not count.
-    pub window_start: Time,
-    /// The run has a result already, told while it goes on: only its end is watched for.
-    pub open: Option<Open>,
-}
-
-/// A result whose run goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Open {
-    /// When it was recognised.
-    pub recognised_at: Time,
-    /// The newest sample at that time.
-    pub newest: Time,
-}
-
-/// What an episode has seen in a bank.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
-    /// As its monitor would have it, but for the result.
-    pub run: ObjectRun,
-    /// The run before the newest sample has a result, which was recognised then.
-    pub found_at: Option<Time>,
-    /// The run with the newest sample has a result, which was recognised then.
-    pub open_at: Option<Time>,
-}
-
-/// What a sample, or time, made of an episode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Told {
-    /// Whose episode.
-    pub monitor: MonitorId,
-    /// Its run, which had a result, is over; otherwise it has a result from now on.
-    pub over: bool,
-    /// The run's first sample.
-    pub start: Time,
-    /// Its last sample so far, or at all.
-    pub last: Time,
-    /// How many samples it has.
-    pub samples: u64,
-    /// When its result was recognised.
-    pub recognised_at: Time,
-}
-
-/// Episodes that left a bank, with what they have seen: none when they have seen nothing.
-pub type Taken = Vec<(MonitorId, Option<Seen>)>;
-
 /// Episodes by row. All rows have seen the same samples since they came in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeBank {
     dimension: Dimension,
-    rows: BTreeMap<MonitorId, usize>,
-    monitors: Vec<MonitorId>,
+    rows: BTreeMap<LeafId, usize>,
+    leaves: Vec<LeafId>,
     bands: Vec<Band>,
     holds: Vec<bool>,
     /// When the run is long enough; the end of time while there is none.
@@ -107,9 +41,9 @@ pub struct EpisodeBank {
     gap_most: Duration,
     window_latest: Time,
     /// When time alone decides an episode unless another sample comes before, and whose.
-    due: Option<(Time, MonitorId)>,
+    due: Option<(Time, LeafId)>,
     /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
-    pub wake: Option<(WakeKey, MonitorId)>,
+    pub wake: Option<(WakeKey, LeafId)>,
 }
 
 /// What changes seldom in a row.
@@ -126,6 +60,7 @@ struct State {
     contradicted: bool,
     gap: Option<Duration>,
     open: Option<Open>,
+    negated: bool,
     /// What was before the newest sample, if that one changed anything.
     before: Before,
 }
@@ -184,7 +119,7 @@ impl EpisodeBank {
         EpisodeBank {
             dimension,
             rows: BTreeMap::new(),
-            monitors: Vec::new(),
+            leaves: Vec::new(),
             bands: Vec::new(),
             holds: Vec::new(),
             deadlines: Vec::new(),
@@ -204,29 +139,29 @@ impl EpisodeBank {
 
     /// How many episodes are here.
     pub fn len(&self) -> usize {
-        self.monitors.len()
+        self.leaves.len()
     }
 
     /// True without episodes.
     pub fn is_empty(&self) -> bool {
-        self.monitors.is_empty()
+        self.leaves.is_empty()
     }
 
-    /// Is the episode of `monitor` here?
-    pub fn contains(&self, monitor: MonitorId) -> bool {
-        self.rows.contains_key(&monitor)
+    /// Is the episode here?
+    pub fn contains(&self, leaf: LeafId) -> bool {
+        self.rows.contains_key(&leaf)
     }
 
     /// When time alone decides an episode, if no sample comes before.
-    pub fn due(&self) -> Option<(Time, MonitorId)> {
+    pub fn due(&self) -> Option<(Time, LeafId)> {
         self.due
     }
 
     /// Takes an undecided episode in: what it wants, and what its samples were. False, and nothing changes, when its
     /// samples are not those that the others have seen, or its numbers of another dimension.
-    pub fn insert(&mut self, monitor: MonitorId, wanted: &PlainEpisode, run: Option<&ObjectRun>) -> bool {
+    pub fn insert(&mut self, leaf: LeafId, wanted: &PlainEpisode, run: Option<&ObjectRun>) -> bool {
         let same_samples = self.samples == 0 || run.is_none_or(|run| run.newest.at == self.newest);
-        if wanted.dimension != self.dimension || !same_samples || self.contains(monitor) {
+        if wanted.dimension != self.dimension || !same_samples || self.contains(leaf) {
             return false;
         }
         if let Some(run) = run {
@@ -238,8 +173,8 @@ impl EpisodeBank {
         let (holds, state) = self.state_of(wanted, run);
         let waits = holds && wanted.open.is_none();
         let deadline = if waits { state.start + wanted.duration_min } else { Time::END };
-        self.rows.insert(monitor, self.monitors.len());
-        self.monitors.push(monitor);
+        self.rows.insert(leaf, self.leaves.len());
+        self.leaves.push(leaf);
         self.bands.push(wanted.band);
         self.holds.push(holds);
         self.deadlines.push(deadline);
@@ -253,7 +188,7 @@ impl EpisodeBank {
         self.window_latest = self.window_latest.max(wanted.window_start);
         let due = deadline > self.newest && deadline <= self.newest + wanted.gap_max && wanted.gap_max < Duration::MAX;
         if due && self.due.is_none_or(|(at, _)| deadline < at) {
-            self.due = Some((deadline, monitor));
+            self.due = Some((deadline, leaf));
         }
         true
     }
@@ -278,6 +213,7 @@ impl EpisodeBank {
             contradicted: false,
             gap: None,
             open: None,
+            negated: wanted.negated,
             before: nothing,
         };
         let Some(ObjectRun { run, newest, contradicted, gap, found, .. }) = run else { return (false, state) };
@@ -321,13 +257,18 @@ impl EpisodeBank {
         let mut floor = self.deadline_floor;
         let rows =
             self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
-        for (((((band, held), state), deadline), gap_max), monitor) in rows.zip(&self.monitors) {
+        for (((((band, held), state), deadline), gap_max), leaf) in rows.zip(&self.leaves) {
             let holds = (value >= band.least) & (value <= band.most);
             if holds != *held || (gaps && holds && gap > *gap_max) {
                 let cut = (*held && gap > *gap_max).then_some(gap);
                 if let Some(Open { recognised_at, .. }) = state.open {
                     let samples = length(state.first, sample.saturating_sub(1));
-                    told.push(Told { monitor: *monitor, over: true, start: state.start, last, samples, recognised_at });
+                    let (leaf, what, start) = (*leaf, What::Over, state.start);
+                    told.push(Told { leaf, what, start, last, samples, recognised_at });
+                }
+                if state.negated && *held && !holds {
+                    let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
+                    told.push(Told { leaf, what, start, last, samples: 0, recognised_at: at });
                 }
                 state.turn(at, sample, *held, holds, cut);
                 *held = holds;
@@ -347,38 +288,32 @@ impl EpisodeBank {
             return;
         }
         let (mut floor, mut due) = (Time::END, None);
-        let rows = self.deadlines.iter_mut().zip(&self.gaps).zip(&self.monitors).zip(&mut self.states);
-        for (((deadline, gap), monitor), state) in rows {
+        let rows = self.deadlines.iter_mut().zip(&self.gaps).zip(&self.leaves).zip(&mut self.states);
+        for (((deadline, gap), leaf), state) in rows {
             let licensed = *deadline <= newest + *gap && *gap < Duration::MAX;
             if *deadline <= newest || (licensed && *deadline <= now) {
                 let recognised_at = if *deadline <= newest { newest } else { *deadline };
                 let samples = length(state.first, self.samples);
-                told.push(Told {
-                    monitor: *monitor,
-                    over: false,
-                    start: state.start,
-                    last: newest,
-                    samples,
-                    recognised_at,
-                });
+                let (leaf, what, start) = (*leaf, What::Found, state.start);
+                told.push(Told { leaf, what, start, last: newest, samples, recognised_at });
                 state.open = Some(Open { recognised_at, newest });
                 *deadline = Time::END;
             } else if licensed {
-                let this = (*deadline, *monitor);
-                due = Some(due.map_or(this, |least: (Time, MonitorId)| least.min(this)));
+                let this = (*deadline, *leaf);
+                due = Some(due.map_or(this, |least: (Time, LeafId)| least.min(this)));
             }
             floor = floor.min(*deadline);
         }
         (self.deadline_floor, self.due) = (floor, due);
     }
 
-    fn take_each(&mut self, monitors: Vec<MonitorId>, taken: &mut Taken) {
-        taken.extend(monitors.into_iter().filter_map(|monitor| Some((monitor, self.take(monitor)?))));
+    fn take_each(&mut self, leaves: Vec<LeafId>, taken: &mut Taken) {
+        taken.extend(leaves.into_iter().filter_map(|leaf| Some((leaf, self.take(leaf)?))));
     }
 
     /// Takes out the episodes that have a result now, for whoever wants one result only.
     pub fn take_decided(&mut self, told: &[Told], taken: &mut Taken) {
-        let decided = told.iter().filter(|each| !each.over).map(|each| each.monitor);
+        let decided = told.iter().filter(|each| each.what == What::Found).map(|each| each.leaf);
         self.take_each(decided.collect(), taken);
     }
 
@@ -389,10 +324,10 @@ impl EpisodeBank {
         }
     }
 
-    /// What the episode of `monitor` has seen, as its monitor would have it: none when it has seen nothing. None at all
+    /// What the episode has seen, as its monitor would have it: none when it has seen nothing. None at all
     /// when it is not here.
-    pub fn run_of(&self, monitor: MonitorId) -> Option<Option<Seen>> {
-        let row = *self.rows.get(&monitor)?;
+    pub fn run_of(&self, leaf: LeafId) -> Option<Option<Seen>> {
+        let row = *self.rows.get(&leaf)?;
         let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);
         if !state.has_seen_any(self.samples) {
             return Some(None);
@@ -420,20 +355,20 @@ impl EpisodeBank {
         Some(Some(Seen { run, found_at, open_at: state.open.map(|open| open.recognised_at) }))
     }
 
-    /// Takes the episode of `monitor` out, with what [`EpisodeBank::run_of`] says of it.
-    pub fn take(&mut self, monitor: MonitorId) -> Option<Option<Seen>> {
-        let run = self.run_of(monitor)?;
-        let row = self.rows.remove(&monitor)?;
-        self.monitors.swap_remove(row);
+    /// Takes the episode out, with what [`EpisodeBank::run_of`] says of it.
+    pub fn take(&mut self, leaf: LeafId) -> Option<Option<Seen>> {
+        let run = self.run_of(leaf)?;
+        let row = self.rows.remove(&leaf)?;
+        self.leaves.swap_remove(row);
         self.bands.swap_remove(row);
         self.holds.swap_remove(row);
         self.deadlines.swap_remove(row);
         self.gaps.swap_remove(row);
         self.states.swap_remove(row);
-        if let Some(moved) = self.monitors.get(row) {
+        if let Some(moved) = self.leaves.get(row) {
             self.rows.insert(*moved, row);
         }
-        if self.due.is_some_and(|(_, due)| due == monitor) {
+        if self.due.is_some_and(|(_, due)| due == leaf) {
             self.look_at_deadlines(self.newest, &mut Vec::new());
         }
         Some(run)
@@ -441,8 +376,8 @@ impl EpisodeBank {
 
     /// Takes all episodes out, in order of their monitors.
     pub fn take_all(&mut self, taken: &mut Taken) {
-        let monitors = self.rows.keys().copied().collect();
+        let leaves = self.rows.keys().copied().collect();
         self.due = None;
-        self.take_each(monitors, taken);
+        self.take_each(leaves, taken);
     }
 }

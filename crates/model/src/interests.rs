@@ -1,7 +1,7 @@
 //! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
 
 use crate::clause::MonitorId;
-use crate::episode_bank::{EpisodeBank, PlainEpisode};
+use crate::episode_bank::{EpisodeBank, LeafId, PlainEpisode};
 use crate::event::StateVariable;
 use crate::monitor::{Interest, ObjectRun};
 use crate::monitor_set::{Found, MonitorSet};
@@ -214,12 +214,12 @@ impl Interests {
         self.any_task.collect_into(found);
     }
 
-    /// Puts the undecided episode of `monitor` into its variable's bank, from then on told of nothing that the bank can
+    /// Puts the undecided episode `leaf` into its variable's bank, from then on told of nothing that the bank can
     /// see by itself. False, and nothing changes, when the bank cannot take it.
     pub fn bank(
         &mut self,
         variable: &StateVariable,
-        monitor: MonitorId,
+        leaf: LeafId,
         wanted: &PlainEpisode,
         run: Option<&ObjectRun>,
     ) -> bool {
@@ -227,9 +227,9 @@ impl Interests {
         let mut fresh = None;
         let bank =
             watchers.episodes.as_mut().unwrap_or_else(|| fresh.insert(Box::new(EpisodeBank::new(wanted.dimension))));
-        let taken = bank.insert(monitor, wanted, run);
+        let taken = bank.insert(leaf, wanted, run);
         if taken {
-            watchers.every.remove(monitor);
+            watchers.every.remove(leaf.monitor);
             watchers.episodes = watchers.episodes.take().or(fresh);
         }
         taken

@@ -39,6 +39,7 @@ pub mod monitor_set;
 pub mod ordered_numbers;
 mod pairs;
 pub mod pattern;
+pub mod plain_episode;
 pub mod planted;
 pub mod probing;
 pub mod problem;

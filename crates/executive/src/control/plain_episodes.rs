@@ -11,7 +11,7 @@ use crate::monitoring::{Stimulus, plain_episode};
 use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::clause::{MonitorId, Watch};
-use apex_model::episode_bank::Taken;
+use apex_model::episode_bank::{LeafId, Taken};
 use apex_model::event::StateVariable;
 use apex_model::monitor::Monitor;
 use apex_model::monitor_set::Found;
@@ -31,7 +31,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>, stimulus: &Stimulus, found: &mut Fou
         }
         None => {
             bank.take_all(&mut taken);
-            found.extend(taken.iter().map(|(id, _)| *id));
+            found.extend(taken.iter().map(|(leaf, _)| leaf.monitor));
         }
     }
     stand_up(cycle, taken);
@@ -55,7 +55,9 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
 /// Takes the monitor out of its bank, if it is in one.
 pub(crate) fn take_out(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) {
     let Some(variable) = plain_episode::variable(&watch.monitor).cloned() else { return };
-    let Some(run) = cycle.agent.interests.episodes_mut(&variable).and_then(|bank| bank.take(id)) else { return };
+    let Some(run) = cycle.agent.interests.episodes_mut(&variable).and_then(|bank| bank.take(LeafId::whole(id))) else {
+        return;
+    };
     plain_episode::stand_up(&mut watch.monitor, run);
     monitoring_clauses::file(&mut cycle.agent.interests, watch, id);
     refresh(cycle, &variable);
@@ -66,7 +68,7 @@ pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) ->
     let Some(variable) = plain_episode::variable(&watch.monitor).cloned() else { return false };
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let Some((wanted, run)) = plain_episode::bankable(&watch.monitor, &view) else { return false };
-    if !cycle.agent.interests.bank(&variable, id, &wanted, run) {
+    if !cycle.agent.interests.bank(&variable, LeafId::whole(id), &wanted, run) {
         return false;
     }
     plain_episode::lie_down(&mut watch.monitor);
@@ -76,7 +78,7 @@ pub(crate) fn put_in(cycle: &mut Cycle<'_>, id: MonitorId, watch: &mut Watch) ->
 
 fn stand_up(cycle: &mut Cycle<'_>, taken: Taken) {
     let agent = &mut *cycle.agent;
-    for (id, seen) in taken {
+    for (LeafId { monitor: id, .. }, seen) in taken {
         if let Some(watch) = agent.watches.get_mut(id.0) {
             plain_episode::stand_up(&mut watch.monitor, seen);
             monitoring_clauses::file(&mut agent.interests, watch, id);
@@ -90,11 +92,11 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
     let agent = &mut *cycle.agent;
     let Some(bank) = agent.interests.episodes_mut(variable) else { return };
     let due = bank.due();
-    if bank.wake.map(|(wake, id)| (wake.at, id)) != due {
+    if bank.wake.map(|(wake, leaf)| (wake.at, leaf)) != due {
         if let Some((wake, _)) = bank.wake.take() {
             agent.wakes.cancel(wake);
         }
-        bank.wake = due.map(|(at, id)| (agent.wakes.schedule(at, Wake::Monitor(id)), id));
+        bank.wake = due.map(|(at, leaf)| (agent.wakes.schedule(at, Wake::Monitor(leaf.monitor)), leaf));
     }
     if bank.is_empty() {
         agent.interests.drop_empty_bank(variable);
@@ -104,7 +106,7 @@ fn refresh(cycle: &mut Cycle<'_>, variable: &StateVariable) {
 /// The monitor as if no bank stood between it and its samples.
 pub(crate) fn as_told<'a>(agent: &Agent, id: MonitorId, watch: &'a Watch) -> Cow<'a, Monitor> {
     let variable = plain_episode::variable(&watch.monitor);
-    let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(id));
+    let run = variable.and_then(|variable| agent.interests.episodes(variable)?.run_of(LeafId::whole(id)));
     match run {
         Some(run) => {
             let mut monitor = watch.monitor.clone();

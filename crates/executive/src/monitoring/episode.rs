@@ -10,7 +10,7 @@
 use super::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
 use super::runs::{Judged, advance_run};
 use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
-use super::{Site, Troubles, Truth, WakeReason, quick_runs, remember};
+use super::{Site, Troubles, Truth, WakeReason, plain_look_back, quick_runs, remember};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
@@ -84,13 +84,25 @@ fn least_duration(
 
 /// Starts again from what is remembered.
 pub(super) fn look_back(part: &mut EpisodePart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    look_back_with(plain_look_back::look_back, part, site, surroundings, troubles);
+}
+
+/// As [`look_back`], where `quick` takes in what it can and says how many samples these were.
+pub(super) fn look_back_with(
+    quick: impl FnOnce(&mut EpisodePart, Site, &[Seen<'_>], &dyn Surroundings) -> usize,
+    part: &mut EpisodePart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
     part.settled.clear();
     part.runs.clear();
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
     let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
     part.blind = blind;
-    for sample in samples {
+    let passed = quick(part, site, &samples, surroundings);
+    for sample in samples.into_iter().skip(passed) {
         feed(part, site, sample, surroundings, troubles);
     }
 }

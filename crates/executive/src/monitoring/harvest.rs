@@ -72,6 +72,11 @@ impl Told {
         let keys = before.map(key).into_iter().chain(open.iter().cloned()).collect();
         Told(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
     }
+
+    /// Will the end of a result be told that goes on now? Not when it was told already, and a sample has taken that back.
+    pub(crate) fn awaits_end(&self) -> bool {
+        self.0.iter().any(|branch| !branch.open.is_empty())
+    }
 }
 
 #[derive(Clone, Debug, Default)]

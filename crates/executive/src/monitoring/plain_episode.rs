@@ -15,7 +15,7 @@ use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, Relation};
 use apex_model::episode_bank::{Band, Open, PlainEpisode, Seen, Told, plain_number};
 use apex_model::event::StateVariable;
-use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, PartKind, Run, Satisfaction, Test};
+use apex_model::monitor::{EpisodePart, Keep, Monitor, ObjectRun, Part, PartKind, Run, Satisfaction, Test};
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -48,20 +48,35 @@ pub(crate) fn bankable<'a>(
     surroundings: &dyn Surroundings,
 ) -> Option<(PlainEpisode, Option<&'a ObjectRun>)> {
     let PartKind::Episode(leaf) = &monitor.root.kind else { return None };
-    if !is_plain(leaf) || leaf.runs.len() > 1 || monitor.root.tag.is_some() {
+    let bankable = of_part(&monitor.root, surroundings).filter(|_| monitor.root.tag.is_none())?;
+    // One result is enough for a task: its monitor has nothing more to watch for.
+    let decided = !leaf.settled.is_empty() || bankable.over.is_some() || bankable.wanted.open.is_some();
+    let more = !decided || monitor.root.keep == Keep::Every;
+    more.then_some((bankable.wanted, bankable.run))
+}
+
+/// An episode that a bank can watch.
+pub(crate) struct Bankable<'a> {
+    /// What the bank must know of it.
+    pub(crate) wanted: PlainEpisode,
+    /// What it has seen.
+    pub(crate) run: Option<&'a ObjectRun>,
+    /// The result of the run that the newest sample has ended.
+    pub(super) over: Option<Satisfaction>,
+}
+
+/// The episode `part` as a bank can watch it; none when no bank can.
+pub(super) fn of_part<'a>(part: &'a Part, surroundings: &dyn Surroundings) -> Option<Bankable<'a>> {
+    let PartKind::Episode(leaf) = &part.kind else { return None };
+    if !is_plain(leaf) || leaf.runs.len() > 1 {
         return None;
     }
     let (band, dimension) = band(leaf, surroundings)?;
     let run = leaf.runs.iter().next();
     let judged = run.map(|(object, run)| {
-        let site = site(&monitor.root);
-        advance_run(leaf, site, object, run, surroundings.now(), surroundings, &mut Troubles::default())
+        advance_run(leaf, site(part), object, run, surroundings.now(), surroundings, &mut Troubles::default())
     });
     let (found, over) = judged.map(|judged| (judged.found, judged.over)).unwrap_or_default();
-    // One result is enough for a task: its monitor has nothing more to watch for.
-    if monitor.root.keep == Keep::First && !(leaf.settled.is_empty() && found.is_none() && over.is_empty()) {
-        return None;
-    }
     let run = run.map(|(_, run)| run);
     let newest = match run {
         Some(ObjectRun { found: Some(_), run: Some(before), .. }) if over.is_empty() => before.last,
@@ -74,14 +89,15 @@ pub(crate) fn bankable<'a>(
         dimension,
         gap_max: leaf.gap_max.unwrap_or(Duration::MAX),
         duration_min: leaf.duration_min,
-        window_start: monitor.root.window.start,
+        window_start: part.window.start,
         open,
+        negated: false,
     };
-    Some((wanted, run))
+    Some(Bankable { wanted, run, over: over.into_iter().next() })
 }
 
 /// The values that satisfy all tests; none when they are not those between two numbers.
-fn band(leaf: &EpisodePart, surroundings: &dyn Surroundings) -> Option<(Band, Dimension)> {
+pub(super) fn band(leaf: &EpisodePart, surroundings: &dyn Surroundings) -> Option<(Band, Dimension)> {
     let mut band = Band { least: f64::NEG_INFINITY, most: f64::INFINITY };
     let mut of = None;
     for test in &leaf.tests {
@@ -130,7 +146,13 @@ fn range(
 
 /// Gives the monitor back what a bank has seen in its place.
 pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<Seen>) {
-    let PartKind::Episode(leaf) = &mut monitor.root.kind else { return };
+    if let PartKind::Episode(leaf) = &mut monitor.root.kind {
+        give_back(leaf, seen);
+    }
+}
+
+/// Gives the episode back what a bank has seen in its place.
+pub(super) fn give_back(leaf: &mut EpisodePart, seen: Option<Seen>) {
     let object = leaf.variable.as_ref().map(|variable| variable.object.clone());
     let runs = object.zip(seen).map(|(object, Seen { mut run, found_at, .. })| {
         let with_result = run.run.as_ref().zip(found_at);
@@ -142,7 +164,14 @@ pub(crate) fn stand_up(monitor: &mut Monitor, seen: Option<Seen>) {
 
 /// What a bank told of the monitor, as a result.
 pub(crate) fn told_result(monitor: &Monitor, told: &Told) -> Option<Satisfaction> {
-    let PartKind::Episode(leaf) = &monitor.root.kind else { return None };
+    match &monitor.root.kind {
+        PartKind::Episode(leaf) => told_of(leaf, told),
+        _ => None,
+    }
+}
+
+/// What a bank told of the episode, as a result.
+pub(super) fn told_of(leaf: &EpisodePart, told: &Told) -> Option<Satisfaction> {
     let run = Run {
         start: told.start,
         last: told.last,

@@ -1,13 +1,14 @@
-//! Plain episodes of a session: banks watch them between what there is to tell, and samples that tell nothing pass by.
+//! Plain episodes of a session, and combinations of such: banks watch them between what there is to tell, and samples
+//! that tell nothing pass by.
 
 use super::scene::World;
 use super::watched::Watched;
 use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
-use crate::monitoring::{self, Stimulus, plain_episode};
+use crate::monitoring::{self, Stimulus, plain_combination, plain_episode};
 use apex_model::clause::MonitorId;
-use apex_model::episode_bank::Taken;
+use apex_model::episode_bank::{LeafId, Seen, Taken, What};
 use apex_model::event::StateVariable;
 use apex_model::history::Sample;
 use apex_model::monitor::Monitor;
@@ -45,12 +46,14 @@ impl MonitorSession {
     pub(super) fn show_bank(&mut self, stimulus: &Stimulus, repeated: &[StateVariable], found: &mut Found) {
         let Stimulus::Sample { variable, value, at, newest, .. } = stimulus else { return };
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
-        match bank.takes(*at, value).filter(|_| *newest && !repeated.contains(variable)) {
+        // A sample from before the present may take back what time alone has decided since.
+        let ordinary = *newest && *at >= self.world.now && !repeated.contains(variable);
+        match bank.takes(*at, value).filter(|_| ordinary) {
             Some(number) => bank.sample(*at, number, &mut self.heard),
             None => {
                 let mut taken = Taken::new();
                 bank.take_all(&mut taken);
-                found.extend(taken.iter().map(|(id, _)| *id));
+                found.extend(taken.iter().map(|(leaf, _)| leaf.monitor));
                 self.stand_up(taken);
             }
         }
@@ -60,16 +63,11 @@ impl MonitorSession {
     /// A wake of the condition has come: it begins if it has not yet.
     pub(super) fn begin(&mut self, id: MonitorId) {
         let Some(watched) = self.watches.get_mut(id.0) else { return };
-        let own = watched.wake.take().is_some();
+        watched.wake = None;
+        self.touched.push(id);
         if watched.monitor.is_some() {
-            if own {
-                self.touched.push(id);
-            } else {
-                self.wake_bank(id);
-            }
             return;
         }
-        self.touched.push(id);
         match watched.begin(&self.world) {
             Ok(()) => watched.file(&mut self.interests, id),
             Err(error) => {
@@ -80,54 +78,105 @@ impl MonitorSession {
         }
     }
 
-    /// Time has come for the first of the episodes that share a bank with `id`.
-    pub(super) fn wake_bank(&mut self, id: MonitorId) {
-        let watched = self.watches.get(id.0);
-        let variable = watched.and_then(|watched| plain_episode::variable(watched.monitor.as_ref()?)).cloned();
-        let Some(variable) = variable else { return };
+    /// Time has come for the first of the episodes that share a bank with `leaf`.
+    pub(super) fn wake_bank(&mut self, leaf: LeafId) {
+        let watched = self.watches.get(leaf.monitor.0);
+        let Some(variable) = watched.and_then(|watched| watched.variable_in_bank(leaf.leaf)).cloned() else { return };
         let Some(bank) = self.interests.episodes_mut(&variable) else { return };
         bank.wake = None;
         bank.pass_time(self.world.now, &mut self.heard);
         self.refresh(&variable);
     }
 
+    /// Whoever had one of `taken` in a bank is told in the general way again.
     fn stand_up(&mut self, taken: Taken) {
-        for (id, seen) in taken {
-            let Some(watched) = self.watches.get_mut(id.0) else { continue };
-            watched.stand_up(seen);
-            watched.file(&mut self.interests, id);
-            self.touched.push(id);
+        for of_one in taken.chunk_by(|(one, _), (other, _)| one.monitor == other.monitor) {
+            let Some((LeafId { monitor: id, .. }, first)) = of_one.first() else { continue };
+            let Some(mut watched) = self.watches.lift(id.0) else { continue };
+            if watched.leaves.is_some() {
+                self.take_out_combination(*id, &mut watched, of_one);
+            } else {
+                watched.stand_up(first.clone());
+            }
+            watched.file(&mut self.interests, *id);
+            self.watches.put(id.0, watched);
+            self.touched.push(*id);
         }
     }
 
-    /// Tells what the banks have said of the present instant.
+    /// Gives a combination its leaves back: those that are `taken` already, and all others from their banks.
+    fn take_out_combination(&mut self, id: MonitorId, watched: &mut Watched, taken: &[(LeafId, Option<Seen>)]) {
+        let Some(mut leaves) = watched.leaves.take() else { return };
+        let mut seen = Vec::new();
+        for (leaf, variable) in (0..).zip(leaves.variables()) {
+            let leaf = LeafId { monitor: id, leaf };
+            if let Some((_, before)) = taken.iter().find(|(each, _)| *each == leaf) {
+                seen.push(before.clone());
+                continue;
+            }
+            seen.push(self.interests.episodes_mut(variable).and_then(|bank| bank.take(leaf)).flatten());
+            self.refresh(variable);
+        }
+        if let Some(monitor) = &mut watched.monitor {
+            plain_combination::stand_up(monitor, &mut leaves, seen);
+        }
+    }
+
+    /// Tells what the banks have said of the present instant. Combinations of which there may be more to tell are touched.
     pub(super) fn tell_heard(&mut self) {
         let mut heard = std::mem::take(&mut self.heard);
-        heard.sort_by_key(|told| (told.monitor, !told.over));
+        heard.sort_by_key(|told| (told.leaf, told.what != What::Over));
         for told in heard.drain(..) {
-            let Some(watched) = self.watches.get_mut(told.monitor.0) else { continue };
-            let Some(mut result) =
-                watched.monitor.as_ref().and_then(|monitor| plain_episode::told_result(monitor, &told))
-            else {
+            let id = told.leaf.monitor;
+            let Some(watched) = self.watches.get_mut(id.0) else { continue };
+            let Watched { monitor: Some(monitor), leaves, .. } = watched else { continue };
+            if let Some(leaves) = leaves {
+                if plain_combination::told(monitor, leaves, told.leaf.leaf, &told) {
+                    self.touched.push(id);
+                }
                 continue;
-            };
-            let telling = if told.over { Telling::Closed } else { Telling::Recognised { open: true } };
-            if !told.over {
+            }
+            let Some(mut result) = plain_episode::told_result(monitor, &told) else { continue };
+            let telling = if told.what == What::Over { Telling::Closed } else { Telling::Recognised { open: true } };
+            if told.what == What::Found {
                 result.recognised_at = self.world.now;
                 watched.results += 1;
                 watched.first.get_or_insert_with(|| result.clone());
             }
             let gaps = self.gaps_of(&result);
-            self.results.push(MonitorResult { watch: told.monitor, telling, result, gaps });
+            self.results.push(MonitorResult { watch: id, telling, result, gaps });
         }
         self.heard = heard;
     }
 
-    /// Takes the condition's monitor out of its bank, if it is in one.
+    /// Gives the condition's monitor what banks have seen of it. True when they go on watching meanwhile: a combination
+    /// is harvested while its leaves stay where they are.
+    pub(super) fn look_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
+        let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = watched else {
+            self.take_out_of_bank(id, watched);
+            return false;
+        };
+        let seen = self.seen_by_banks(id, leaves);
+        plain_combination::stand_up(monitor, leaves, seen);
+        true
+    }
+
+    fn seen_by_banks(&self, id: MonitorId, leaves: &plain_combination::Leaves) -> Vec<Option<Seen>> {
+        let seen = |(leaf, variable)| self.interests.episodes(variable)?.run_of(LeafId { monitor: id, leaf })?;
+        (0..).zip(leaves.variables()).map(seen).collect()
+    }
+
+    /// Takes the condition's monitor out of the banks that it is in.
     pub(super) fn take_out_of_bank(&mut self, id: MonitorId, watched: &mut Watched) {
+        if watched.leaves.is_some() {
+            self.take_out_combination(id, watched, &[]);
+            watched.file(&mut self.interests, id);
+            return;
+        }
         let variable = watched.monitor.as_ref().and_then(plain_episode::variable).cloned();
         let Some(variable) = variable else { return };
-        let Some(seen) = self.interests.episodes_mut(&variable).and_then(|bank| bank.take(id)) else { return };
+        let bank = self.interests.episodes_mut(&variable);
+        let Some(seen) = bank.and_then(|bank| bank.take(LeafId::whole(id))) else { return };
         watched.stand_up(seen);
         watched.file(&mut self.interests, id);
         self.refresh(&variable);
@@ -136,13 +185,19 @@ impl MonitorSession {
     /// Lets a bank watch the condition, all of which was told. False when none can.
     pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
         // What was told must be remembered as long as late samples can make it known again.
-        if self.lateness > Duration::ZERO || self.without_banks {
+        if watched.lateness > Duration::ZERO || self.without_banks {
             return false;
         }
         let Some(monitor) = &mut watched.monitor else { return false };
-        let Some(variable) = plain_episode::variable(monitor).cloned() else { return false };
+        let Some(variable) = plain_episode::variable(monitor).cloned() else {
+            return self.put_combination_into_banks(id, watched);
+        };
         let Some((wanted, run)) = plain_episode::bankable(monitor, &self.world) else { return false };
-        if !self.interests.bank(&variable, id, &wanted, run) {
+        // A bank tells the end of every result.
+        if wanted.open.is_some() && !watched.told.awaits_end() {
+            return false;
+        }
+        if !self.interests.bank(&variable, LeafId::whole(id), &wanted, run) {
             return false;
         }
         plain_episode::lie_down(monitor);
@@ -150,16 +205,40 @@ impl MonitorSession {
         true
     }
 
+    fn put_combination_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
+        let Some(monitor) = &mut watched.monitor else { return false };
+        let Some((leaves, bankables)) = plain_combination::bankable(monitor, &self.world) else { return false };
+        let each = (0..).zip(leaves.variables().zip(&bankables));
+        let put_in = |(leaf, (variable, bankable)): (u32, (&StateVariable, &plain_episode::Bankable<'_>))| {
+            let leaf = LeafId { monitor: id, leaf };
+            self.interests.bank(variable, leaf, &bankable.wanted, bankable.run)
+        };
+        let inside = each.map(put_in).take_while(|inside| *inside).count();
+        let whole = inside == bankables.len();
+        if whole {
+            plain_combination::lie_down(monitor);
+        } else {
+            // One leaf alone in a bank would not hear of what the others are told.
+            for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
+                self.interests.episodes_mut(variable).and_then(|bank| bank.take(LeafId { monitor: id, leaf }));
+            }
+            watched.file(&mut self.interests, id);
+        }
+        leaves.variables().for_each(|variable| self.refresh(variable));
+        watched.leaves = whole.then_some(leaves);
+        whole
+    }
+
     /// Asks for the wake that the bank needs, and no other; an empty bank goes.
     fn refresh(&mut self, variable: &StateVariable) {
         let Some(bank) = self.interests.episodes_mut(variable) else { return };
         let due = bank.due();
-        if bank.wake.map(|(wake, id)| (wake.at, id)) != due {
-            if let Some((wake, id)) = bank.wake.take() {
-                self.wakes.remove(&(wake.at, id));
+        if bank.wake.map(|(wake, leaf)| (wake.at, leaf)) != due {
+            if let Some((wake, leaf)) = bank.wake.take() {
+                self.wakes.remove(&wake_of(wake.at, leaf));
             }
-            bank.wake = due.map(|(at, id)| (WakeKey { at, number: 0 }, id));
-            self.wakes.extend(due);
+            bank.wake = due.map(|(at, leaf)| (WakeKey { at, number: 0 }, leaf));
+            self.wakes.extend(due.map(|(at, leaf)| wake_of(at, leaf)));
         }
         if bank.is_empty() {
             self.interests.drop_empty_bank(variable);
@@ -169,8 +248,13 @@ impl MonitorSession {
     /// The condition as if no bank stood between it and its samples.
     pub(super) fn as_told(&self, id: MonitorId, watched: &Watched) -> Option<Monitor> {
         let mut monitor = watched.monitor.clone()?;
+        if let Some(mut leaves) = watched.leaves.clone() {
+            let seen = self.seen_by_banks(id, &leaves);
+            plain_combination::stand_up(&mut monitor, &mut leaves, seen);
+            return Some(monitor);
+        }
         let bank = plain_episode::variable(&monitor).and_then(|variable| self.interests.episodes(variable));
-        if let Some(seen) = bank.and_then(|bank| bank.run_of(id)) {
+        if let Some(seen) = bank.and_then(|bank| bank.run_of(LeafId::whole(id))) {
             plain_episode::stand_up(&mut monitor, seen);
         }
         Some(monitor)
@@ -191,10 +275,10 @@ impl MonitorSession {
         }
         let Some(history) = histories.get_mut(variable) else { return 0 };
         let Some((thresholds, mut bank)) = self.interests.quiet_watchers(variable) else { return 0 };
-        if let Some((wake, id)) = bank.as_mut().and_then(|bank| bank.wake.take()) {
-            self.wakes.remove(&(wake.at, id));
+        if let Some((wake, leaf)) = bank.as_mut().and_then(|bank| bank.wake.take()) {
+            self.wakes.remove(&wake_of(wake.at, leaf));
         }
-        let wake = self.wakes.first().map_or(Time::END, |(at, _)| *at);
+        let wake = self.wakes.first().map_or(Time::END, |(at, ..)| *at);
         let (mut found, mut count) = (Found::new(), 0);
         for (pair, number) in instants.windows(2).zip(values) {
             let [at, next] = pair else { break };
@@ -220,9 +304,14 @@ impl MonitorSession {
             }
         }
         self.refresh(variable);
-        self.tell_heard();
+        self.judge_touched();
         count
     }
+}
+
+/// A wake that a bank has asked for, as the session keeps it.
+fn wake_of(at: Time, leaf: LeafId) -> (Time, MonitorId, Option<u32>) {
+    (at, leaf.monitor, Some(leaf.leaf))
 }
 
 /// Variables of which there is more than one sample.

@@ -13,7 +13,7 @@ use crate::monitoring::{self, Stimulus, TellingKind};
 use apex_model::bindings::Bindings;
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
-use apex_model::episode_bank;
+use apex_model::episode_bank::{self, LeafId};
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, Recorded};
 use apex_model::host::HostFunctions;
@@ -78,7 +78,8 @@ pub struct MonitorSession {
     touched: Vec<MonitorId>,
     /// What banks have said of the present instant.
     heard: Vec<episode_bank::Told>,
-    wakes: BTreeSet<(Time, MonitorId)>,
+    /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is looked at.
+    wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
     /// For the gaps of results, if they are asked for.
     spacings: Option<Spacings>,
@@ -145,11 +146,8 @@ impl MonitorSession {
         let World { histories, library, .. } = &mut self.world;
         monitoring::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
-        let watched = Watched::new(condition, created_at, &self.world).map_err(|error| SessionTrouble {
-            watch: None,
-            at: self.world.now,
-            message: error.message,
-            place: Some(error.place),
+        let watched = Watched::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
+            SessionTrouble { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
         })?;
         self.next_watch += 1;
         if watched.monitor.is_some() {
@@ -167,7 +165,7 @@ impl MonitorSession {
             self.take_out_of_bank(id, &mut watched);
             watched.take_out(&mut self.interests, id);
             if let Some(at) = watched.wake {
-                self.wakes.remove(&(at, id));
+                self.wakes.remove(&(at, id, None));
             }
         }
     }
@@ -305,7 +303,7 @@ impl MonitorSession {
             return;
         }
         self.end_instant();
-        while let Some((due, _)) = self.wakes.first().copied().filter(|(due, _)| *due < at) {
+        while let Some((due, ..)) = self.wakes.first().copied().filter(|(due, ..)| *due < at) {
             self.world.now = self.world.now.max(due);
             self.end_instant();
         }
@@ -315,7 +313,7 @@ impl MonitorSession {
     /// The present instant is over: what happened is noticed, what is due begins, and all that was touched is judged.
     fn end_instant(&mut self) {
         let now = self.world.now;
-        if self.stimuli.is_empty() && self.wakes.first().is_none_or(|(due, _)| *due > now) {
+        if self.stimuli.is_empty() && self.wakes.first().is_none_or(|(due, ..)| *due > now) {
             return;
         }
         let mut found = Found::new();
@@ -342,9 +340,12 @@ impl MonitorSession {
             }
             self.touched.extend(&found);
         }
-        while let Some((due, id)) = self.wakes.first().copied().filter(|(due, _)| *due <= now) {
-            self.wakes.remove(&(due, id));
-            self.begin(id);
+        while let Some(wake) = self.wakes.first().copied().filter(|(due, ..)| *due <= now) {
+            self.wakes.remove(&wake);
+            match wake {
+                (_, id, None) => self.begin(id),
+                (_, monitor, Some(leaf)) => self.wake_bank(LeafId { monitor, leaf }),
+            }
         }
         found.clear();
         self.interests.of_every_step(&mut found);
@@ -376,8 +377,9 @@ impl MonitorSession {
     /// Tells what is new about a condition and sees to its next wake.
     fn judge(&mut self, id: MonitorId) {
         let Some(mut watched) = self.watches.lift(id.0) else { return };
-        self.take_out_of_bank(id, &mut watched);
-        for telling in watched.harvest(self.lateness, &self.world) {
+        let in_banks = self.look_into_banks(id, &mut watched);
+        let before = watched.results;
+        for telling in watched.harvest(&self.world) {
             if telling.kind != TellingKind::Closed {
                 watched.results += 1;
                 watched.first.get_or_insert_with(|| telling.result.clone());
@@ -385,12 +387,16 @@ impl MonitorSession {
             self.results.push(self.told(id, telling));
         }
         watched.refile(&mut self.interests, id);
-        let wake = if self.put_into_bank(id, &mut watched) { None } else { watched.next_wake() };
+        if in_banks {
+            let any = watched.results > before;
+            watched.lie_down_again(any);
+        }
+        let wake = if in_banks || self.put_into_bank(id, &mut watched) { None } else { watched.next_wake() };
         if wake != watched.wake {
             if let Some(at) = watched.wake {
-                self.wakes.remove(&(at, id));
+                self.wakes.remove(&(at, id, None));
             }
-            self.wakes.extend(wake.map(|at| (at, id)));
+            self.wakes.extend(wake.map(|at| (at, id, None)));
             watched.wake = wake;
         }
         let troubles = watched.monitor.as_mut().map(monitoring::take_troubles).unwrap_or_default();

@@ -1,5 +1,7 @@
 //! Streams of results: each once, at its instant, however the stimuli are handed over.
 
+mod combinations;
+
 use super::*;
 use apex_model::source::Place;
 use apex_pdl::{CheckOptions, SourceText, check_conditions};

@@ -2,10 +2,12 @@
 
 use super::scene::World;
 use crate::expression::EvaluationError;
+use crate::monitoring::plain_combination::{self, Leaves};
 use crate::monitoring::{self, Stimulus, Telling, Told, plain_episode};
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::episode_bank::Seen;
+use apex_model::event::StateVariable;
 use apex_model::interests::{Interests, Narrowed};
 use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Unmet, Window};
 use apex_model::time::{Duration, Time};
@@ -18,7 +20,7 @@ pub(super) struct Watched {
     pub(super) created_at: Time,
     /// None until `created_at` has come.
     pub(super) monitor: Option<Monitor>,
-    told: Told,
+    pub(super) told: Told,
     /// What the monitor must be told of.
     interests: Vec<Interest>,
     /// Interests may change: they are about tasks that are not known yet.
@@ -27,11 +29,20 @@ pub(super) struct Watched {
     /// The first result, as it was recognised.
     pub(super) first: Option<Satisfaction>,
     pub(super) results: u64,
+    /// A combination whose leaves banks watch.
+    pub(super) leaves: Option<Leaves>,
+    /// How late its samples may come at most.
+    pub(super) lateness: Duration,
 }
 
 impl Watched {
     /// A condition that begins at `created_at`. Its monitor is made at once for a try, so that errors come at once.
-    pub(super) fn new(condition: Condition, created_at: Time, world: &World) -> Result<Watched, EvaluationError> {
+    pub(super) fn new(
+        condition: Condition,
+        created_at: Time,
+        lateness: Duration,
+        world: &World,
+    ) -> Result<Watched, EvaluationError> {
         let mut watched = Watched {
             condition: Arc::new(condition),
             created_at,
@@ -42,6 +53,8 @@ impl Watched {
             wake: None,
             first: None,
             results: 0,
+            leaves: None,
+            lateness,
         };
         watched.begin(world)?;
         if created_at > world.now {
@@ -55,6 +68,7 @@ impl Watched {
         let window = Window::from(self.created_at);
         let monitor = monitoring::create_keeping(&self.condition, window, Keep::Every, world)?;
         self.interests = monitoring::interests(&monitor);
+        self.lateness = lateness_of(&self.interests, world).unwrap_or(self.lateness);
         self.changing = self.interests.iter().any(|each| matches!(each, Interest::Task(_) | Interest::AnyTask));
         self.monitor = Some(monitor);
         Ok(())
@@ -74,10 +88,26 @@ impl Watched {
         self.told = plain_episode::told(monitor, open_at);
     }
 
+    /// Whose samples decide leaf number `leaf`, when a bank may watch it.
+    pub(super) fn variable_in_bank(&self, leaf: u32) -> Option<&StateVariable> {
+        match &self.leaves {
+            Some(leaves) => leaves.variables().nth(leaf as usize),
+            None => plain_episode::variable(self.monitor.as_ref()?),
+        }
+    }
+
+    /// The combination was harvested while banks went on watching; it has told `any` result.
+    pub(super) fn lie_down_again(&mut self, any: bool) {
+        if let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
+            plain_combination::harvested(monitor, leaves, any);
+            plain_combination::lie_down(monitor);
+        }
+    }
+
     /// What is new, after everything of the instant was noticed.
-    pub(super) fn harvest(&mut self, lateness: Duration, world: &World) -> Vec<Telling> {
+    pub(super) fn harvest(&mut self, world: &World) -> Vec<Telling> {
         match &mut self.monitor {
-            Some(monitor) => monitoring::harvest(monitor, &mut self.told, lateness, world),
+            Some(monitor) => monitoring::harvest(monitor, &mut self.told, self.lateness, world),
             None => Vec::new(),
         }
     }
@@ -123,6 +153,21 @@ impl Watched {
             self.file(interests, id);
         }
     }
+}
+
+/// How late samples may come at most, where nothing else is watched.
+fn lateness_of(interests: &[Interest], world: &World) -> Option<Duration> {
+    let mut most = Duration::ZERO;
+    for interest in interests {
+        let attribute = match interest {
+            Interest::Variable(variable) => &variable.attribute,
+            Interest::Attribute(attribute) => attribute,
+            _ => return None,
+        };
+        let declared = world.library.state_variables.get(attribute).and_then(monitoring::lateness);
+        most = most.max(declared.unwrap_or_default());
+    }
+    Some(most)
 }
 
 /// What is known of a condition whose beginning is to come.

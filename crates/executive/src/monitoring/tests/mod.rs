@@ -2,6 +2,7 @@
 
 mod against_definition;
 mod combinations;
+mod look_back;
 mod numbers;
 mod patterns;
 mod relations;
@@ -15,7 +16,7 @@ use apex_model::clause::MonitorId;
 use apex_model::condition::{
     ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
 };
-use apex_model::episode_bank::{EpisodeBank, PlainEpisode, Taken};
+use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Taken};
 use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
@@ -112,7 +113,7 @@ struct World {
     sequence: u64,
 }
 
-const HERE: MonitorId = MonitorId(7);
+const HERE: LeafId = LeafId { monitor: MonitorId(7), leaf: 0 };
 
 impl World {
     fn new(condition: &Condition) -> World {
@@ -138,7 +139,7 @@ impl World {
         let Some((wanted, run)) = plain_episode::bankable(&self.monitor, &self.view) else { return };
         let mut bank = EpisodeBank::new(wanted.dimension);
         let other = PlainEpisode { gap_max: Duration(1), duration_min: Duration(1_000), ..wanted };
-        assert!(bank.insert(MonitorId(3), &other, None) && bank.insert(HERE, &wanted, run));
+        assert!(bank.insert(LeafId::whole(MonitorId(3)), &other, None) && bank.insert(HERE, &wanted, run));
         self.bank = Some(bank);
         plain_episode::lie_down(&mut self.monitor);
     }
