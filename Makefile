@@ -51,6 +51,9 @@ bench: .venv/.peers ## Measure latency, throughput and load time; peers beside i
 	APEX_BENCH_ROWS=$(abspath $(TARGET))/bench-rows cargo run --locked --quiet --release --package apex-benches --bin memory
 	.venv/bin/python benches/peers/py_trees_peer.py > $(TARGET)/py_trees.json
 	cargo run --locked --quiet --release --package apex-benches --bin report -- $(TARGET)/criterion $(TARGET)/bench-rows $(TARGET)/py_trees.json
+	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- traces $(TARGET)/monitoring-traces
+	.venv/bin/python benches/peers/monitoring_peers.py $(TARGET)/monitoring-traces > $(TARGET)/monitoring-peers.json
+	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- report $(TARGET)/monitoring-peers.json
 
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
