@@ -150,6 +150,8 @@ pub struct Totals {
     pub last_holds: bool,
     /// The last number and its instant.
     pub previous: Option<(Time, f64)>,
+    /// The last two numbers, and the instant of the first of them.
+    pub last_step: Option<(Time, f64, f64)>,
     /// Instant of the number from which the last bad step was made.
     pub bad_step: Option<Time>,
     /// Moments of all numbers of the run; where a window slides nothing.
@@ -167,8 +169,8 @@ pub struct Totals {
 pub struct Point {
     /// Its instant.
     pub at: Time,
-    /// Its value.
-    pub number: f64,
+    /// Its value; none where it is no finite number, which is in the window and in no statistic.
+    pub number: Option<f64>,
     /// Until the next sample.
     pub held: Duration,
 }

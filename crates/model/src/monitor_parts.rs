@@ -67,8 +67,10 @@ pub struct AbsentPart {
     pub length: Duration,
     /// The end of the last result of the part, or the window's start: since when it is absent.
     pub since: Time,
-    /// A run of the part goes on, or the data do not say whether it holds.
+    /// The data do not say whether the part holds.
     pub unknown: bool,
+    /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
+    pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.
     pub told: Option<Time>,
     /// The windows that passed without it; the first where one is enough.

@@ -1,7 +1,7 @@
 //! One question answered by both, and the difference.
 
 use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
-use crate::features::{NOT_COMPARED, UNKNOWN_NOT_COMPARED, one_of};
+use crate::features::{NOT_COMPARED, one_of};
 use crate::generate::UNTIL;
 use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 
@@ -60,14 +60,12 @@ pub fn compare(question: &Question) -> Finding {
 /// Asks both at every instant up to the first result.
 fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, String> {
     let mut watch = Watch::new(accepted, question)?;
-    let loosely = one_of(question, UNKNOWN_NOT_COMPARED).is_some();
     for now in instants(question, UNTIL) {
         let theirs = judge(question, now);
         let ours = watch.say(now);
         match (&theirs, &ours) {
             (Verdict::Satisfied(theirs), Said::Satisfied(ours)) if theirs == ours => return Ok(Some(theirs.clone())),
             (Verdict::NotSatisfied, Said::NotSatisfied) | (Verdict::Unknown(_), Said::Unknown) => {}
-            (Verdict::NotSatisfied | Verdict::Unknown(_), Said::NotSatisfied | Said::Unknown) if loosely => {}
             _ => return Err(difference(now, &theirs, &ours)),
         }
     }

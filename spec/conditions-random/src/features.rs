@@ -1,6 +1,6 @@
 //! What is in a question: for counting, and for telling kinds of differences apart.
 
-use apex_definition::condition::{Condition, Constraint, Estimation, Kind, Term};
+use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind, Term};
 use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
@@ -8,14 +8,9 @@ use std::collections::BTreeSet;
 /// refusal must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
-/// Forms that the executive accepts and that are not compared: the definition does not have them, or it is not decided yet
-/// who is right. The list may only become shorter. Open readings of `:absent`: of what holds at instants only (`:not`,
-/// `:function`), and whether it is unknown or does not hold while an episode goes on.
-pub const NOT_COMPARED: &[&str] = &[":linear-regression", ":absent", ":persist"];
-
-/// Forms of which it is compared whether and how they are satisfied, but not yet what is unknown and what does not hold:
-/// relations whose sample was replaced.
-pub const UNKNOWN_NOT_COMPARED: &[&str] = &["Allen", ":stats", ":trend"];
+/// Forms that the executive accepts and that are not compared. The list may only become shorter. It is not decided from
+/// which instants on `:absent` of something is over that holds at instants only: `:not`, `:function`, a line.
+pub const NOT_COMPARED: &[&str] = &[":absent of an instant"];
 
 /// The first of `list` that the question has; each stands for all features that begin so.
 pub fn one_of(question: &Question, list: &[&'static str]) -> Option<&'static str> {
@@ -56,6 +51,29 @@ pub fn features(question: &Question) -> BTreeSet<String> {
     found
 }
 
+/// Does it hold at instants, so that a result may be gone at the next?
+fn at_instants(condition: &Condition) -> bool {
+    match &condition.kind {
+        Kind::Measurement(measurement) => matches!(measurement.estimation, Some(Estimation::Regression(_))),
+        Kind::Not(_) | Kind::Function(..) => true,
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().any(at_instants)
+        }
+        Kind::Absent(part, _) => at_instants(part),
+        _ => false,
+    }
+}
+
+fn of_cyclic(cyclic: &Cyclic) -> Vec<&'static str> {
+    let parts = [
+        (":cyclic", true),
+        (":amplitude", !cyclic.amplitude.is_empty()),
+        (":cycles", !cyclic.cycles.is_empty()),
+        (":hysteresis", cyclic.hysteresis.is_some()),
+    ];
+    parts.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect()
+}
+
 fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
     let mut add = |what: &str| {
         found.insert(what.into());
@@ -90,13 +108,20 @@ fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
                 (":trend", !episode.trend.is_empty()),
                 ("object variable", matches!(episode.variable.object, Term::Variable(_))),
                 ("no :value", episode.value.is_empty()),
+                (":any", episode.any),
             ];
             parts.into_iter().filter(|(_, has)| *has).for_each(|(name, _)| add(name));
         }
+        Kind::Cyclic(cyclic) => of_cyclic(cyclic).iter().for_each(|what| add(what)),
         Kind::And(_, tests) => add(if tests.is_empty() { ":and" } else { ":and with :constraint" }),
         Kind::Or(_) => add(":or"),
         Kind::Not(_) => add(":not"),
-        Kind::Absent(..) => add(":absent"),
+        Kind::Absent(part, _) => {
+            add(":absent");
+            if at_instants(part) {
+                add(":absent of an instant");
+            }
+        }
         Kind::InOrder(_, tests) => add(if tests.is_empty() { ":in-order" } else { ":in-order with :constraint" }),
         Kind::Allen { relation, tolerance, .. } => {
             add(&format!("Allen {relation:?}"));

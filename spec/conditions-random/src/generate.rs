@@ -2,8 +2,8 @@
 
 use crate::dice::Dice;
 use apex_definition::condition::{
-    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Regression, Relation, Span, Statistic,
-    Term, Test, Time, Trend, Variable,
+    Allen, Condition, Constraint, Cyclic, Edge, Episode, Estimation, Kind, Measurement, Regression, Relation, Span,
+    Statistic, Term, Test, Time, Trend, Variable,
 };
 use apex_definition::{Arrival, Question, Value, What};
 use std::collections::BTreeMap;
@@ -15,12 +15,12 @@ pub const UNTIL: Time = 16 * SECOND;
 /// The grid of instants and spans: what coincides is interesting.
 const STEP: Span = SECOND / 2;
 
-/// Added to bounds of statistics, so that none is met exactly: which way the last bit falls is not compared.
+/// Added to bounds of statistics and lines, so that none is met exactly: which way the last bit falls is not compared.
 const BESIDE: f64 = 0.123;
 
 /// The question of a seed.
 pub fn question(seed: u64) -> Question {
-    let mut maker = Maker { dice: Dice::new(seed), tags: 0 };
+    let mut maker = Maker { dice: Dice::new(seed), tags: 0, cycles: false };
     let created = if maker.dice.chance(40) { 0 } else { maker.steps(1, 8) };
     let depth = maker.dice.between(0, 2);
     let condition = maker.condition(depth);
@@ -29,6 +29,9 @@ pub fn question(seed: u64) -> Question {
     let late = if maker.dice.chance(30) { 25 } else { 0 };
     let count = maker.dice.between(0, 12);
     let mut arrivals: Vec<Arrival> = (0..count).map(|_| maker.arrival(late)).collect();
+    if maker.cycles {
+        arrivals.extend((0..12).map(|_| maker.swing(late)));
+    }
     arrivals.sort_by_key(|arrival| arrival.arrives);
     Question { condition, created, arrivals, lateness }
 }
@@ -36,6 +39,8 @@ pub fn question(seed: u64) -> Question {
 struct Maker {
     dice: Dice,
     tags: usize,
+    /// The condition asks for cycles, which need many samples.
+    cycles: bool,
 }
 
 impl Maker {
@@ -66,6 +71,14 @@ impl Maker {
         };
         let object = if self.dice.chance(80) { "a" } else { "b" };
         Arrival { arrives, at: arrives - back, what: What::Sample(attribute.into(), object.into(), value) }
+    }
+
+    /// One of many samples of one variable.
+    fn swing(&mut self, late: usize) -> Arrival {
+        let arrives = self.steps(0, 28);
+        let back = if self.dice.chance(late) { self.steps(1, 4).min(arrives) } else { 0 };
+        let value = Some(Value::Number(self.number()));
+        Arrival { arrives, at: arrives - back, what: What::Sample("x".into(), "a".into(), value) }
     }
 
     fn message(&mut self) -> Vec<Value> {
@@ -176,7 +189,13 @@ impl Maker {
         ];
         let relation = self.pick(&all, Before);
         let tolerance = if self.dice.chance(30) { self.steps(1, 3) } else { 0 };
-        let parts: Vec<Condition> = (0..self.dice.between(2, 3)).map(|_| self.leaf_with_evidence()).collect();
+        let mut parts: Vec<Condition> = (0..self.dice.between(2, 3)).map(|_| self.leaf_with_evidence()).collect();
+        for part in &mut parts {
+            if let Kind::Episode(episode) = &mut part.kind {
+                // Statistics are of runs or windows.
+                episode.any = episode.stats.is_empty() && episode.trend.is_empty() && self.dice.chance(20);
+            }
+        }
         let tests = self.tests(&parts);
         Kind::Allen { relation, parts, tolerance, tests }
     }
@@ -216,6 +235,7 @@ impl Maker {
         let kind = match self.dice.below(10) {
             0..2 => self.event(),
             2..5 => Kind::Measurement(self.measurement()),
+            5 if self.dice.chance(25) => Kind::Cyclic(self.cyclic()),
             _ => Kind::Episode(self.episode()),
         };
         self.tagged(kind)
@@ -295,7 +315,7 @@ impl Maker {
             value = vec![Constraint::Bind("v".into())];
         }
         if matches!(estimation, Some(Estimation::Regression(_))) {
-            value = vec![Constraint::Compare(self.order(), Value::Number(self.number()), None)];
+            value = vec![Constraint::Compare(self.order(), Value::Number(self.number() + BESIDE), None)];
         }
         let timestamp = if self.dice.chance(15) { vec![(self.order(), self.moment())] } else { Vec::new() };
         Measurement { variable, value, timestamp, estimation }
@@ -312,8 +332,8 @@ impl Maker {
     fn regression(&mut self) -> Regression {
         Regression {
             points_min: self.dice.maybe(50, |dice| dice.between(2, 4)),
-            error_max: self.dice.maybe(30, |dice| dice.below(4) as f64 / 2.0),
-            difference_max: self.dice.maybe(30, |dice| dice.below(6) as f64),
+            error_max: self.dice.maybe(30, |dice| dice.below(4) as f64 / 2.0 + BESIDE),
+            difference_max: self.dice.maybe(30, |dice| dice.below(6) as f64 + 2.0 * BESIDE),
             gap_max: self.dice.maybe(30, |dice| dice.between(1, 8) as Span * STEP),
             start: None,
             end: None,
@@ -324,6 +344,7 @@ impl Maker {
         let variable = self.variable();
         let mut episode = Episode {
             variable,
+            any: false,
             value: if self.dice.chance(85) { vec![self.constraint()] } else { Vec::new() },
             first_value: if self.dice.chance(12) { vec![self.constraint()] } else { Vec::new() },
             last_value: if self.dice.chance(12) { vec![self.constraint()] } else { Vec::new() },
@@ -373,6 +394,24 @@ impl Maker {
             };
         }
         episode
+    }
+
+    fn cyclic(&mut self) -> Cyclic {
+        self.cycles = true;
+        let tests = Vec::new();
+        let object = if self.dice.chance(20) { self.open_term() } else { Term::Is(Value::symbol("a")) };
+        let variable = Variable { attribute: "x".into(), object, tests };
+        let period = (self.order(), self.span(2, 8));
+        let amplitude = self.dice.maybe(30, |dice| (dice.below(3) as f64 / 2.0 + BESIDE, dice.chance(70)));
+        let relation = |greater: bool| if greater { Relation::Greater } else { Relation::Less };
+        let cycles = self.dice.maybe(60, |dice| (Relation::GreaterOrEqual, dice.between(1, 3) as i64));
+        Cyclic {
+            variable,
+            period: vec![period],
+            amplitude: amplitude.into_iter().map(|(bound, greater)| (relation(greater), bound)).collect(),
+            cycles: cycles.into_iter().collect(),
+            hysteresis: self.dice.maybe(30, |dice| dice.between(1, 2) as f64),
+        }
     }
 
     fn statistic(&mut self) -> (Statistic, Relation, f64) {

@@ -1,8 +1,8 @@
 //! A question as PDL.
 
 use apex_definition::condition::{
-    Allen, Condition, Constraint, Edge, Episode, Estimation, Kind, Measurement, Relation, Span, Statistic, Term, Test,
-    Time, Trend, Variable,
+    Allen, Condition, Constraint, Cyclic, Edge, Episode, Estimation, Kind, Measurement, Relation, Span, Statistic,
+    Term, Test, Time, Trend, Variable,
 };
 use apex_definition::{Question, Value, What};
 use std::fmt::Write;
@@ -19,6 +19,7 @@ pub fn condition(condition: &Condition) -> String {
     match &condition.kind {
         Kind::Measurement(measurement) => format!("(:measurement {tag}{})", self::measurement(measurement)),
         Kind::Episode(episode) => format!("(:episode {tag}{})", self::episode(episode)),
+        Kind::Cyclic(cyclic) => format!("(:cyclic {tag}{})", self::cyclic(cyclic)),
         Kind::And(parts, tests) => format!("(:and {tag}{}{})", conditions(parts), self::tests(tests)),
         Kind::Or(parts) => format!("(:or {tag}{})", conditions(parts)),
         Kind::Not(part) => format!("(:not {})", self::condition(part)),
@@ -75,6 +76,21 @@ fn measurement(measurement: &Measurement) -> String {
     )
 }
 
+fn cyclic(cyclic: &Cyclic) -> String {
+    let tests = |tests: Vec<String>| (!tests.is_empty()).then(|| tests.join(" "));
+    let period = cyclic.period.iter().map(|(relation, length)| format!("({} {})", word(*relation), span(*length)));
+    let amplitude = cyclic.amplitude.iter().map(|(relation, number)| format!("({} {number})", word(*relation)));
+    let cycles = cyclic.cycles.iter().map(|(relation, number)| format!("({} {number})", word(*relation)));
+    format!(
+        "{}{}{}{}{}",
+        variable(&cyclic.variable),
+        optional(":period", tests(period.collect())),
+        optional(":amplitude", tests(amplitude.collect())),
+        optional(":cycles", tests(cycles.collect())),
+        optional(":hysteresis", cyclic.hysteresis.map(|number| number.to_string()))
+    )
+}
+
 fn episode(episode: &Episode) -> String {
     let gap = episode.gap.map_or("(:no-constraints)".to_string(), |gap| format!("(:max-gap {})", span(gap)));
     let group = |name: &str, body: Option<String>| body.map(|body| format!(" (:{name} {body})")).unwrap_or_default();
@@ -98,8 +114,9 @@ fn episode(episode: &Episode) -> String {
         })
         .collect();
     format!(
-        "{} :quality {gap}{}{}{}{}{}{}{}",
+        "{}{} :quality {gap}{}{}{}{}{}{}{}",
         variable(&episode.variable),
+        if episode.any { " :any" } else { "" },
         optional(":value", constraints(&episode.value)),
         optional(":first-value", constraints(&episode.first_value)),
         optional(":last-value", constraints(&episode.last_value)),

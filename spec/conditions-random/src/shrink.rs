@@ -2,7 +2,7 @@
 
 use crate::compare::{Finding, compare};
 use apex_definition::Question;
-use apex_definition::condition::{Condition, Episode, Kind, Measurement};
+use apex_definition::condition::{Condition, Cyclic, Episode, Kind, Measurement};
 
 /// A smallest question that is still answered differently, found by leaving out one thing after the other.
 pub fn shrink(question: &Question) -> Question {
@@ -87,6 +87,10 @@ fn less_of(condition: &Condition) -> Vec<Condition> {
         Kind::Event(pattern, when) => {
             found.extend(shorter(when, 0).into_iter().map(|when| with(Kind::Event(pattern.clone(), when))));
         }
+        Kind::Cyclic(cyclic) => {
+            let all = less_of_cyclic(cyclic);
+            found.extend(all.into_iter().map(|cyclic| with(Kind::Cyclic(cyclic))));
+        }
         Kind::Delay(least, Some(_)) => found.push(with(Kind::Delay(*least, None))),
         Kind::Timestamp(from, Some(_)) => found.push(with(Kind::Timestamp(*from, None))),
         Kind::Delay(..) | Kind::Timestamp(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => {}
@@ -113,6 +117,23 @@ fn less_of_episode(episode: &Episode) -> Vec<Episode> {
     with(&|less| less.stats.clear());
     with(&|less| less.trend.clear());
     with(&|less| less.gap = None);
+    with(&|less| less.any = false);
+    found
+}
+
+fn less_of_cyclic(cyclic: &Cyclic) -> Vec<Cyclic> {
+    let mut found = Vec::new();
+    let mut with = |change: &dyn Fn(&mut Cyclic)| {
+        let mut less = cyclic.clone();
+        change(&mut less);
+        if less != *cyclic {
+            found.push(less);
+        }
+    };
+    with(&|less| less.variable.tests.clear());
+    with(&|less| less.amplitude.clear());
+    with(&|less| less.cycles.clear());
+    with(&|less| less.hysteresis = None);
     found
 }
 

@@ -11,15 +11,31 @@ pub(crate) fn asked(episode: &Episode) -> bool {
     !episode.stats.is_empty() || !episode.trend.is_empty()
 }
 
-/// Every end of the run at which statistics and trends are what is asked for.
+/// Where statistics and trends are what is asked for at one end of the run after the other, that is one result: it
+/// begins where the run or the first window does, and grows as runs of values do (rules 7 and 13).
 pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
-    let at = |end: Time| {
-        let inside = inside(episode, run, end)?;
+    let mut found: Vec<Way> = Vec::new();
+    let mut goes_on = false;
+    for end in ends(episode, run, view) {
+        let inside = inside(episode, run, end).unwrap_or_default();
         let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
-        let interval = (inside.first()?.at, inside.last()?.at);
-        holds.then(|| Way::over(interval, end.max(view.created), bound.clone()))
-    };
-    ends(episode, run, view).into_iter().filter_map(at).collect()
+        let interval = inside.first().zip(inside.last()).map(|(first, last)| (first.at, last.at));
+        match (interval.filter(|_| holds), found.last_mut()) {
+            (Some((_, last)), Some(way)) if goes_on => way.hull = way.hull.map(|(first, _)| (first, last)),
+            (Some(interval), _) => found.push(Way::over(interval, end, bound.clone())),
+            (None, _) => {}
+        }
+        goes_on = interval.is_some() && holds;
+    }
+    if let Some(way) = found.last_mut().filter(|_| goes_on) {
+        way.open = !run.closed;
+    }
+    found
+}
+
+/// Is a window meant, since no value makes the run?
+fn slides(episode: &Episode) -> bool {
+    episode.value.is_empty() && !episode.duration.is_empty()
 }
 
 /// Is it certain that the newest end is not what is asked for? Too short, or of too few samples, it is not known.
@@ -60,7 +76,7 @@ fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
 fn inside(episode: &Episode, run: &Run<'_>, end: Time) -> Option<Vec<Sample>> {
     let wanted = wanted(episode);
     let start = run.samples.first()?.at;
-    let from = if episode.value.is_empty() && !episode.duration.is_empty() { end - wanted } else { start };
+    let from = if slides(episode) { end - wanted } else { start };
     let inside = run.samples.iter().filter(|sample| (from..=end).contains(&sample.at)).cloned();
     (end - start >= wanted).then(|| inside.collect())
 }

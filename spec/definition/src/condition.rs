@@ -23,6 +23,8 @@ pub enum Kind {
     Measurement(Measurement),
     /// A run of samples.
     Episode(Episode),
+    /// A value that goes up and down.
+    Cyclic(Cyclic),
     /// All parts.
     And(Vec<Condition>, Vec<Test>),
     /// One part.
@@ -82,11 +84,28 @@ pub struct Variable {
     pub tests: Vec<Constraint>,
 }
 
+/// What is asked of cycles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cyclic {
+    /// Whose samples.
+    pub variable: Variable,
+    /// Tests of the length of each cycle.
+    pub period: Vec<(Relation, Span)>,
+    /// Tests of the amplitude of each.
+    pub amplitude: Vec<(Relation, f64)>,
+    /// Tests of their number; none is at least two.
+    pub cycles: Vec<(Relation, i64)>,
+    /// By how much a value comes back from a turning point.
+    pub hysteresis: Option<f64>,
+}
+
 /// What is asked of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Episode {
     /// Whose samples.
     pub variable: Variable,
+    /// Any two samples of a run bound an episode.
+    pub any: bool,
     /// Holds of every value.
     pub value: Vec<Constraint>,
     /// Holds of the first value.

@@ -15,7 +15,7 @@ pub(crate) struct Run<'a> {
     /// The first sample after it.
     pub(crate) next: Option<&'a Sample>,
     /// It cannot go on.
-    closed: bool,
+    pub(crate) closed: bool,
 }
 
 /// Every interval of a run that is what the condition asks for.
@@ -34,10 +34,10 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
             found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
         }
         for run in &runs {
-            match view.runs {
+            match if episode.any { Runs::Any } else { view.runs } {
                 _ if aggregate::asked(episode) => found.all.extend(aggregate::ways(episode, run, bound, view)),
                 Runs::Begun => found.all.extend(begun(episode, run, bound, view)),
-                Runs::Any => found.all.extend(any(episode, run, bound, view)),
+                Runs::Any => found.all.extend(any(episode, run, bound)),
                 Runs::Whole => found.all.extend(whole(episode, run, bound, view)),
             }
         }
@@ -89,7 +89,7 @@ fn runs<'a>(episode: &Episode, samples: &'a [Sample], view: View<'_>) -> Vec<Run
 /// The first moment at which it is decided that the run is what is asked for.
 fn begun(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     let parts = (1..=run.samples.len()).filter_map(|length| going_on(episode, run, length, bound, view));
-    parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound, view))
+    parts.min_by_key(|way| way.known).or_else(|| over(episode, run, bound))
 }
 
 /// The run, if its first samples show that it is what is asked for however it goes on: only lower bounds can show that.
@@ -105,7 +105,7 @@ fn going_on(episode: &Episode, run: &Run<'_>, length: usize, bound: &Bindings, v
     let earliest = earliest.collect::<Option<Vec<_>>>()?.into_iter().max().unwrap_or(last.at);
     let needed = least.max(last.at - first.at);
     let fitting = needed <= longest && last.at >= earliest && fits_values(episode, samples);
-    fitting.then(|| way(run.samples, bound, first.at + needed, view))
+    fitting.then(|| way(run.samples, bound, first.at + needed))
 }
 
 /// The least instant or span that the relation allows, if it allows everything above.
@@ -118,16 +118,16 @@ fn lower(relation: Relation, bound: i64) -> Option<i64> {
 }
 
 /// The run, if it is over and was what is asked for, and only that could decide.
-fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+fn over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let bounded = |relation: &Relation| lower(*relation, 0).is_none();
     let until_the_end = episode.duration.iter().any(|(relation, _)| bounded(relation))
         || episode.end.iter().any(|(relation, _)| bounded(relation));
-    when_over(episode, run, bound, view).filter(|_| until_the_end)
+    when_over(episode, run, bound).filter(|_| until_the_end)
 }
 
 /// The run, if it is over and was what is asked for. All bounds count between the first and the last sample, as the result
 /// reports them.
-fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
+fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Option<Way> {
     let (first, last) = (run.samples.first()?, run.samples.last()?);
     let fitting = run.closed
         && episode.duration.iter().all(|(relation, bound)| numbers(*relation, last.at - first.at, *bound))
@@ -135,7 +135,7 @@ fn when_over(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>)
         && fits_values(episode, run.samples);
     let expires = episode.gap.map_or(Time::MAX, |gap| last.at + gap + 1);
     let ended = run.next.map_or(Time::MAX, |next| next.at).min(expires);
-    fitting.then(|| way(run.samples, bound, ended, view))
+    fitting.then(|| way(run.samples, bound, ended))
 }
 
 /// Rule 5: up to when the last value counts as held: its own instant, or as long as a gap licenses it, but not at the
@@ -154,13 +154,13 @@ fn fits_values(episode: &Episode, samples: &[Sample]) -> bool {
         && samples.first().is_some_and(|first| instant_fits(first.at, &episode.start))
 }
 
-fn way(samples: &[Sample], bound: &Bindings, known: Time, view: View<'_>) -> Way {
+fn way(samples: &[Sample], bound: &Bindings, known: Time) -> Way {
     let interval = samples.first().zip(samples.last()).map(|(first, last)| (first.at, last.at)).unwrap_or_default();
-    Way::over(interval, known.max(view.created), bound.clone())
+    Way::over(interval, known, bound.clone())
 }
 
 /// Every pair of samples of the run: what lies between two samples, and nothing that is only held.
-fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Vec<Way> {
+fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings) -> Vec<Way> {
     let mut found = Vec::new();
     for end in 1..=run.samples.len() {
         for start in 0..end {
@@ -170,7 +170,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Ve
                 && instant_fits(run.samples[end - 1].at, &episode.end)
                 && fits_values(episode, samples);
             if fitting {
-                found.push(way(samples, bound, run.samples[end - 1].at, view));
+                found.push(way(samples, bound, run.samples[end - 1].at));
             }
         }
     }
@@ -180,7 +180,7 @@ fn any(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Ve
 /// The run as far as it is known. What its last value is, is known when it is over.
 fn whole(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: View<'_>) -> Option<Way> {
     if !episode.last_value.is_empty() {
-        return when_over(episode, run, bound, view);
+        return when_over(episode, run, bound);
     }
     Some(Way { open: !run.closed, ..begun(episode, run, bound, view)? })
 }

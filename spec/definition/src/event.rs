@@ -14,7 +14,7 @@ pub(crate) fn messages(pattern: &[Term], when: &[(Relation, Time)], view: View<'
             && message.words.len() == pattern.len()
             && pattern.iter().zip(&message.words).all(|(term, word)| matches(term, word, &mut bound))
         {
-            found.push(Way::over((message.at, message.at), message.at.max(view.created), bound));
+            found.push(Way::over((message.at, message.at), message.at, bound));
         }
     }
     found.into()

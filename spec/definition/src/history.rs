@@ -88,6 +88,16 @@ pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now
 }
 
 impl Past {
+    /// What of it had happened by `now`.
+    pub(crate) fn up_to(&self, now: Time) -> Past {
+        let mut past = self.clone();
+        past.variables.iter_mut().for_each(|series| series.samples.retain(|sample| sample.at <= now));
+        past.variables.retain(|series| !series.samples.is_empty());
+        past.messages.retain(|message| message.at <= now);
+        past.moves.retain(|each| each.at <= now);
+        past
+    }
+
     fn series(&mut self, attribute: &str, object: &str) -> &mut Series {
         let found = self.variables.iter().position(|each| each.attribute == attribute && each.object == object);
         let index = found.unwrap_or_else(|| {

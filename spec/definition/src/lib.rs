@@ -7,6 +7,7 @@
 mod aggregate;
 mod allen;
 pub mod condition;
+mod cyclic;
 mod episode;
 mod event;
 mod history;

@@ -53,17 +53,15 @@ pub(crate) fn in_window(at: Time, tests: &[(Relation, Time)], view: View<'_>) ->
 
 /// Every sample, or every estimate, that fits.
 pub(crate) fn ways(measurement: &Measurement, view: View<'_>) -> Ways {
+    if let Some(Estimation::Regression(options)) = &measurement.estimation {
+        return crate::regression::ways(measurement, options, view);
+    }
     let mut found = Ways::default();
     for (series, bound) in series_of(&measurement.variable, |series| counting(measurement, series, view), view) {
         match &measurement.estimation {
-            None => found.all.extend(sampled(measurement, series, &bound, view)),
+            Some(Estimation::Regression(_)) | None => found.all.extend(sampled(measurement, series, &bound, view)),
             Some(Estimation::Persist(timeout)) => {
                 found.all.extend(persisted(measurement, *timeout, series, &bound, view));
-            }
-            Some(Estimation::Regression(options)) => {
-                let next = crate::regression::ways(measurement, options, series, &bound, view);
-                found.all.extend(next.all);
-                found.unknown = found.unknown.or(next.unknown);
             }
         }
     }
@@ -84,8 +82,7 @@ fn sampled(measurement: &Measurement, series: &Series, bound: &Bindings, view: V
     for sample in series.samples.iter().filter(|sample| in_window(sample.at, &measurement.timestamp, view)) {
         let mut bound = bound.clone();
         if fits(&sample.value, &measurement.value, &mut bound) {
-            let known = sample.at.max(view.created);
-            found.push(Way::over((sample.at, sample.at), known, bound));
+            found.push(Way::over((sample.at, sample.at), sample.at, bound));
         }
     }
     found
@@ -105,20 +102,18 @@ fn persisted(
         let next = series.samples.get(index + 1).map_or(Time::MAX, |next| next.at - 1);
         let expires = timeout.map_or(Time::MAX, |timeout| sample.at + timeout);
         let last = next.min(expires).min(view.now);
-        // The first instant of the window within [sample, last]: one of these, since windows are made of bounds.
+        // First and last instant of the window within [sample, last]: two of these, since windows are made of bounds.
         let bounds = measurement.timestamp.iter().map(|(_, bound)| *bound);
         let mut instants: Vec<Time> = bounds.flat_map(|bound| [bound - 1, bound, bound + 1]).collect();
-        instants.extend([sample.at, view.created]);
-        instants.sort_unstable();
-        let fitting = instants
-            .into_iter()
-            .find(|at| (sample.at..=last).contains(at) && in_window(*at, &measurement.timestamp, view));
+        instants.extend([sample.at, view.created, last]);
+        instants.retain(|at| (sample.at..=last).contains(at) && in_window(*at, &measurement.timestamp, view));
+        let fitting = instants.iter().min().copied();
         let mut bound = bound.clone();
         if let Some(at) = fitting
             && fits(&sample.value, &measurement.value, &mut bound)
         {
-            let known = at.max(view.created);
-            found.push(Way::over((sample.at, sample.at), known, bound));
+            let lasts = instants.iter().max().copied();
+            found.push(Way { lasts, ..Way::over((sample.at, sample.at), at, bound) });
         }
     }
     found

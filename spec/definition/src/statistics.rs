@@ -1,21 +1,39 @@
 //! Statistics of a run (rule 11): two passes over all samples, unweighted; the variance is the population's.
 
-use crate::condition::{Episode, Statistic};
+use crate::condition::{Episode, Statistic, Trend};
 use crate::history::Sample;
 use crate::value::{Value, numbers};
 
 /// Do all tests of statistics hold? A value that is no finite number has no statistics.
 pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
     episode.stats.iter().all(|(statistic, relation, bound)| {
-        of(*statistic, &finite(samples)).is_some_and(|value| numbers(*relation, value, *bound))
+        of(*statistic, &counted(episode, samples)).is_some_and(|value| numbers(*relation, value, *bound))
     })
 }
 
 /// Does any test of a statistic that has a value fail?
 pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
     episode.stats.iter().any(|(statistic, relation, bound)| {
-        of(*statistic, &finite(samples)).is_some_and(|value| !numbers(*relation, value, *bound))
+        of(*statistic, &counted(episode, samples)).is_some_and(|value| !numbers(*relation, value, *bound))
     })
+}
+
+/// The numbers of the statistics. Where samples are only counted, one that is no number at all counts too.
+fn counted(episode: &Episode, samples: &[Sample]) -> Vec<f64> {
+    if !only_counts(episode) {
+        return finite(samples);
+    }
+    samples.iter().filter_map(|sample| if infinite(sample) { None } else { Some(0.0) }).collect()
+}
+
+/// Are samples only counted?
+pub(crate) fn only_counts(episode: &Episode) -> bool {
+    episode.stats.iter().all(|(statistic, ..)| *statistic == Statistic::Count)
+        && episode.trend.iter().all(|(trend, ..)| *trend == Trend::Frequency)
+}
+
+pub(crate) fn infinite(sample: &Sample) -> bool {
+    matches!(sample.value, Value::Number(number) if !number.is_finite())
 }
 
 /// The values that are finite numbers, in order of time (rule 18: infinities compare, but are in no statistics).

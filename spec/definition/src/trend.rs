@@ -2,20 +2,27 @@
 
 use crate::condition::{Episode, Relation, Trend};
 use crate::history::Sample;
+use crate::statistics::{finite, infinite, only_counts};
 use crate::value::{Value, numbers};
 
 /// Do all tests of trends hold?
 pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
-    episode.trend.iter().all(|(trend, relation, bound)| judged(*trend, *relation, *bound, samples) == Some(true))
+    episode
+        .trend
+        .iter()
+        .all(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), samples) == Some(true))
 }
 
 /// Does any test of a trend that has a value fail?
 pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
-    episode.trend.iter().any(|(trend, relation, bound)| judged(*trend, *relation, *bound, samples) == Some(false))
+    episode
+        .trend
+        .iter()
+        .any(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), samples) == Some(false))
 }
 
 /// Fewer than two distinct instants show no trend.
-fn judged(trend: Trend, relation: Relation, bound: f64, samples: &[Sample]) -> Option<bool> {
+fn judged(episode: &Episode, (trend, relation, bound): (Trend, Relation, f64), samples: &[Sample]) -> Option<bool> {
     let points = points(samples);
     match trend {
         Trend::Rate => slope(&points).map(|slope| numbers(relation, slope, bound)),
@@ -23,7 +30,7 @@ fn judged(trend: Trend, relation: Relation, bound: f64, samples: &[Sample]) -> O
             let all = points.windows(2).all(|pair| numbers(relation, pair[1].1 - pair[0].1, bound));
             (points.len() > 1).then_some(all)
         }
-        Trend::Frequency => frequency(samples).map(|value| numbers(relation, value, bound)),
+        Trend::Frequency => frequency(episode, samples).map(|value| numbers(relation, value, bound)),
     }
 }
 
@@ -52,8 +59,11 @@ pub(crate) fn line(points: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
     (spread > 0.0).then(|| (mean_t, mean_v, common / spread))
 }
 
-/// Intervals between samples, per second.
-fn frequency(samples: &[Sample]) -> Option<f64> {
+/// Intervals between the samples that count, per second.
+fn frequency(episode: &Episode, samples: &[Sample]) -> Option<f64> {
+    let number = |sample: &&Sample| !finite(std::slice::from_ref(*sample)).is_empty();
+    let counts = |sample: &&Sample| if only_counts(episode) { !infinite(sample) } else { number(sample) };
+    let samples: Vec<&Sample> = samples.iter().filter(counts).collect();
     let (first, last) = (samples.first()?, samples.last()?);
     let seconds = (last.at - first.at) as f64 / 1e9;
     (seconds > 0.0).then(|| (samples.len() - 1) as f64 / seconds)

@@ -1,6 +1,6 @@
 //! The answer at an instant, and since when it is satisfied (rules 2, 3, 21, 22).
 
-use crate::condition::{Condition, Kind, Span, Time};
+use crate::condition::{Condition, Estimation, Kind, Measurement, Span, Time};
 use crate::history::{Arrival, What, known};
 use crate::value::Bindings;
 use crate::ways::{Interval, Runs, View, Way, ways};
@@ -52,7 +52,7 @@ impl Outcome {
 /// What is true at `now`, of what was known then.
 pub fn judge(question: &Question, now: Time) -> Verdict {
     let past = known(&question.arrivals, &question.lateness, now);
-    let view = View { past: &past, created: question.created, now, runs: Runs::Begun };
+    let view = View { question, past: &past, created: question.created, now, runs: Runs::Begun };
     let found = ways(&question.condition, view);
     match (found.all.is_empty(), found.unknown) {
         (true, Some(reason)) => Verdict::Unknown(reason),
@@ -105,6 +105,15 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
         begins.extend([arrival.at, arrival.arrives]);
     }
     begins.extend(instants_of(&question.condition));
+    // When lines meet constraints is known as samples come.
+    let mut lines = Vec::new();
+    lines_of(&question.condition, &mut lines);
+    for arrival in question.arrivals.iter().filter(|_| !lines.is_empty()) {
+        let past = known(&question.arrivals, &question.lateness, arrival.arrives);
+        let at = arrival.arrives.max(question.created);
+        let meets = lines.iter().flat_map(|line| crate::regression::foreseen(line, question, &past, at));
+        begins.extend(meets.filter(|at| *at <= until));
+    }
     let every = begins.iter().flat_map(|begin| spans.iter().flat_map(move |span| [begin + span, begin + span + 1]));
     let mut all: BTreeSet<Time> = every.collect();
     all.extend(question.arrivals.iter().map(|arrival| arrival.arrives));
@@ -124,8 +133,10 @@ fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
     }
     let parts = match &condition.kind {
         Kind::Measurement(measurement) => {
-            if let Some(crate::condition::Estimation::Persist(Some(timeout))) = &measurement.estimation {
-                spans.push(*timeout);
+            match &measurement.estimation {
+                Some(Estimation::Persist(timeout)) => spans.extend(timeout),
+                Some(Estimation::Regression(options)) => spans.extend(options.gap_max),
+                None => {}
             }
             return;
         }
@@ -137,16 +148,38 @@ fn spans_of(condition: &Condition, spans: &mut Vec<Span>) {
         Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => parts.as_slice(),
         Kind::Not(part) => std::slice::from_ref(&**part),
         Kind::Absent(part, span) => {
-            spans.push(*span);
+            // A span may begin where something of the part ends.
+            let mut inner = vec![0];
+            spans_of(part, &mut inner);
+            spans.extend(inner.into_iter().map(|inner| inner + span));
             std::slice::from_ref(&**part)
         }
         Kind::Delay(least, _) => {
             spans.push(*least);
             return;
         }
-        Kind::Timestamp(..) | Kind::Event(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => return,
+        Kind::Cyclic(_)
+        | Kind::Timestamp(..)
+        | Kind::Event(..)
+        | Kind::Function(..)
+        | Kind::TaskEnded(_)
+        | Kind::TaskState(..) => return,
     };
     parts.iter().for_each(|part| spans_of(part, spans));
+}
+
+/// Every measurement of a line.
+fn lines_of<'a>(condition: &'a Condition, lines: &mut Vec<&'a Measurement>) {
+    match &condition.kind {
+        Kind::Measurement(measurement) => {
+            lines.extend(Some(measurement).filter(|each| matches!(each.estimation, Some(Estimation::Regression(_)))));
+        }
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().for_each(|part| lines_of(part, lines));
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => lines_of(part, lines),
+        _ => {}
+    }
 }
 
 /// Every instant that the condition names.
@@ -160,6 +193,6 @@ fn instants_of(condition: &Condition) -> Vec<Time> {
             parts.iter().flat_map(instants_of).collect()
         }
         Kind::Not(part) | Kind::Absent(part, _) => instants_of(part),
-        Kind::Delay(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => Vec::new(),
+        Kind::Cyclic(_) | Kind::Delay(..) | Kind::Function(..) | Kind::TaskEnded(_) | Kind::TaskState(..) => Vec::new(),
     }
 }

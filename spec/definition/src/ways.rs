@@ -3,6 +3,7 @@
 use crate::condition::{Allen, Condition, Constraint, Edge, Kind, Relation, Span, Term, Test, Time};
 use crate::history::Past;
 use crate::value::{Bindings, Value, joined, numbers};
+use crate::verdict::Question;
 use std::collections::BTreeMap;
 
 /// First and last evidence, both included.
@@ -15,6 +16,8 @@ pub(crate) struct Way {
     pub(crate) hull: Option<Interval>,
     /// The evidence may still go on.
     pub(crate) open: bool,
+    /// Up to when what it rests on persists beyond its evidence; none where nothing persists.
+    pub(crate) lasts: Option<Time>,
     /// When it would have been known had nothing come late: what orders ways.
     pub(crate) known: Time,
     pub(crate) bound: Bindings,
@@ -27,11 +30,11 @@ impl Way {
     }
 
     pub(crate) fn over(interval: Interval, known: Time, bound: Bindings) -> Way {
-        Way { hull: Some(interval), open: false, known, bound, tags: BTreeMap::new() }
+        Way { hull: Some(interval), open: false, lasts: None, known, bound, tags: BTreeMap::new() }
     }
 
     fn nothing(created: Time) -> Way {
-        Way { hull: None, open: false, known: created, bound: Bindings::new(), tags: BTreeMap::new() }
+        Way { hull: None, open: false, lasts: None, known: created, bound: Bindings::new(), tags: BTreeMap::new() }
     }
 
     /// Both, unless they disagree about a variable.
@@ -43,7 +46,8 @@ impl Way {
         let mut tags = self.tags.clone();
         tags.extend(next.tags.clone());
         let bound = joined(&self.bound, &next.bound)?;
-        Some(Way { hull, open: self.open || next.open, known: self.known.max(next.known), bound, tags })
+        let lasts = self.lasts.into_iter().chain(next.lasts).min();
+        Some(Way { hull, open: self.open || next.open, lasts, known: self.known.max(next.known), bound, tags })
     }
 }
 
@@ -61,6 +65,7 @@ pub(crate) enum Runs {
 /// At which instant, and from which on, a condition is judged.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'a> {
+    pub(crate) question: &'a Question,
     pub(crate) past: &'a Past,
     pub(crate) created: Time,
     pub(crate) now: Time,
@@ -73,11 +78,13 @@ pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     /// Why it is unknown, if it is.
     pub(crate) unknown: Option<String>,
+    /// Nobody knows whether something of it goes on, or holds, also where there are ways.
+    pub(crate) doubt: bool,
 }
 
 impl From<Vec<Way>> for Ways {
     fn from(all: Vec<Way>) -> Ways {
-        Ways { all, unknown: None }
+        Ways { all, ..Ways::default() }
     }
 }
 
@@ -95,13 +102,20 @@ pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
         ways.all.retain(|way| tests.iter().all(|test| passes(test, way)));
     }
     ways.all.sort_by_key(|way| way.known);
+    ways.doubt = if ways.all.is_empty() || !is_composite(condition) { ways.unknown.is_some() } else { ways.doubt };
     ways
+}
+
+fn is_composite(condition: &Condition) -> bool {
+    use Kind::{Absent, Allen, And, InOrder, Not, Or};
+    matches!(condition.kind, And(..) | Or(_) | Not(_) | Absent(..) | InOrder(..) | Allen { .. })
 }
 
 fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
     match &condition.kind {
         Kind::Measurement(measurement) => crate::measurement::ways(measurement, view),
         Kind::Episode(episode) => crate::episode::ways(episode, view),
+        Kind::Cyclic(cyclic) => crate::cyclic::ways(cyclic, view),
         Kind::And(parts, _) => all_of(parts, view),
         Kind::Or(parts) => one_of(parts, view),
         Kind::Not(part) => no_result(part, view),
@@ -155,6 +169,7 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
         }
         way.hull = way.hull.or(Some((view.now, view.now)));
     }
+    found.doubt = truth.doubt;
     found.unknown = truth.unknown();
     found
 }
@@ -168,6 +183,7 @@ fn binds(condition: &Condition, name: &str) -> bool {
                 || measurement.value.iter().any(|constraint| matches!(constraint, Constraint::Bind(own) if own == name))
         }
         Kind::Episode(episode) => is(&episode.variable.object),
+        Kind::Cyclic(cyclic) => is(&cyclic.variable.object),
         Kind::Event(pattern, _) => pattern.iter().any(is),
         Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
             parts.iter().any(|part| binds(part, name))
@@ -181,11 +197,13 @@ fn binds(condition: &Condition, name: &str) -> bool {
 #[derive(Default)]
 struct Kleene {
     fails: bool,
+    doubt: bool,
     reason: Option<String>,
 }
 
 impl Kleene {
     fn and(&mut self, part: &Ways) {
+        self.doubt |= part.doubt;
         if part.all.is_empty() {
             self.fails |= part.unknown.is_none();
             self.reason = self.reason.take().or(part.unknown.clone());
@@ -204,6 +222,7 @@ fn one_of(parts: &[Condition], view: View<'_>) -> Ways {
         let next = ways(part, view);
         found.all.extend(next.all);
         found.unknown = found.unknown.or(next.unknown);
+        found.doubt |= next.doubt;
     }
     found
 }
@@ -214,28 +233,79 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
     match part {
         Ways { all, .. } if !all.is_empty() => Ways::default(),
         Ways { unknown: None, .. } => vec![Way::at(view.now, view.now)].into(),
-        Ways { unknown, .. } => Ways { all: Vec::new(), unknown },
+        Ways { unknown, doubt, .. } => Ways { all: Vec::new(), unknown, doubt },
     }
 }
 
-/// Rule 14: a whole span passed without the part. It begins with the creation, or after the last evidence of the part.
+/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was looked at
+/// stays so when nobody knows any more what comes after it.
 fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
-    // The whole run of an episode counts: while one goes on, or nobody knows, nothing is absent.
-    let against = ways(part, View { runs: Runs::Whole, ..view });
-    if against.unknown.is_some() || against.all.iter().any(|way| way.open) {
-        return Ways { all: Vec::new(), unknown: against.unknown };
+    let present = quiet_spans(part, span, view);
+    if !present.found.all.is_empty() || (present.decided && !comes_to_light_later(part)) {
+        return present.found;
     }
-    let evidence: Vec<Interval> = against.all.iter().filter_map(|way| way.hull).collect();
-    // A span begins with the creation, its instant included, or after the end of evidence, its instant excluded.
+    for now in crate::verdict::instants(view.question, view.now - 1).into_iter().rev() {
+        let past = view.past.up_to(now);
+        let then = quiet_spans(part, span, View { past: &past, now, ..view });
+        if !then.found.all.is_empty() {
+            return Ways { all: then.found.all, ..present.found };
+        }
+        if then.decided && !comes_to_light_later(part) {
+            break;
+        }
+    }
+    present.found
+}
+
+/// May evidence of the part be known only after it has begun? Then a span may have been quiet as far as was known.
+fn comes_to_light_later(part: &Condition) -> bool {
+    match &part.kind {
+        Kind::Measurement(_) | Kind::Event(..) | Kind::Delay(..) | Kind::Timestamp(..) => false,
+        Kind::Or(parts) => parts.iter().any(comes_to_light_later),
+        _ => true,
+    }
+}
+
+/// Spans without the part, if it is known where there was none.
+struct Quiet {
+    found: Ways,
+    decided: bool,
+}
+
+/// The spans without the part up to now. One begins with the creation, or after evidence of the part.
+fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
+    // The whole run of an episode counts, and a value as long as it persists: while they go on nothing is absent, and
+    // while nobody knows whether they do, nobody knows.
+    let against = ways(part, View { runs: Runs::Whole, ..view });
+    if against.all.iter().any(|way| way.open || way.lasts == Some(view.now)) {
+        return Quiet { found: Ways::default(), decided: false };
+    }
+    if against.doubt {
+        let unknown = against.unknown.or_else(|| Some("nobody knows whether it goes on".into()));
+        return Quiet { found: Ways { all: Vec::new(), unknown, doubt: true }, decided: false };
+    }
+    let evidence: Vec<Interval> = against.all.iter().filter_map(lasting).collect();
+    // A span begins with the creation, its instant included; after the end of evidence, its instant excluded; or at the
+    // instant at which a value persists no more.
     let mut spans = vec![(view.created, view.created)];
-    spans.extend(evidence.iter().filter(|(_, end)| *end >= view.created).map(|(_, end)| (*end, end + 1)));
+    for way in against.all.iter().filter(|way| lasting(way).is_some_and(|(_, end)| end >= view.created)) {
+        spans.extend(match (way.lasts, way.hull) {
+            (Some(lasts), Some((_, end))) if lasts > end => Some((lasts + 1, lasts + 1)),
+            (_, hull) => hull.map(|(_, end)| (end, end + 1)),
+        });
+    }
     spans.sort_unstable();
     spans.dedup();
     let quiet = |first: Time, last: Time| !evidence.iter().any(|(start, end)| *end >= first && *start <= last);
-    let passed = spans.into_iter().filter(|(begin, first)| quiet(*first, begin + span));
+    let passed = spans.into_iter().filter(|(begin, first)| begin + span <= view.now && quiet(*first, begin + span));
     let ways: Vec<Way> =
         passed.map(|(begin, _)| Way::over((begin, begin + span), begin + span, Bindings::new())).collect();
-    ways.into()
+    Quiet { found: ways.into(), decided: true }
+}
+
+/// The evidence, and on as long as what it rests on persists.
+fn lasting(way: &Way) -> Option<Interval> {
+    way.hull.map(|(start, end)| (start, way.lasts.map_or(end, |lasts| lasts.max(end))))
 }
 
 /// `:in-order`: the end of one lies before the start of the next; a delay between says how far.
@@ -270,6 +340,7 @@ fn in_order(parts: &[Condition], view: View<'_>) -> Ways {
     for way in &mut found.all {
         way.hull = way.hull.or(Some((way.known, way.known)));
     }
+    found.doubt = truth.doubt;
     found.unknown = truth.unknown();
     found
 }
@@ -293,7 +364,7 @@ fn related(relation: Allen, parts: &[Condition], tolerance: Span, view: View<'_>
         }
         chains = longer;
     }
-    Ways { all: chains.into_iter().map(|(whole, _)| whole).collect(), unknown: truth.unknown() }
+    Ways { all: chains.into_iter().map(|(whole, _)| whole).collect(), doubt: truth.doubt, unknown: truth.unknown() }
 }
 
 fn delay(least: Span, most: Option<Span>, view: View<'_>) -> Ways {
@@ -323,7 +394,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
     match holds {
         Some(true) => vec![Way::at(view.now, view.now)].into(),
         Some(false) => Ways::default(),
-        None => Ways { all: Vec::new(), unknown: Some("there is no number to compare".into()) },
+        None => Ways { unknown: Some("there is no number to compare".into()), ..Ways::default() },
     }
 }
 

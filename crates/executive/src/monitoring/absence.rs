@@ -3,17 +3,20 @@
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
 //! Reads: what the part has found, surroundings.
 //! Writes: the absent part of a monitor.
-//! Bound: O(new results) per look; O(1) memory where the first window is enough.
+//! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
+use super::episode::TICK;
 use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::estimate::Estimator;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
+use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
 use apex_model::time::{Duration, Time};
 
@@ -35,6 +38,7 @@ pub(super) fn create(
         since: start,
         unknown: false,
         told: None,
+        seen: Vec::new(),
         found: Vec::new(),
         decides_at: Some(start + length),
     })
@@ -43,6 +47,7 @@ pub(super) fn create(
 /// Starts again.
 pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.found.clear();
+    part.seen.clear();
     part.since = site.window.start;
     (part.unknown, part.told) = (false, None);
     part.decides_at = Some(part.since + part.length);
@@ -61,28 +66,70 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     }
     let mut asking = Asking::new(surroundings);
     let extents = extents::take(&mut part.part, &mut asking);
-    let passing = extents.passing.iter().map(|extent| extent.result.interval);
-    let found: Vec<(Time, Time)> = extents.settled.iter().map(|result| result.interval).chain(passing).collect();
-    let goes_on = extents.passing.iter().any(|extent| extent.open);
-    part.unknown = goes_on || extents.doubt || is_blind(&part.part);
-    let begins = found.iter().map(|(start, _)| *start).filter(|start| *start > part.since).min();
-    if !part.unknown && begins.is_some_and(|begins| part.since + part.length < begins) {
-        // It is known only now that nothing was there before.
-        note(part, asking.now);
+    let passing = extents.passing.iter().map(|extent| &extent.result);
+    let found: Vec<(Time, Time)> = extents.settled.iter().chain(passing).map(lasting).collect();
+    let goes_on = extents
+        .passing
+        .iter()
+        .any(|extent| extent.open || expires(&extent.result).is_some_and(|over| over > asking.now));
+    // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
+    part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
+    let quiet = !goes_on && !part.unknown;
+    if quiet {
+        // It may be known only now that nothing was there before or between.
+        let mut seen = std::mem::take(&mut part.seen);
+        seen.extend(found);
+        seen.sort_unstable();
+        for (start, end) in seen {
+            if part.since + part.length < start {
+                note(part, asking.now);
+            }
+            part.since = part.since.max(end);
+        }
+        if part.since + part.length <= asking.now {
+            note(part, asking.now);
+        }
+    } else {
+        see(part, extents.settled.iter().map(lasting).collect());
     }
-    part.since = found.iter().map(|(_, end)| *end).chain([part.since]).max().unwrap_or(part.since);
     let over = part.since + part.length;
-    if !part.unknown && over <= asking.now {
-        note(part, asking.now);
-    }
-    let waits = Some(over).filter(|over| *over > asking.now);
-    part.decides_at =
-        waits.into_iter().chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
+    let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
+    part.decides_at = waits.chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
     for trouble in asking.troubles.0 {
         if !troubles.0.contains(&trouble) {
             troubles.0.push(trouble);
         }
     }
+}
+
+/// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
+/// the window is one.
+fn see(part: &mut AbsentPart, found: Vec<(Time, Time)>) {
+    let mut seen = std::mem::take(&mut part.seen);
+    seen.extend(found);
+    seen.sort_unstable();
+    for (start, end) in seen {
+        let full = part.seen.len() >= MONITOR_RESULTS_MAX;
+        match part.seen.last_mut() {
+            Some((_, last)) if full || *last + part.length >= start => *last = end.max(*last),
+            _ => part.seen.push((start, end)),
+        }
+    }
+}
+
+/// The interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
+fn lasting(result: &Satisfaction) -> (Time, Time) {
+    let (start, end) = result.interval;
+    (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
+}
+
+/// The first instant at which some persisted value of a result is not valid any more.
+fn expires(result: &Satisfaction) -> Option<Time> {
+    let persisted = result.evidence.iter().filter_map(|evidence| match evidence {
+        Evidence::Estimate(estimate) if estimate.estimator == Estimator::Persistence => Some(estimate.extent.1),
+        _ => None,
+    });
+    persisted.min()
 }
 
 /// Is there less remembered than the part's window asks for?

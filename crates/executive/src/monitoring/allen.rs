@@ -13,8 +13,10 @@ use super::extents::{self, Extent, Extents};
 use super::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
 use super::{Asking, Site, Troubles, Truth, logic};
 use crate::expression::Surroundings;
+use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::AllenRelation;
+use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
 use apex_model::monitor::{AllenPart, Chain, Side};
@@ -37,6 +39,22 @@ pub(super) fn forget(part: &mut AllenPart) {
 /// Nothing more is wanted of it.
 pub(super) fn is_done(part: &AllenPart, site: Site) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
+}
+
+/// A sample took the place of another one of its instant: results of the other are none.
+pub(super) fn replace(part: &mut AllenPart, variable: &StateVariable, at: Time) {
+    let of_it = |evidence: &Evidence| matches!(evidence, Evidence::Sample { variable: own, at: own_at, .. } if own == variable && *own_at == at);
+    let stands = |result: &Satisfaction| !result.evidence.iter().any(of_it);
+    for side in &mut part.sides {
+        let before = side.settled.len();
+        side.settled.retain(&stands);
+        if side.settled.len() < before {
+            side.count = side.settled.len() as u64;
+            side.newest = side.settled.iter().map(|result| (result.interval, false)).max_by_key(|((_, end), _)| *end);
+        }
+    }
+    part.found.retain(|chain| stands(&chain.result));
+    part.passing.retain(|chain| stands(&chain.result));
 }
 
 /// Looks at what the parts have found, after they have caught up with the present.
@@ -113,7 +131,9 @@ fn keep(part: &mut AllenPart, index: usize, extents: &mut Extents) {
     let Some(side) = part.sides.get_mut(index) else { return };
     let newest = extents.settled.iter().map(|result| (result.interval, false));
     let passing = extents.passing.iter().map(|extent| (extent.result.interval, extent.open));
-    side.newest = newest.chain(passing).max_by_key(|((_, end), _)| *end).or(side.newest);
+    // What was not final may be gone.
+    let before = side.newest.filter(|_| side.count > 0);
+    side.newest = newest.chain(passing).max_by_key(|((_, end), _)| *end).or(before);
     side.count += extents.settled.len() as u64;
     side.settled.append(&mut extents.settled);
 }

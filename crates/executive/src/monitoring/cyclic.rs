@@ -176,6 +176,17 @@ pub(super) fn results(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) ->
     results
 }
 
+/// Does nobody know whether cycles go on as is asked for?
+pub(super) fn in_doubt(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let mut open = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let swing = judge.with_newest(object, state, &mut asking.troubles).0;
+        open |= state.bindings.is_some() && !swing.contradicted;
+    }
+    open
+}
+
 /// Satisfied; contradicted by a complete cycle; or not known: not enough cycles yet, all those seen satisfy.
 pub(super) fn truth(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> Truth {
     if !part.settled.is_empty() {

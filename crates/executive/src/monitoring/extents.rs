@@ -9,7 +9,7 @@
 
 use super::episode::TICK;
 use super::runs::{advance_run, with_newest};
-use super::{Asking, Site, Truth, logic, site};
+use super::{Asking, Site, Truth, cyclic, logic, persistence, site, statistics};
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Part, PartKind, Satisfaction};
@@ -109,7 +109,7 @@ fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
 /// Results of a composite are all passing: they are made anew at every look. One that rests on a run that goes on is open.
 fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
     let mut open = Vec::new();
-    open_runs(part, asking.now, &mut open, &mut extents.changes_at);
+    open_runs(part, asking, &mut open, &mut extents.changes_at);
     for result in logic::results(part, asking) {
         if result.recognised_at <= asking.now {
             let open = result.evidence.iter().any(|evidence| rests_on(evidence, &open));
@@ -128,12 +128,17 @@ fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
 
 /// Is any episode within the part in doubt?
 fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
-    let mut doubt = false;
-    if let PartKind::Episode(leaf) = &part.kind {
-        let mut own = Extents::default();
-        passing_episodes(leaf, site(part), asking, &mut own);
-        doubt = own.doubt;
-    }
+    let mut doubt = match &part.kind {
+        PartKind::Episode(leaf) => {
+            let mut own = Extents::default();
+            passing_episodes(leaf, site(part), asking, &mut own);
+            own.doubt
+        }
+        PartKind::Statistical(leaf) => statistics::in_doubt(leaf, site(part), asking),
+        PartKind::Persisted(leaf) => persistence::in_doubt(leaf, asking.now),
+        PartKind::Cyclic(leaf) => cyclic::in_doubt(leaf, site(part), asking),
+        _ => false,
+    };
     for_each_inner(part, &mut |inner| doubt |= is_in_doubt(inner, asking));
     doubt
 }
@@ -147,11 +152,27 @@ fn rests_on(evidence: &Evidence, open: &[(StateVariable, Time, Time)]) -> bool {
     }
 }
 
-/// The runs that go on in all episodes of `part`.
-fn open_runs(part: &Part, now: Time, open: &mut Vec<(StateVariable, Time, Time)>, changes_at: &mut Option<Time>) {
+/// The runs of results that go on in all episodes of `part`.
+fn open_runs(
+    part: &Part,
+    asking: &mut Asking<'_>,
+    open: &mut Vec<(StateVariable, Time, Time)>,
+    changes_at: &mut Option<Time>,
+) {
+    let now = asking.now;
+    if let PartKind::Statistical(leaf) = &part.kind {
+        for (variable, (start, last)) in statistics::open_extents(leaf, site(part), asking) {
+            let silent_from = leaf.gap_max.map(|gap| last + gap + TICK);
+            if silent_from.is_none_or(|at| at > now) {
+                open.push((variable, start, last));
+                *changes_at = changes_at.iter().copied().chain(silent_from).min();
+            }
+        }
+    }
     if let PartKind::Episode(leaf) = &part.kind {
         for (object, state) in &leaf.runs {
-            let Some(run) = with_newest(leaf, state) else { continue };
+            let judged = advance_run(leaf, site(part), object, state, now, asking.surroundings, &mut asking.troubles);
+            let Some(run) = with_newest(leaf, state).filter(|_| judged.found.is_some()) else { continue };
             let silent_from = silent_from(leaf, run.last);
             if silent_from.is_none_or(|at| at > now) {
                 let variable = StateVariable::new(leaf.condition.variable.attribute.clone(), object.clone());
@@ -160,7 +181,7 @@ fn open_runs(part: &Part, now: Time, open: &mut Vec<(StateVariable, Time, Time)>
             }
         }
     }
-    for_each_inner(part, &mut |inner| open_runs(inner, now, open, changes_at));
+    for_each_inner(part, &mut |inner| open_runs(inner, asking, open, changes_at));
 }
 
 /// The parts directly within `part`.

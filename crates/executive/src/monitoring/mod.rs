@@ -277,10 +277,14 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
         }
         (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
         (PartKind::Allen(leaf), _) if !allen::is_done(leaf, site) => {
+            if let Stimulus::Sample { variable, at, newest: false, .. } = stimulus {
+                allen::replace(leaf, variable, *at);
+            }
             leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
         }
         (PartKind::Absent(leaf), _) if !absence::is_done(leaf, site) => {
             notice_part(&mut leaf.part, stimulus, surroundings, troubles);
+            replay::look_at(part, stimulus, surroundings, troubles);
         }
         _ => {}
     }

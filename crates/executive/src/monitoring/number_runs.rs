@@ -68,9 +68,11 @@ pub(super) fn take_in(part: &StatisticalPart, site: Site, state: &mut NumberRun,
     if let (true, Some((before, _))) = (newest.bad_step, run.previous) {
         run.bad_step = Some(before);
     }
-    let Some(number) = newest.number else { return };
-    run.previous = Some((newest.at, number));
-    if let Some(ordered) = &mut run.ordered {
+    if let Some(number) = newest.number {
+        run.last_step = run.previous.map(|(at, before)| (at, before, number));
+        run.previous = Some((newest.at, number));
+    }
+    if let (Some(ordered), Some(number)) = (&mut run.ordered, newest.number) {
         if ordered.count() < MEDIAN_NUMBERS_MAX {
             ordered.add(number);
         } else {
@@ -78,8 +80,8 @@ pub(super) fn take_in(part: &StatisticalPart, site: Site, state: &mut NumberRun,
         }
     }
     let held = next - newest.at;
-    match &mut run.window {
-        Some(window) => {
+    match (&mut run.window, newest.number) {
+        (Some(window), number) => {
             push(window, Point { at: newest.at, number, held });
             let ordered = &mut run.ordered;
             drop_before(window, next - part.duration_min, wants_held(part), |number| {
@@ -88,10 +90,11 @@ pub(super) fn take_in(part: &StatisticalPart, site: Site, state: &mut NumberRun,
                 }
             });
         }
-        None => {
+        (None, Some(number)) => {
             run.moments.add(newest.at, number);
             run.held.add(number, held);
         }
+        (None, None) => {}
     }
 }
 
@@ -223,11 +226,11 @@ impl Evaluation<'_> {
         match (result, &mut evaluated.found) {
             (None, found) => evaluated.over.extend(found.take()),
             (Some(result), None) => evaluated.found = Some(result),
-            // A run grows with its result; a window is as long as it is.
-            (Some(result), Some(found)) if !self.part.slides => {
-                *found = Satisfaction { recognised_at: found.recognised_at, ..result };
+            // What goes on holding is one result, from the first sample of the run or of the first window on.
+            (Some(result), Some(found)) => {
+                let interval = (found.interval.0, result.interval.1);
+                *found = Satisfaction { interval, recognised_at: found.recognised_at, ..result };
             }
-            (Some(_), Some(_)) => {}
         }
         Ok(())
     }
@@ -254,8 +257,8 @@ impl Evaluation<'_> {
         instants
     }
 
-    /// Asks to be woken at the next instant at which time alone makes the criteria hold, or fail when it is not known yet
-    /// what they do, as far as it can be foreseen.
+    /// Asks to be woken at the next instant at which time alone makes the criteria hold or hold no more, or fail when it is
+    /// not known yet what they do, as far as it can be foreseen.
     pub(super) fn foresee(&self, state: &NumberRun, outcome: Outcome, asking: &mut Asking<'_>) {
         let Some(start) = self.start(state) else { return };
         if self.part.at_close {
@@ -267,7 +270,11 @@ impl Evaluation<'_> {
         let instants = self.licensed(state, start, asking.now, WINDOW_FORESIGHT_MAX);
         let more = instants.len() == WINDOW_FORESIGHT_MAX;
         let last = instants.last().copied().filter(|_| more);
-        let decides = |then: Outcome| then == Outcome::Holds || (then == Outcome::Fails && outcome != Outcome::Fails);
+        let decides = |then: Outcome| match then {
+            Outcome::Holds => true,
+            Outcome::Fails => outcome != Outcome::Fails,
+            Outcome::OutOfRun | Outcome::Early | Outcome::Undefined => outcome == Outcome::Holds,
+        };
         let first = instants.into_iter().find(|at| self.at(state, true, *at, *at).is_ok_and(|(then, _)| decides(then)));
         if let Some(at) = first.or(last) {
             asking.wake_at_after_now(at);
@@ -350,13 +357,15 @@ impl Evaluation<'_> {
         let mut numbers = Gathered::default();
         let mut left = Vec::new();
         let mut bad_step = None;
+        let mut first = None;
         if let Some(run) = run {
             (numbers.moments, numbers.held) = (run.moments, run.held);
+            numbers.last_two = run.last_step.filter(|(at, ..)| *at >= from).map(|(_, before, number)| (before, number));
             bad_step = run.bad_step;
             numbers.interval = (run.start, run.last);
             if let Some(window) = &run.window {
                 let inside = contents(window, from);
-                (numbers.moments, numbers.held, left) = (inside.moments, inside.held, inside.left);
+                (numbers.moments, numbers.held, left, first) = (inside.moments, inside.held, inside.left, inside.first);
             }
         }
         let previous = run.and_then(|run| run.previous);
@@ -374,10 +383,10 @@ impl Evaluation<'_> {
             Some(ordered) => ordered.median(number, &left),
             None => number,
         };
-        numbers.interval = match (self.part.slides, run) {
-            (true, _) => numbers.moments.span().unwrap_or((newest.at, newest.at)),
-            (false, Some(run)) => (run.start, if with_newest { newest.at } else { run.last }),
-            (false, None) => (newest.at, newest.at),
+        let last = run.map_or(newest.at, |run| if with_newest { newest.at } else { run.last });
+        numbers.interval = match run.filter(|_| !self.part.slides) {
+            Some(run) => (run.start, last),
+            None => (first.unwrap_or(last), last),
         };
         numbers
     }

@@ -127,7 +127,7 @@ fn feed(
             let rank = before.rank;
             if sample.at > before.at
                 && let Some(result) =
-                    judged(part, site, sample.variable, before, sample.at - TICK, surroundings, troubles)
+                    judged(part, site, sample.variable, before, (sample.at - TICK, true), surroundings, troubles)
             {
                 remember(&mut part.settled, result);
             }
@@ -184,13 +184,13 @@ fn valid(part: &PersistedPart, within: TimeBounds, sample: &PersistedSample) -> 
     (first <= last).then_some((first, last))
 }
 
-/// The result of a sample that holds up to `horizon`, or expires before.
+/// The result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
 fn judged(
     part: &PersistedPart,
     site: Site,
     variable: &StateVariable,
     sample: &PersistedSample,
-    horizon: Time,
+    (horizon, over): (Time, bool),
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) -> Option<Satisfaction> {
@@ -202,12 +202,10 @@ fn judged(
             return None;
         }
     };
-    let (first, _) = valid(part, within, sample).filter(|(first, _)| *first <= horizon)?;
+    let (first, last) = valid(part, within, sample).filter(|(first, _)| *first <= horizon)?;
+    let last = if over { last.min(horizon) } else { last };
     let value = sample.value.clone();
-    let expires = match sample.at + part.timeout {
-        Time::END => Time::END,
-        last => last + TICK,
-    };
+    let expires = if last == Time::END { last } else { last + TICK };
     let estimate = Estimate {
         estimator: Estimator::Persistence,
         variable: variable.clone(),
@@ -241,10 +239,19 @@ pub(super) fn results(part: &PersistedPart, site: Site, asking: &mut Asking<'_>)
     for (object, sample) in newest {
         let variable = StateVariable { attribute: part.condition.variable.attribute.clone(), object: object.clone() };
         let (now, surroundings) = (asking.now, asking.surroundings);
-        results.extend(judged(part, site, &variable, sample, now, surroundings, &mut asking.troubles));
+        results.extend(judged(part, site, &variable, sample, (now, false), surroundings, &mut asking.troubles));
     }
-    results.sort_by_key(|result| result.recognised_at);
+    let rank = |result: &Satisfaction| match result.evidence.iter().next() {
+        Some(Evidence::Sample { variable, .. }) => part.objects.get(&variable.object).map(|sample| sample.rank),
+        _ => None,
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
     results
+}
+
+/// Does nobody know the value now?
+pub(super) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
+    part.blind || !part.objects.values().any(|sample| now <= sample.at + part.timeout)
 }
 
 /// Satisfied; unknown without a sample that is valid now; else not satisfied. A window to come is waited for.
@@ -259,13 +266,11 @@ pub(super) fn truth(part: &PersistedPart, site: Site, asking: &mut Asking<'_>) -
             return Truth::Unknown;
         }
     };
-    let mut known = false;
     for sample in part.objects.values() {
-        known |= asking.now <= sample.at + part.timeout;
         let opens = valid(part, within, sample).filter(|(first, _)| sample.holds.is_some() && *first > asking.now);
         if let Some((first, _)) = opens {
             asking.wake_at_after_now(first);
         }
     }
-    Truth::of(false, part.blind || !known)
+    Truth::of(false, in_doubt(part, asking.now))
 }

@@ -165,9 +165,17 @@ pub(super) fn notice(
     let newest = part.objects.get(&sample.variable.object).and_then(|fit| fit.newest).map(|(at, _)| at);
     match arrival(window, sample, newest, surroundings) {
         Arrival::Late => look_back(part, site, surroundings, troubles),
+        // What took the place of a number and is none leaves the line without it.
+        Arrival::Next if newest == Some(sample.at) && !is_finite(sample) => {
+            look_back(part, site, surroundings, troubles);
+        }
         Arrival::Next => feed(part, site, sample, surroundings, troubles),
         Arrival::Nothing => {}
     }
+}
+
+fn is_finite(sample: Seen<'_>) -> bool {
+    sample.value.as_number().is_some_and(|(number, _)| libm::fabs(number) <= MAGNITUDE_MAX)
 }
 
 fn feed(
@@ -401,7 +409,8 @@ pub(super) fn results(part: &RegressionPart, site: Site, asking: &mut Asking<'_>
 /// constraint is waited for.
 pub(super) fn truth(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Truth {
     let sayings = all(part, site, asking);
-    let mut unknown = sayings.is_empty();
+    // An object that is not wanted was heard of, as for other conditions.
+    let mut unknown = part.objects.is_empty();
     let mut met = false;
     for saying in sayings {
         match saying {

@@ -12,11 +12,12 @@ use super::{
     Stimulus, Troubles, advance, cyclic, extents, interest::collect_interests, notice_part, persistence, wake_of,
 };
 use crate::expression::Surroundings;
+use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, History};
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
-use apex_model::monitor::{Interest, Part, PartKind, TimePart};
+use apex_model::monitor::{Interest, Part, PartKind, Satisfaction, TimePart};
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
@@ -70,8 +71,8 @@ impl Surroundings for Then<'_> {
 /// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
 /// it is given, because later ones are still to be told.
 pub(super) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    forget(part, surroundings, troubles);
     let stimuli = remembered(part, newest, surroundings);
+    forget(part, surroundings, troubles);
     let now = surroundings.now();
     let mut asked = Time::BEGINNING;
     for group in stimuli.chunk_by(|(a, ..), (b, ..)| a == b) {
@@ -98,9 +99,27 @@ pub(super) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Su
 /// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
 /// before may have been related otherwise.
 pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &dyn Surroundings) -> Option<u64> {
-    let Stimulus::Sample { variable, sequence, newest: false, .. } = stimulus else { return None };
-    let relates = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
-    (relates && watches(part, variable) && covers(part, variable, surroundings)).then_some(*sequence)
+    let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
+    // The present instant is looked at when all of it was told.
+    let past = *at < surroundings.now();
+    let relates = match part.kind {
+        PartKind::Allen(_) => past && !newest,
+        PartKind::Absent(_) => past,
+        _ => false,
+    };
+    (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
+}
+
+/// Looks at an absence as it was when this sample was taken, where it comes late, is the newest of its variable all the
+/// same, and not enough is remembered to begin again.
+pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    if let Stimulus::Sample { newest: true, at, .. } = stimulus
+        && matches!(part.kind, PartKind::Absent(_))
+        && *at < surroundings.now()
+        && *at >= part.window.start
+    {
+        advance(part, &Then { below: surroundings, now: *at }, troubles);
+    }
 }
 
 /// Does `part` watch `variable`?
@@ -116,9 +135,20 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
     watched
 }
 
-/// Are all samples of `variable` since the part's window began still there?
-fn covers(part: &Part, variable: &StateVariable, surroundings: &dyn Surroundings) -> bool {
-    surroundings.histories().get(variable).is_some_and(|history| history.covers(part.window.start))
+/// Are all samples that the part watches still there, since its window began?
+fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let (start, histories) = (part.window.start, surroundings.histories());
+    let mut covers = true;
+    collect_interests(part, &mut |interest| {
+        covers &= match interest {
+            Interest::Variable(variable) => histories.get(&variable).is_none_or(|history| history.covers(start)),
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(&attribute).all(|(_, history)| history.covers(start))
+            }
+            _ => true,
+        };
+    });
+    covers
 }
 
 /// Samples and messages that concern the part, in order of time and arrival.
@@ -154,7 +184,10 @@ fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings)
             Interest::Task(_) | Interest::AnyTask | Interest::EveryStep => {}
         }
     }
-    if events {
+    if events && !histories.events_cover(start) {
+        // Samples may be replaced long after messages are forgotten: what the part has made of them is left.
+        results_of_events(part, &mut stimuli);
+    } else if events {
         for event in histories.events_from(start).filter(|event| counts(event.sequence)) {
             let (form, at, sequence) = (event.form.clone(), event.at, event.sequence);
             stimuli.push((at, sequence, Stimulus::Event { form, at, sequence }));
@@ -162,6 +195,27 @@ fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings)
     }
     stimuli.sort_by_key(|(at, sequence, _)| (*at, *sequence));
     stimuli
+}
+
+/// The messages that the part has results of.
+fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
+    let mut add = |results: &[Satisfaction]| {
+        for evidence in results.iter().flat_map(|result| result.evidence.iter()) {
+            if let Evidence::Event { form, at } = evidence {
+                let stimulus = Stimulus::Event { form: form.clone(), at: *at, sequence: u64::MAX };
+                let told = |(_, _, before): &(Time, u64, Stimulus)| *before == stimulus;
+                if !stimuli.iter().any(told) {
+                    stimuli.push((*at, u64::MAX, stimulus));
+                }
+            }
+        }
+    };
+    match &part.kind {
+        PartKind::Event(leaf) => add(&leaf.settled),
+        PartKind::Allen(leaf) => leaf.sides.iter().for_each(|side| add(&side.settled)),
+        _ => {}
+    }
+    extents::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
 }
 
 /// The earliest instant from which evidence counts in any part.

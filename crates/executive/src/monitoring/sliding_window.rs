@@ -18,13 +18,20 @@ pub(super) struct Contents {
     pub(super) held: HeldMoments,
     /// Numbers that are in the stacks and before the window's start.
     pub(super) left: Vec<f64>,
+    /// The instant of the oldest sample in the window.
+    pub(super) first: Option<Time>,
 }
 
-/// Adds a number that is younger than all others.
+/// Adds a sample that is younger than all others.
 pub(super) fn push(window: &mut SlidingWindow, point: Point) {
-    window.back_moments.add(point.at, point.number);
-    window.back_held.add(point.number, point.held);
+    add(&mut window.back_moments, &mut window.back_held, point);
     window.back.push(point);
+}
+
+fn add(moments: &mut Moments, held: &mut HeldMoments, point: Point) {
+    let Some(number) = point.number else { return };
+    moments.add(point.at, number);
+    held.add(number, point.held);
 }
 
 /// Drops the numbers before `start`; `leaves` is told of each. Weights over time are kept where `holds` says so.
@@ -39,7 +46,7 @@ pub(super) fn drop_before(window: &mut SlidingWindow, start: Time, holds: bool, 
         while window.front.last().is_some_and(|(oldest, _)| oldest.at < start) {
             window.front_held.pop();
             if let Some((point, _)) = window.front.pop() {
-                leaves(point.number);
+                point.number.into_iter().for_each(&mut leaves);
                 window.edge = Some(point);
             }
         }
@@ -54,10 +61,9 @@ fn turn_over(window: &mut SlidingWindow, holds: bool) {
     let mut moments = Moments::default();
     let mut held = HeldMoments::default();
     for point in std::mem::take(&mut window.back).into_iter().rev() {
-        moments.add(point.at, point.number);
+        add(&mut moments, &mut held, point);
         window.front.push((point, moments));
         if holds {
-            held.add(point.number, point.held);
             window.front_held.push(held);
         }
     }
@@ -71,16 +77,13 @@ pub(super) fn contents(window: &SlidingWindow, start: Time) -> Contents {
     let mut edge = window.edge;
     let mut first = None;
     let gone = window.front.iter().rev().take_while(|(point, _)| point.at < start);
+    let mut left = 0;
     for (point, _) in gone {
-        contents.left.push(point.number);
+        left += 1;
+        contents.left.extend(point.number);
         edge = Some(*point);
     }
-    match window
-        .front
-        .len()
-        .checked_sub(contents.left.len() + 1)
-        .and_then(|index| Some((index, window.front.get(index)?)))
-    {
+    match window.front.len().checked_sub(left + 1).and_then(|index| Some((index, window.front.get(index)?))) {
         Some((index, (point, moments))) => {
             first = Some(point.at);
             contents.moments = *moments;
@@ -91,12 +94,11 @@ pub(super) fn contents(window: &SlidingWindow, start: Time) -> Contents {
         None if window.back.first().is_some_and(|oldest| oldest.at < start) => {
             for point in &window.back {
                 if point.at < start {
-                    contents.left.push(point.number);
+                    contents.left.extend(point.number);
                     edge = Some(*point);
                 } else {
                     first = first.or(Some(point.at));
-                    contents.moments.add(point.at, point.number);
-                    contents.held.add(point.number, point.held);
+                    add(&mut contents.moments, &mut contents.held, *point);
                 }
             }
         }
@@ -107,11 +109,12 @@ pub(super) fn contents(window: &SlidingWindow, start: Time) -> Contents {
         }
     }
     // The number before the window holds up to the first one in it, or to the newest sample.
-    if let Some(edge) = edge {
-        let until = edge.at + edge.held;
-        let from = start.max(edge.at);
-        contents.held.add(edge.number, first.map_or(until, |first| first.min(until)) - from);
+    if let Some(Point { at, number: Some(number), held }) = edge {
+        let until = at + held;
+        let from = start.max(at);
+        contents.held.add(number, first.map_or(until, |first| first.min(until)) - from);
     }
+    contents.first = first;
     contents
 }
 
@@ -145,13 +148,14 @@ mod tests {
                     push(&mut window, *last);
                     drop_before(&mut window, Time(at - length), true, |_| {});
                 }
-                all.push(Point { at: Time(at), number: f64::from(number), held: Duration::ZERO });
+                all.push(Point { at: Time(at), number: (number % 7 != 0).then_some(f64::from(number)), held: Duration::ZERO });
                 for start in [at - length, at - length + ahead] {
                     let inside: Vec<Point> = all[..all.len() - 1].iter().copied().filter(|point| point.at.0 >= start).collect();
                     let found = contents(&window, Time(start));
-                    prop_assert_eq!(found.moments.count(), inside.len() as u64);
+                    prop_assert_eq!(found.first, inside.first().map(|point| point.at));
                     let mut plain = Moments::default();
-                    inside.iter().for_each(|point| plain.add(point.at, point.number));
+                    inside.iter().for_each(|point| point.number.into_iter().for_each(|number| plain.add(point.at, number)));
+                    prop_assert_eq!(found.moments.count(), plain.count());
                     let near = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(a == b, |(a, b)| (a - b).abs() <= 1e-9 * b.abs().max(1.0));
                     prop_assert!(near(found.moments.variance(), plain.variance()));
                     let slope = |moments: &Moments| moments.slope_per_s().map(|slope| slope / 1e9);
@@ -159,7 +163,7 @@ mod tests {
                     let mut held = HeldMoments::default();
                     for point in &all[..all.len() - 1] {
                         let end = point.at + point.held;
-                        held.add(point.number, end.min(Time(at)) - point.at.max(Time(start)));
+                        point.number.into_iter().for_each(|number| held.add(number, end.min(Time(at)) - point.at.max(Time(start))));
                     }
                     prop_assert!(near(found.held.mean(), held.mean()), "{:?} {:?} of {:?} from {}", found.held, held, all, start);
                 }

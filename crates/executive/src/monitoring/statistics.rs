@@ -18,11 +18,12 @@ use crate::expression::{EvaluationError, Surroundings};
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
+use apex_model::event::StateVariable;
 use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::moments::MAGNITUDE_MAX;
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::monitor_numbers::{Measure, NumberRun, NumberSample, StatisticalPart, Totals};
-use apex_model::time::Duration;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -291,14 +292,48 @@ pub(super) fn results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_
     results
 }
 
-/// Results that grow with their runs; a window is as long as it is.
+/// Results that grow as long as their statistics go on holding.
 pub(super) fn open_results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    open(part, site, asking).into_iter().map(|(_, result)| result).collect()
+}
+
+fn open<'a>(part: &'a StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<(&'a Value, Satisfaction)> {
     let mut open = Vec::new();
-    for (object, state) in part.objects.iter().filter(|_| !part.slides) {
+    for (object, state) in &part.objects {
         let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
-        open.extend(evaluation.up_to(state, asking.now, &mut asking.troubles).found);
+        let found = evaluation.up_to(state, asking.now, &mut asking.troubles).found;
+        open.extend(found.map(|result| (object, result)));
     }
     open
+}
+
+/// First and last evidence of the results that go on.
+pub(super) fn open_extents(
+    part: &StatisticalPart,
+    site: Site,
+    asking: &mut Asking<'_>,
+) -> Vec<(StateVariable, (Time, Time))> {
+    let variable = |object: &Value| StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
+    open(part, site, asking).into_iter().map(|(object, result)| (variable(object), result.interval)).collect()
+}
+
+/// Does nobody know whether the newest run of some object is what is asked for?
+pub(super) fn in_doubt(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let mut doubt = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
+        let outcome = evaluation.up_to(state, asking.now, &mut asking.troubles).outcome;
+        doubt |= doubtful(part, state, outcome, asking.now);
+    }
+    doubt
+}
+
+fn doubtful(part: &StatisticalPart, state: &NumberRun, outcome: Outcome, now: Time) -> bool {
+    let stale = part.gap_max.is_some_and(|gap| now - state.newest.at > gap);
+    match outcome {
+        Outcome::Early | Outcome::Undefined => !contradicted(part, state) || stale,
+        Outcome::OutOfRun | Outcome::Holds | Outcome::Fails => stale,
+    }
 }
 
 fn in_order(part: &StatisticalPart) -> Vec<(&Value, &NumberRun)> {
@@ -319,12 +354,7 @@ pub(super) fn truth(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>)
         let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
         let evaluated = evaluation.up_to(state, asking.now, &mut asking.troubles);
         met |= evaluated.found.is_some() || evaluated.closed_by_time.is_some() || !evaluated.over.is_empty();
-        let stale = part.gap_max.is_some_and(|gap| asking.now - state.newest.at > gap);
-        open |= match evaluated.outcome {
-            Outcome::OutOfRun => stale,
-            Outcome::Early | Outcome::Undefined => !contradicted(part, state) || stale,
-            Outcome::Holds | Outcome::Fails => stale,
-        };
+        open |= doubtful(part, state, evaluated.outcome, asking.now);
         if !met || site.keep == Keep::Every {
             evaluation.foresee(state, evaluated.outcome, asking);
         }
