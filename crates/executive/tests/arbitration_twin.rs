@@ -97,6 +97,27 @@ fn what_the_displaced_held_besides_is_free_at_once() {
     assert_eq!(twin.states, [State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
 }
 
+/// Who goes before another one counts as much as that one only as long as it is there: with t2 the priority goes that kept
+/// t1 on the path, although nobody waits for what t2 used.
+#[test]
+fn who_lent_a_priority_takes_it_away_by_leaving() {
+    let node = |needs, waits, priority, rank| {
+        let cost = Some(1.0);
+        Node { parent: None, is_group: false, ranked: false, waits, needs, priority, rank, cost }
+    };
+    let nodes = vec![
+        node([0, 1, 0, 0], true, Some(3.0), None),
+        node([0, 1, 2, 0], false, None, Some(1)),
+        node([0, 0, 1, 0], false, Some(2.0), Some(2)),
+    ];
+    let moments = vec![Moment::Changes(vec![0], Vec::new()), Moment::Changes(Vec::new(), vec![2])];
+    let world = World { nodes, moments };
+    agree(&world).unwrap();
+    let mut twin = Twin::new(&world);
+    world.moments.iter().for_each(|moment| twin.happen(moment));
+    assert_eq!(twin.states, [State::Ongoing, State::Interrupted, State::Absent]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
     #[test]

@@ -4,6 +4,7 @@
 //! Bound: O(profile length) per task.  PDL: `profile`, `resource`, `hold-resource`, `release-resource`.
 //! Paper: section III, resource allocation between contending tasks.
 
+use crate::control::priority;
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate, instantiate};
 use apex_model::agent::Agent;
@@ -116,10 +117,8 @@ pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     for need in needs {
         release_one(cycle, id, need.resource, how);
         // Its claim kept others from the resource, whether it held it or not.
-        if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
-            && resource.waiting.remove(id)
-            && !resource.waiting.is_empty()
-        {
+        let claimed = cycle.agent.resources.get_mut(need.resource).is_some_and(|resource| resource.waiting.remove(id));
+        if claimed && somebody_cares(cycle, id, need.resource) {
             cycle.work.dirty.insert(need.resource);
         }
     }
@@ -135,12 +134,21 @@ pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: Resour
     if consumed {
         resource.total = (resource.total - holding.amount).max(0.0);
     }
-    if !resource.waiting.is_empty() {
+    if somebody_cares(cycle, id, resource_id) {
         cycle.work.dirty.insert(resource_id);
     }
     if consumed {
         take_from_ancestors(cycle, id, Need { resource: resource_id, amount: holding.amount });
     }
+}
+
+/// Does it matter to anybody that `id` leaves the resource? To who waits for it; and to who has it and has a rank too,
+/// because the priority of `id` may have counted for that one, and then no longer does where others wait for what it has.
+fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
+    let Some(resource) = cycle.agent.resources.get(resource) else { return false };
+    let has_rank = |id: TaskId| priority::is_ranked(cycle.agent, id);
+    !resource.waiting.is_empty()
+        || (!resource.holders.is_empty() && has_rank(id) && resource.holders.iter().any(|other| has_rank(other.task)))
 }
 
 /// What a task consumed comes out of what its ancestors had reserved: they have used that much already.
