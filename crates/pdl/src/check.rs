@@ -230,6 +230,7 @@ impl Loader {
         texts: &[Vec<Datum>],
     ) -> (Checked, Vec<Condition>) {
         let mut lowering = Lowering::new(names, fragment);
+        lowering.texts = self.library.sources.iter().map(|source| Arc::clone(&source.text)).collect();
         let mut files = std::mem::take(&mut self.files);
         if fragment {
             files = files.into_iter().map(loose::gather).collect();
@@ -248,14 +249,17 @@ impl Loader {
         if !self.incomplete && !refused {
             lowering.report_unknown_names();
         }
-        if !self.incomplete && !lowering.refused_form {
+        let is_whole = !self.incomplete && !lowering.refused_form;
+        if is_whole && lowering.unindexed.is_empty() {
             lowering.report_unserved_goals(&self.library);
+        } else if is_whole {
+            lowering.suggest_index(&self.library);
         }
         if !self.incomplete {
             lowering.report_same_indexes();
             lowering.report_unknown_company(&self.library);
         }
-        if !self.incomplete && !lowering.refused_form {
+        if is_whole && lowering.unindexed.is_empty() {
             lowering.report_words_like_variables();
         }
         let no_errors = |all: &[Diagnostic]| all.iter().all(|each| each.severity != Severity::Error);
@@ -277,7 +281,7 @@ impl Loader {
         lowering.bundle = None;
         for form in forms {
             let form = &form;
-            let served = lowering.served.len();
+            let (served, unindexed) = (lowering.served.len(), lowering.unindexed.len());
             match form.head_name() {
                 "procedure" => self.library.procedures.extend(lowering.procedure(form).map(Arc::new)),
                 "primitive" => self.library.primitives.extend(lowering.primitive(form).map(Arc::new)),
@@ -304,7 +308,8 @@ impl Loader {
                 _ => unknown_form(lowering, form),
             }
             let serves = matches!(form.head_name(), "procedure" | "primitive" | "solver");
-            lowering.refused_form |= serves && lowering.served.len() == served;
+            let is_unindexed = lowering.unindexed.len() > unindexed;
+            lowering.refused_form |= serves && !is_unindexed && lowering.served.len() == served;
         }
     }
 }

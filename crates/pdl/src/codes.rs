@@ -35,6 +35,7 @@ codes! {
     NUMBER_RANGE "E0008" "A number is too large to be represented.";
     UNKNOWN_UNIT "E0009" "A number is followed by a word that is no unit.";
     NOT_ONE_DATUM "E0010" "The text must hold exactly one datum.";
+    BRACKET "E0011" "A list is written with brackets or braces.";
     UNKNOWN_FORM "E0101" "No top-level form has this name.";
     MALFORMED "E0102" "A form does not have the parts that it needs.";
     MISSING_INDEX "E0103" "A procedure, primitive or solver does not say which goals it serves.";

@@ -82,7 +82,8 @@ fn comparisons(program: &Program<'_>, condition: &Condition, report: &mut Report
             let diagnostic = Diagnostic::error(codes::DIMENSION, report.locator.span(right.place), message)
                 .label(report.locator.span(declared.place), format!("declared as {wanted} here"))
                 .help_where(right, program, report);
-            report.add(diagnostic);
+            let unit = declared.unit.as_ref().map(|unit| format!("its values are in {}", unit.printed()));
+            report.add(Diagnostic { reason: unit, ..diagnostic });
         }
     }
 }

@@ -4,9 +4,8 @@ use super::Lowering;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
-use crate::read::{Datum, DatumKind};
+use crate::read::Datum;
 use crate::suggest::renames_marked;
-use apex_model::quantity::unit_named;
 
 /// `:name value..`: a keyword with the data up to the next keyword.
 #[derive(Clone, Copy)]
@@ -102,7 +101,7 @@ impl Lowering {
             _ => {
                 let message = format!("`{name}` takes one value, not {}", values.len());
                 let diagnostic = Diagnostic::error(codes::MALFORMED, super::span_of(values, span), message);
-                self.refuse(diagnostic.fixes(apart_from_unit(values)))
+                self.refuse(diagnostic.fixes(super::apart::apart_from_unit(values)))
             }
         }
     }
@@ -118,14 +117,6 @@ impl Lowering {
         let datum = self.only(&format!(":{name}"), group.values, group.span)?;
         lower(self, datum).map(Some)
     }
-}
-
-/// `20 seconds` is one value in parentheses.
-fn apart_from_unit(values: &[Datum]) -> Option<Fix> {
-    let [number, unit] = values else { return None };
-    matches!(number.kind, DatumKind::Integer(_) | DatumKind::Real(_)).then_some(())?;
-    unit_named(unit.as_symbol()?.printed())?;
-    Some(Fix::safe("put number and unit into parentheses").insert_before(number.span, "(").insert_after(unit.span, ")"))
 }
 
 /// The values of the group called `name`, or nothing.

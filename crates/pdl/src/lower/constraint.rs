@@ -1,6 +1,7 @@
 //! Constraints on values: `(op expr)`, ranges, predicates, tolerances (`monitoring.md` section 1, C).
 
 use super::Lowering;
+use super::apart::apart_from_unit;
 use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
@@ -110,6 +111,7 @@ impl Lowering {
             _ => {
                 let diagnostic =
                     Diagnostic::error(codes::MALFORMED_CONSTRAINT, span, "a comparison has one right side")
+                        .fixes(apart_from_unit(arguments))
                         .help("its shape is `REL EXPR` or `= EXPR +/- TOLERANCE`");
                 return self.refuse(diagnostic);
             }

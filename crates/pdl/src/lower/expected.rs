@@ -264,6 +264,9 @@ impl Lowering {
             ),
             None => diagnostic.reason("only values of one dimension can be compared"),
         };
+        if let ExpectedKind::Measured(_, Some(unit)) = expected.kind {
+            diagnostic = self.in_unit(diagnostic, span, unit.name);
+        }
         self.refuse(diagnostic)
     }
 
@@ -274,6 +277,7 @@ impl Lowering {
             span,
             format!("a duration is needed here, but this is {found}"),
         )
+        .fixes(self.as_duration(span))
         .help("write a duration with its unit: `5s`, `P1M30S`, `(1 hr 30 min)`");
         self.refuse(diagnostic)
     }

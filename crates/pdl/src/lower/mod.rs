@@ -4,6 +4,7 @@
 
 mod activity;
 mod agents;
+mod apart;
 mod application;
 mod calls;
 mod clauses;
@@ -20,6 +21,7 @@ mod indexes;
 mod measurement;
 mod names;
 mod nearly;
+mod other_unit;
 mod parameters;
 mod pattern;
 mod placement;
@@ -33,6 +35,7 @@ mod step;
 mod tags;
 mod template;
 mod timing;
+mod unindexed;
 mod unserved;
 
 pub(crate) use agents::{NameKind, NameUse};
@@ -43,12 +46,14 @@ pub(crate) use primitive::CLAUSES as PRIMITIVE_CLAUSES;
 pub(crate) use procedure::CLAUSES as PROCEDURE_CLAUSES;
 pub(crate) use scope::Scope;
 pub(crate) use step::{REPEATING_OPTIONS, STEP_CLAUSES};
+pub(crate) use unindexed::Unindexed;
 pub(crate) use unserved::ACTIVITIES;
 
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::read::Datum;
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Messages kept; a text with more flaws is not read to the end by anyone.
 const DIAGNOSTICS_MAX: usize = 1_000;
@@ -91,6 +96,10 @@ pub(crate) struct Lowering {
     pub(crate) suspects: Vec<(Symbol, Span)>,
     /// A form was refused that may serve goals or define names: what it defines must not be missed.
     pub(crate) refused_form: bool,
+    /// The source texts, for fixes that keep a part of what is written.
+    pub(crate) texts: Vec<Arc<str>>,
+    /// Forms that do not say which goals they serve.
+    pub(crate) unindexed: Vec<Unindexed>,
 }
 
 impl Lowering {
@@ -114,6 +123,8 @@ impl Lowering {
             bundle_names: BTreeSet::new(),
             suspects: Vec::new(),
             refused_form: false,
+            texts: Vec::new(),
+            unindexed: Vec::new(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Procedures (`pdl.md` section 3): kind, index, clauses, steps; clauses shared with steps and primitives.
 
 use super::step::StepSource;
-use super::{Lowering, Scope, Served};
+use super::{Lowering, Scope, Served, Unindexed};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::read::{Datum, DatumKind};
@@ -141,6 +141,9 @@ impl Lowering {
                 let name = misspelt.map_or("", |item| item.head_name());
                 let diagnostic = Diagnostic::error(codes::MISSING_INDEX, span, message);
                 let fixes = renames(span, name, ["index"]);
+                if fixes.is_empty() {
+                    self.unindexed.push(Unindexed::new(datum, items));
+                }
                 self.refuse(diagnostic.fixes_or_help(fixes, || "add `(index (verb object ..))`".to_string()))
             }
         }
@@ -303,7 +306,7 @@ fn first_bound(datum: &Datum) -> Option<&Datum> {
     }
 }
 
-fn variables_in(datum: &Datum, found: &mut dyn FnMut(&Symbol)) {
+pub(super) fn variables_in(datum: &Datum, found: &mut dyn FnMut(&Symbol)) {
     match &datum.kind {
         DatumKind::Variable(name) => found(name),
         DatumKind::List(items) => items.iter().for_each(|item| variables_in(item, found)),

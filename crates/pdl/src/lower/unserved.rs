@@ -2,6 +2,7 @@
 //! the index.
 
 use super::Lowering;
+use super::apart;
 use super::goals::{Goal, GoalIndex, Served};
 use super::nearly::{Difference, difference, words};
 use crate::analysis::locate::Locator;
@@ -134,6 +135,10 @@ impl<'s, 'l> Search<'s, 'l> {
         let text = template_text(&goal.template);
         let message = format!("no procedure, primitive or solver serves `{text}`");
         let diagnostic = Diagnostic::new(self.severity, codes::UNSERVED_GOAL, goal.span, message);
+        if let Some(fix) = apart::joined(&source, &goal.template, index, |datum| self.text(datum)) {
+            let diagnostic = diagnostic.reason("a number and its unit are one word");
+            return Some((self.cause(goal, &source), diagnostic.fix(fix)));
+        }
         let Some(nearest) = self.nearest(&source) else {
             let diagnostic = self.without_nearest(diagnostic, goal, &source, index);
             return Some((self.cause(goal, &source), diagnostic));

@@ -185,6 +185,12 @@ pub(crate) fn is_number_like_symbol(symbol: &Symbol) -> bool {
     symbol.folded().starts_with(|first: char| first.is_ascii_digit()) && number_length(symbol.folded()).is_some()
 }
 
+/// The two parts of a number with a known unit, as they are written.
+pub(crate) fn number_and_unit(text: &str) -> Option<(&str, &str)> {
+    let parts = text.split_at_checked(number_length(text)?)?;
+    unit_named(parts.1).map(|_| parts)
+}
+
 /// The number that `symbol` begins with and what follows it, if that probably misspells a unit: `35knt`. Nothing when the
 /// rest is far from every unit.
 pub(crate) fn parse_unit_misspelt(symbol: &Symbol) -> Option<(String, String)> {

@@ -4,7 +4,7 @@ use super::quotes::{Forgotten, forgotten};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
-use crate::syntax::{Flaw, FlawKind, Repair, Repaired, repairs};
+use crate::syntax::{Bracketed, Flaw, FlawKind, Repair, Repaired, repairs};
 use apex_model::limits::READ_DEPTH_MAX;
 
 /// One message for each flaw; where it can be told which parenthesis the author forgot or wrote twice, about that one.
@@ -21,6 +21,34 @@ pub(super) fn describe(file: u32, text: &str, flaws: &[Flaw]) -> Vec<Diagnostic>
     let is_repaired = |flaw: &Flaw| repaired.iter().any(|form| (form.start..form.end).contains(&flaw.start));
     let others = flaws.iter().filter(|flaw| !is_repaired(flaw)).map(|flaw| plain(file, text, flaw));
     repaired.iter().map(|form| about(file, text, form)).chain(others).collect()
+}
+
+/// One message for each pair of brackets.
+pub(super) fn brackets(file: u32, text: &str, found: &[Bracketed]) -> Vec<Diagnostic> {
+    let about = |pair: &Bracketed| {
+        let place = |at: usize| locate(file, text, at, at + 1);
+        let first = place(pair.open.or(pair.close)?);
+        let (message, title) = match (pair.open, pair.close) {
+            (Some(_), Some(_)) => ("this list is written with brackets", "write `(` and `)`"),
+            (Some(_), None) => ("this list begins with a bracket", "write `(`"),
+            _ => ("this list ends with a bracket", "write `)`"),
+        };
+        let mut diagnostic = Diagnostic::error(codes::BRACKET, first, message);
+        let mut fix = Fix::safe(title);
+        if let Some(open) = pair.open {
+            fix = fix.replace(place(open), "(");
+        }
+        if let Some(close) = pair.close {
+            fix = fix.replace(place(close), ")");
+        }
+        if pair.open.is_some()
+            && let Some(close) = pair.close
+        {
+            diagnostic = diagnostic.label(place(close), "to here");
+        }
+        Some(diagnostic.reason("lists are written in parentheses only").fix(fix))
+    };
+    found.iter().filter_map(about).collect()
 }
 
 /// The message about a quotation mark.

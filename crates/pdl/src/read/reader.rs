@@ -3,7 +3,7 @@
 use super::{Atom, Datum, DatumKind, classify, flaws};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{Position, Sink, SyntaxKind, parse_into};
+use crate::syntax::{Position, Sink, SyntaxKind, brackets, parse_into, with_parentheses};
 use apex_model::limits::SOURCE_BYTES_MAX;
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::symbol::Symbol;
@@ -27,6 +27,18 @@ pub(crate) fn read_file(file: u32, text: &str) -> ReadFile {
         let diagnostic = Diagnostic::error(codes::TOO_LARGE, span, message).help("split it into several files");
         return ReadFile { data: Vec::new(), diagnostics: vec![diagnostic] };
     }
+    let bracketed = brackets(text);
+    if bracketed.is_empty() {
+        return read_parenthesised(file, text);
+    }
+    // Read as it was meant: brackets must not make everything around them wrong too.
+    let mended = with_parentheses(text, &bracketed);
+    let mut read = read_parenthesised(file, &mended);
+    read.diagnostics.splice(0..0, flaws::brackets(file, text, &bracketed));
+    read
+}
+
+fn read_parenthesised(file: u32, text: &str) -> ReadFile {
     let (reader, flaws) = parse_into(text, || Reader::new(file));
     let mut diagnostics = flaws::describe(file, text, &flaws);
     diagnostics.extend(reader.diagnostics);

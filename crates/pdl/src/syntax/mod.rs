@@ -4,12 +4,14 @@
 //! checker only its data, which is quicker.
 
 mod balance;
+mod brackets;
 mod lexer;
 mod shape;
 mod structure;
 mod tree;
 
 pub(crate) use balance::{Repair, Repaired, repairs};
+pub(crate) use brackets::{Bracketed, brackets, with_parentheses};
 pub(crate) use structure::parse_into;
 pub(crate) use tree::parse;
 

@@ -1,0 +1,128 @@
+//! Brackets and braces where parentheses are meant: `[waitfor ?s1]`.
+//!
+//! The language has no use for them, and as parts of words each would spoil what stands around it. A bracket inside a word
+//! that also ends there, as in `cell[3]`, is part of the word.
+
+use super::SyntaxKind;
+use super::lexer::{Token, tokens};
+
+/// Brackets reported of one text; more would not be read.
+const BRACKETS_MAX: usize = 50;
+
+/// A bracket and its partner, at least one of them not a parenthesis; in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bracketed {
+    /// Where a bracket opens, unless a `(` or nothing does.
+    pub(crate) open: Option<usize>,
+    /// Where a bracket closes, unless a `)` or nothing does.
+    pub(crate) close: Option<usize>,
+}
+
+/// What is written with brackets, in text order of the opening ones. Cheap for texts without any.
+pub(crate) fn brackets(text: &str) -> Vec<Bracketed> {
+    if !text.bytes().any(|byte| matches!(byte, b'[' | b']' | b'{' | b'}')) {
+        return Vec::new();
+    }
+    let mut search = Search { stack: Vec::new(), found: Vec::new() };
+    let mut at = 0;
+    for token in tokens(text) {
+        search.take(&token, at);
+        at += token.text.len();
+    }
+    search.finish()
+}
+
+/// The text with parentheses in place of these brackets: every other character stays where it is.
+pub(crate) fn with_parentheses(text: &str, found: &[Bracketed]) -> String {
+    let mut places: Vec<(usize, char)> = found
+        .iter()
+        .flat_map(|pair| pair.open.map(|at| (at, '(')).into_iter().chain(pair.close.map(|at| (at, ')'))))
+        .collect();
+    places.sort_unstable();
+    let mut mended = String::with_capacity(text.len());
+    let mut from = 0;
+    for (at, parenthesis) in places {
+        mended.push_str(text.get(from..at).unwrap_or_default());
+        mended.push(parenthesis);
+        from = at + 1;
+    }
+    mended.push_str(text.get(from..).unwrap_or_default());
+    mended
+}
+
+struct Search {
+    /// What is open: the place of a bracket, nothing for a parenthesis.
+    stack: Vec<Option<usize>>,
+    found: Vec<Bracketed>,
+}
+
+impl Search {
+    fn take(&mut self, token: &Token<'_>, at: usize) {
+        match token.kind {
+            SyntaxKind::Open => self.stack.push(None),
+            SyntaxKind::Close => {
+                if let Some(open) = self.stack.pop().flatten() {
+                    self.found.push(Bracketed { open: Some(open), close: None });
+                }
+            }
+            SyntaxKind::Atom => self.atom(token.text, at),
+            _ => {}
+        }
+    }
+
+    fn atom(&mut self, text: &str, at: usize) {
+        let mut part_of_word = false;
+        for (offset, character) in text.char_indices() {
+            let place = at + offset;
+            match character {
+                '[' | '{' => {
+                    let ends_here = text.get(offset..).is_some_and(|rest| rest.contains([']', '}']));
+                    part_of_word = offset > 0 && ends_here && !text.starts_with(['[', '{']);
+                    if !part_of_word {
+                        self.stack.push(Some(place));
+                    }
+                }
+                ']' | '}' if part_of_word => part_of_word = false,
+                ']' | '}' => {
+                    let open = self.stack.pop().flatten();
+                    self.found.push(Bracketed { open, close: Some(place) });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn finish(mut self) -> Vec<Bracketed> {
+        let unclosed = self.stack.iter().flatten().map(|open| Bracketed { open: Some(*open), close: None });
+        self.found.extend(unclosed);
+        self.found.sort_unstable_by_key(|pair| pair.open.or(pair.close));
+        self.found.truncate(BRACKETS_MAX);
+        self.found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mended(text: &str) -> String {
+        with_parentheses(text, &brackets(text))
+    }
+
+    #[test]
+    fn brackets_become_parentheses_and_nothing_else_moves() {
+        assert_eq!(mended("(index [look ?x])"), "(index (look ?x))");
+        assert_eq!(mended("(index[look {at ?x}])"), "(index(look (at ?x)))");
+        assert_eq!(mended("[a] (b] [c)"), "(a) (b) (c)");
+        assert_eq!(mended("(a \u{e9}[b ?\u{e9}])"), "(a \u{e9}(b ?\u{e9}))");
+        assert_eq!(brackets("(a] ]").len(), 2);
+        assert_eq!(brackets("[a"), [Bracketed { open: Some(0), close: None }]);
+    }
+
+    #[test]
+    fn words_strings_and_comments_keep_theirs() {
+        for text in ["(cell[3] a{b}c)", "\"[a]\" ; [b]\n #| {c} |#", "(plain)"] {
+            assert_eq!(brackets(text), [], "{text}");
+        }
+    }
+}
