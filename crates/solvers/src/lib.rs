@@ -4,6 +4,7 @@
 //! deterministic in seed and budget. A new planner is a folder and a row in [`solvers`].
 
 pub mod anytime;
+pub mod bound;
 pub mod checker;
 pub mod features;
 pub mod nearest_neighbour;

@@ -16,6 +16,9 @@ use std::fmt::Write;
 /// Deliberation time where the mission declares none.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
+/// Gap below which rounding is all that is left.
+const OPTIMAL: f64 = 1e-6;
+
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
 
@@ -127,8 +130,17 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
         plan.visits.len(),
         plan.expected_cost
     )?;
-    match plan.expected_cost_bound {
-        Some(bound) => writeln!(out, "  no plan can cost less than {bound:.4}"),
+    match plan.expected_cost_bound.zip(plan.gap()) {
+        Some((bound, gap)) if gap < OPTIMAL => {
+            writeln!(out, "  proven to be the best: no plan can cost less than {bound:.4}")
+        }
+        Some((bound, gap)) => {
+            writeln!(
+                out,
+                "  no plan can cost less than {bound:.4}: this one is within {:.1} % of the best",
+                100.0 * gap
+            )
+        }
         None => Ok(()),
     }
 }

@@ -124,7 +124,7 @@ pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64
     let mut report = |_: &Plan| {};
     let mut environment = Environment { seed, budget: &mut work, report: &mut report };
     validate(&problem).map_err(NoPlan::Fault)?;
-    let plan = solver.solve(&problem, &mut environment).map_err(NoPlan::NothingLeft)?;
+    let mut plan = solver.solve(&problem, &mut environment).map_err(NoPlan::NothingLeft)?;
     let violations = apex_solvers::checker::violations(&problem, &plan);
     if let Some(first) = violations.first() {
         return Err(NoPlan::Fault(format!(
@@ -132,6 +132,7 @@ pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64
             violations.len()
         )));
     }
+    apex_solvers::bound::state(&problem, &mut plan);
     Ok(Deliberation { problem, plan, reason, work: work.used })
 }
 

@@ -163,3 +163,12 @@ pub struct SurveillancePlan {
     /// One line for people.
     pub summary: String,
 }
+
+impl SurveillancePlan {
+    /// How much more the plan may cost than the best one, as a share of its cost: 0 is proven to be the best. None where no
+    /// bound is known.
+    pub fn gap(&self) -> Option<f64> {
+        let bound = self.expected_cost_bound?;
+        Some(if self.expected_cost > 0.0 { ((self.expected_cost - bound) / self.expected_cost).max(0.0) } else { 0.0 })
+    }
+}

@@ -46,7 +46,10 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
         Ok(cost) if (cost - plan.expected_cost).abs() > COST_TOLERANCE * cost.abs().max(1.0) => {
             found.push(format!("claims an expected cost of {} and costs {cost}", plan.expected_cost));
         }
-        Ok(_) => {}
+        Ok(cost) => {
+            let claimed = plan.expected_cost_bound.filter(|bound| *bound > cost + COST_TOLERANCE * cost.abs().max(1.0));
+            found.extend(claimed.map(|bound| format!("claims that no plan costs less than {bound} and costs {cost}")));
+        }
         Err(trouble) => found.push(format!("has no expected cost: {trouble}")),
     }
     found.extend(bookkeeping(problem, plan, &seen));

@@ -1,0 +1,78 @@
+//! Bounds hold against every plan of small problems, are tight where they must be, and their certificates say the same.
+
+use super::*;
+use crate::anytime::Anytime;
+use crate::surveillance::{examples, scenario::Scenario};
+use apex_model::problem::{CostFunction, EventRate, Plan, Problem};
+use apex_model::solver::{Environment, Solver, WorkBudget};
+use proptest::prelude::*;
+
+fn families() -> impl Strategy<Value = CostFunction> {
+    prop_oneof![
+        (0.1..2.0f64).prop_map(|cost_per_s| CostFunction::Linear { cost_per_s }),
+        (0.1..2.0f64, 1e-4..1e-1f64).prop_map(|(maximum, rate_per_s)| CostFunction::Saturating { maximum, rate_per_s }),
+        (10.0..400.0f64, 0.1..2.0f64).prop_map(|(deadline_s, maximum)| CostFunction::Step { deadline_s, maximum }),
+        (0.1..2.0f64, 1e-3..0.1f64, 0.0..400.0f64)
+            .prop_map(|(maximum, rate_per_s, midpoint_s)| CostFunction::Logistic { maximum, rate_per_s, midpoint_s }),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    #[test]
+    fn no_word_costs_less(
+        seed in 0..1000_u64, cost in families(), other in families(), home: bool, age in 0.0..300.0f64,
+        later in 0.1..3.0f64, horizon in 200.0..900.0f64,
+    ) {
+        // All words of up to seven visits over three targets, one of which has a rate that changes.
+        let mut problem = examples::sized(3, seed, 3_000.0);
+        problem.horizon_s = horizon;
+        problem.return_to_base = home;
+        problem.targets[0].cost = cost;
+        problem.targets[1].cost = other;
+        problem.targets[1].initial_age_s = age;
+        problem.targets[2].rate = EventRate { steps: vec![(0.0, 1.0), (0.5 * horizon, later)] };
+        prop_assume!(Scenario::new(&problem).is_ok());
+        let scenario = Scenario::new(&problem).unwrap();
+        let bound = expected_cost(&problem);
+        prop_assert_eq!(at_price(&problem, bound.price_per_s), bound.expected_cost);
+        let mut least = f64::INFINITY;
+        for number in 0..3_usize.pow(7) {
+            let word = (0..7).map(|place| number / 3_usize.pow(place) % 3);
+            for length in [0, 1, 2, 3, 4, 5, 6, 7] {
+                least = least.min(scenario.cost(word.clone().take(length), &mut WorkBudget::new(1)));
+            }
+        }
+        prop_assert!(bound.expected_cost <= least * (1.0 + 1e-9), "{bound:?} {least}");
+        prop_assert!(bound.expected_cost >= 0.0);
+    }
+}
+
+#[test]
+fn one_target_that_is_watched_all_the_time_costs_next_to_nothing() {
+    let mut problem = examples::equal(1, 3);
+    problem.targets[0].cost = CostFunction::Linear { cost_per_s: 1.0 };
+    problem.travel.from_start_s[0] = 0.0;
+    problem.horizon_s = 1_000.0;
+    let bound = expected_cost(&problem);
+    // 100 observations of 10 s each leave 100 spans of 10 s; the bound does not count spans within a stay.
+    assert!(bound.expected_cost >= 0.0 && bound.expected_cost <= 5_000.0, "{bound:?}");
+}
+
+#[test]
+fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
+    let mut ratios = Vec::new();
+    for cell in crate::test_missions::Cell::subset() {
+        let problem = cell.mission(0);
+        let mut budget = WorkBudget::new(60_000);
+        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {} };
+        let plan = Anytime.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
+        let Plan::Surveillance(plan) = plan else { panic!("{plan:?}") };
+        let bound = expected_cost(&problem).expected_cost;
+        assert!(bound <= plan.expected_cost, "{cell}: {bound} {}", plan.expected_cost);
+        ratios.push(bound / plan.expected_cost);
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    println!("{mean} {ratios:?}");
+    assert!(mean > 0.6, "{mean} {ratios:?}");
+}
