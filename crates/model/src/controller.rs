@@ -25,6 +25,9 @@ pub struct Selection {
     pub interrupt_cost: f64,
     /// How long it is expected to take, if somebody said.
     pub expected: Option<Duration>,
+    /// The work has begun, and uses what it was granted; until then nothing is used up.
+    #[serde(default)]
+    pub begun: bool,
 }
 
 /// Ways of pursuing a goal.

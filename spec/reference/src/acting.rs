@@ -292,7 +292,7 @@ impl Agent<'_> {
         let released: Vec<(String, f64)> = released;
         for (name, amount) in released {
             if self.tasks[parent].state == State::Ongoing {
-                self.use_up(&name, amount);
+                self.use_up(parent, &name, amount);
             }
         }
     }

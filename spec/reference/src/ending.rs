@@ -49,21 +49,38 @@ impl Agent<'_> {
         self.ended.push_back(id);
     }
 
-    /// What an ongoing task holds of a resource that is used up is gone.
+    /// What an ongoing task holds of a resource that is used up is gone, if its work has begun.
     pub(crate) fn consume(&mut self, id: usize) {
-        if self.tasks[id].state != State::Ongoing {
+        if self.tasks[id].state != State::Ongoing || self.tasks[id].work.is_none() {
             return;
         }
         for (name, amount) in self.tasks[id].needs() {
-            self.use_up(&name, amount);
+            self.use_up(id, &name, amount);
         }
     }
 
-    pub(crate) fn use_up(&mut self, name: &str, amount: f64) {
-        let depletable = self.program.resources.iter().any(|resource| resource.depletable && resource.name == name);
-        if let Some(total) = self.totals.get_mut(name).filter(|_| depletable) {
+    pub(crate) fn use_up(&mut self, id: usize, name: &str, amount: f64) {
+        if !self.is_depletable(name) {
+            return;
+        }
+        if let Some(total) = self.totals.get_mut(name) {
             *total = (*total - amount).max(0.0);
         }
+        // Those above it who reserved the same have used that much of it already.
+        for above in self.line(id).into_iter().filter(|above| *above != id) {
+            let task = &mut self.tasks[above];
+            if task.state == State::Ongoing {
+                let chosen = task.choice.iter_mut().flat_map(|choice| &mut choice.needs);
+                chosen
+                    .chain(&mut task.held)
+                    .filter(|need| need.0 == name)
+                    .for_each(|need| need.1 -= amount.min(need.1));
+            }
+        }
+    }
+
+    pub(crate) fn is_depletable(&self, name: &str) -> bool {
+        self.program.resources.iter().any(|resource| resource.depletable && resource.name == name)
     }
 
     pub(crate) fn end_children(&mut self, id: usize, cause: &str) {

@@ -20,7 +20,7 @@ pub(crate) struct Proof {
 #[derive(Clone, Copy, PartialEq)]
 enum Evidence {
     Message(u64),
-    Sample(Time),
+    Sample(Time, u64),
 }
 
 impl Proof {
@@ -49,10 +49,9 @@ impl Agent<'_> {
 
     /// The newest arrival among the evidence: what the next instance must not take for an answer.
     pub(crate) fn answered(&self, proof: &Proof) -> Option<u64> {
-        let newest = self.arrivals.checked_sub(1);
         let arrival = |evidence: &Evidence| match evidence {
             Evidence::Message(arrival) => Some(*arrival),
-            Evidence::Sample(at) => newest.filter(|_| *at == self.now),
+            Evidence::Sample(at, arrival) => Some(*arrival).filter(|_| *at == self.now),
         };
         proof.evidence.iter().filter_map(arrival).max()
     }
@@ -142,7 +141,7 @@ impl Agent<'_> {
         let mut proofs = Vec::new();
         for (index, sample) in seen.iter().enumerate() {
             let replaced = seen[index + 1..].iter().any(|later| later.object == sample.object && later.at == sample.at);
-            let mut proof = Proof::at(sample.at, Some(Evidence::Sample(sample.at)));
+            let mut proof = Proof::at(sample.at, Some(Evidence::Sample(sample.at, sample.arrival)));
             let named = Value::Word(sample.object.clone());
             let known = |name: &str| self.saw(place, name, sample.arrival);
             let concerns = matches(std::slice::from_ref(object), &[named], &known, &mut proof.bound);

@@ -22,6 +22,16 @@ impl Agent<'_> {
         if self.tasks[id].state == State::Terminated {
             return true;
         }
+        // What the failed work used up is gone; its handler claims anew. Everything else is kept for it.
+        if self.tasks[id].state == State::Ongoing {
+            self.consume(id);
+            let spent: Vec<_> = self.tasks[id].needs().into_iter().filter(|need| self.is_depletable(&need.0)).collect();
+            let stays = |need: &(String, f64)| spent.iter().all(|each| each.0 != need.0);
+            self.tasks[id].held.retain(stays);
+            if let Some(choice) = &mut self.tasks[id].choice {
+                choice.needs.retain(stays);
+            }
+        }
         self.tasks[id].work = None;
         self.forget_clauses(id);
         let handler = self.create(Some(id), Origin::Handler(procedure, step));

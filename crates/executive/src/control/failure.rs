@@ -64,6 +64,10 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
         if competition::is_eligible(cycle.agent, id) {
             transition(cycle, id, Trigger::Granted, None, handling);
         }
+    } else {
+        // What the failed work used up is gone, and its handler claims anew; everything else is kept for it.
+        let how = resources::at_the_end(cycle, id);
+        resources::release_depletables(cycle, id, how);
     }
     instantiation::arm(cycle, handler);
     true

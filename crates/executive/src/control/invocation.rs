@@ -30,6 +30,8 @@ pub(crate) fn act(cycle: &mut Cycle<'_>) {
             // Its resumption is noticed first; what starts over does not go on before that.
             cycle.work.resuming.insert(id);
             interruption::hold_children(cycle, id);
+            // It is ongoing: where those who were interrupted below it claim already, its priority counts for them.
+            interruption::inheritance_changed(cycle, id);
         } else {
             go_on(cycle, id);
         }
@@ -58,9 +60,10 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The chosen way; what its index bound moves from the selection into the controller.
+/// The chosen way, which begins; what its index bound moves from the selection into the controller.
 fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Way> {
     let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
+    selection.begun = true;
     Some(match &mut selection.way {
         Way::Procedure(reference, bindings) => Way::Procedure(*reference, std::mem::take(bindings)),
         Way::Primitive(index, bindings) => Way::Primitive(*index, std::mem::take(bindings)),

@@ -307,7 +307,10 @@ fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> O
                 // One that is not remembered any more came before whatever could count again.
                 .or(newest.filter(|_| *at == cycle.now))
         }
-        Evidence::Sample { at, .. } | Evidence::Run { end: at, .. } if *at == cycle.now => newest,
+        Evidence::Sample { variable, at, .. } | Evidence::Run { variable, end: at, .. } if *at == cycle.now => {
+            let sample = cycle.agent.histories.get(variable).and_then(|history| history.at(*at));
+            sample.filter(|sample| sample.at == *at).map(|sample| sample.sequence).or(newest)
+        }
         Evidence::Sample { .. }
         | Evidence::Run { .. }
         | Evidence::TaskState { .. }

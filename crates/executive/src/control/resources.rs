@@ -107,6 +107,34 @@ pub(crate) enum Release {
     Unused,
 }
 
+/// How a task lets go when its work ends by itself or fails: what was reserved for work that never began is there again.
+pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
+    let begun = cycle.task(id).and_then(|task| task.selection.as_ref()).is_some_and(|selection| selection.begun);
+    if begun { Release::Used } else { Release::Unused }
+}
+
+/// Takes back what the task holds of depletable resources, and lets it need nothing of them any more.
+pub(crate) fn release_depletables(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
+    let is_depletable = |cycle: &Cycle<'_>, need: &Need| {
+        cycle.agent.resources.get(need.resource).is_some_and(|resource| resource.depletable)
+    };
+    let found: Vec<Need> = needs_of(cycle, id).into_iter().filter(|need| is_depletable(cycle, need)).collect();
+    if found.is_empty() {
+        return;
+    }
+    for need in &found {
+        release_one(cycle, id, need.resource, how);
+    }
+    let stays = |need: &Need| found.iter().all(|each| each.resource != need.resource);
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if let Some(selection) = &mut task.selection {
+        selection.needs.retain(|need| stays(need));
+    }
+    if let Some(extras) = &mut task.extras {
+        extras.held.retain(|need| stays(need));
+    }
+}
+
 /// Takes everything back that the task holds and lets it claim nothing; others may claim it.
 pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     let Some(task) = cycle.task(id) else { return };

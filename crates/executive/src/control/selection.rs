@@ -66,6 +66,7 @@ fn choose_for(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
         needs: Vec::new(),
         interrupt_cost: priority::INTERRUPT_COST_DEFAULT,
         expected: None,
+        begun: false,
     };
     if let Some(task) = cycle.agent.task_mut(id) {
         task.selection = Some(Box::new(selection));

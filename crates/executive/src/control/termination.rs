@@ -44,8 +44,8 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     if cycle.state(id) == TaskState::Terminated {
         return;
     }
-    let used = if outcome == Outcome::Cut { resources::Release::Unused } else { resources::Release::Used };
-    resources::release(cycle, id, used);
+    let how = if outcome == Outcome::Cut { resources::Release::Unused } else { resources::at_the_end(cycle, id) };
+    resources::release(cycle, id, how);
     dismantle(cycle, id, "its task ended");
     transition(cycle, id, Trigger::Ended, Some(outcome), because);
     forget_wakes(cycle, id);
