@@ -42,7 +42,7 @@ pub enum Command {
     Monitor(MonitorOptions),
     /// Write the samples and events of a flight record or log as a table, CSV or Parquet.
     Export(ExportOptions),
-    /// Plan a mission without flying it and print the plan.
+    /// Plan a mission, a problem or a test mission without flying, and print the plan.
     Plan(PlanOptions),
     /// Open Sherpa, the web page, on a flight record.
     Serve(ServeOptions),
@@ -300,11 +300,21 @@ pub enum ExportFormat {
 /// `apex plan`
 #[derive(Args)]
 pub struct PlanOptions {
-    /// The mission's folder, or its `mission.pdl`.
+    /// The mission's folder, or its `mission.pdl`; a problem in a file of JSON; or a test mission, such as
+    /// `small-fixed-fixed-8-uniform` or `small-fixed-fixed-8-uniform@7`.
     pub mission: PathBuf,
     /// Use this solver instead of the one that solver selection chooses.
     #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,
+    /// How long the solver may take, in the time of a flight; default is the mission's own, or 10 s.
+    #[arg(long, value_name = "TIME")]
+    pub budget: Option<String>,
+    /// Seed of the solver's chance; default is the mission's own, or 1.
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u64>,
+    /// Do not plan: print the problem as JSON.
+    #[arg(long, conflicts_with_all = ["solver", "budget", "pdl"])]
+    pub problem: bool,
     /// Print the plan as a PDL procedure.
     #[arg(long)]
     pub pdl: bool,

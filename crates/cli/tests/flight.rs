@@ -227,6 +227,24 @@ fn plans_are_printed_for_people_for_programs_and_as_pdl() {
 }
 
 #[test]
+fn problems_are_printed_read_and_planned_alike() {
+    let desk = Desk::new();
+    let plan = |arguments: &[&str]| desk.apex(&[&["plan"], arguments].concat());
+    let name = "small-fixed-uniform-4-globular@3";
+    desk.write("four.json", &plan(&[name, "--problem"]).well().out);
+    let options = ["--budget", "20ms", "--seed", "5", "--json"];
+    let of_name = plan(&[&[name], &options[..]].concat()).well().json_lines();
+    let of_file = plan(&[&["four.json"], &options[..]].concat()).well().json_lines();
+    assert_eq!((of_name[0]["plan"].clone(), &of_file[0]["mission"]), (of_file[0]["plan"].clone(), &"four".into()));
+    desk.write("bad.json", "{\"Surveillance\": {\n  \"targets\": 7 }}");
+    plan(&["bad.json"]).complained(2, &["bad.json:2:14", "no planning problem", "--problem"]);
+    plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is no spread of costs", "test-missions.md"]);
+    plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is no number", "@7"]);
+    plan(&["four.json", "--pdl"]).complained(2, &["only a mission's plan", "help: "]);
+    plan(&["four.json", "--budget", "0s"]).complained(2, &["no time to plan in", "--budget 2s"]);
+}
+
+#[test]
 fn a_mission_with_nothing_to_plan_says_so() {
     let said = Desk::new().apex(&["plan", &mission("first-picture")]);
     said.complained(2, &["no plan was found", "There is no target to watch", "help: "]);

@@ -1,20 +1,14 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
-use crate::mission::Mission;
-use crate::mission::bookkeeping::Bookkeeping;
+use super::plan_question::{self, Question};
 use crate::mission::deliberator::{Deliberation, solve, translate};
-use crate::mission::problem::pose;
 use crate::options::PlanOptions;
 use crate::output;
 use crate::telling::{name_width, named, wrapped};
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
-use apex_model::time::{Duration, Time};
-use apex_model::value::Value;
+use apex_model::time::Time;
 use std::fmt::Write;
-
-/// Deliberation time where the mission declares none.
-const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Gap below which rounding is all that is left.
 const OPTIMAL: f64 = 1e-6;
@@ -24,48 +18,30 @@ const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out 
 
 /// Plans and prints.
 pub fn run(options: &PlanOptions) -> Outcome {
-    let mission = Mission::load(&options.mission)?;
-    let (goal, budget) = goal_and_budget(&mission);
-    let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
-        .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
-    let solved = solve(problem, options.solver.as_deref(), budget, mission.settings.seed)
+    let Question { name, problem, budget, seed, mission } = plan_question::read(options)?;
+    if options.problem {
+        return output::print_line(serde_json::json!(problem));
+    }
+    if options.pdl && mission.is_none() {
+        return Err(Trouble::user("only a mission's plan can be a PDL procedure").help("leave `--pdl` out"));
+    }
+    let solved = solve(problem, options.solver.as_deref(), budget, seed)
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
     if options.json {
         return output::print_line(serde_json::json!({
-            "mission": mission.settings.name,
+            "mission": name,
             "reason": solved.reason,
             "work_units": solved.work,
             "plan": solved.plan,
         }));
     }
-    if options.pdl {
+    if let Some((mission, goal)) = mission.filter(|_| options.pdl) {
         return output::print(translate(&solved, &goal, 1, &mission).source.text);
     }
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = write_table(&mut text, &solved);
     output::print(text)
-}
-
-/// The goal and budget of the mission's first declared solver.
-fn goal_and_budget(mission: &Mission) -> (Value, Duration) {
-    let declared = mission.library.solvers.first();
-    let budget = declared.and_then(|solver| solver.budget.as_ref()).and_then(|budget| match &budget.kind {
-        apex_model::expression::ExprKind::Constant(Value::Duration(duration)) => Some(*duration),
-        _ => None,
-    });
-    let goal = declared.and_then(|solver| ground(&solver.index));
-    (goal.unwrap_or_else(|| Value::list([Value::symbol("plan")])), budget.unwrap_or(BUDGET_DEFAULT))
-}
-
-/// The goal that an index without variables serves.
-fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
-    use apex_model::pattern::Pattern;
-    match index {
-        Pattern::Literal(value) => Some(value.clone()),
-        Pattern::List(items) => items.iter().map(ground).collect::<Option<Vec<_>>>().map(Value::list),
-        _ => None,
-    }
 }
 
 fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {

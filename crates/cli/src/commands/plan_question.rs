@@ -1,0 +1,113 @@
+//! What `apex plan` is asked: a mission, a problem in a file of JSON, or a test mission by the name of its cell.
+
+use crate::mission::Mission;
+use crate::mission::bookkeeping::Bookkeeping;
+use crate::mission::problem::pose;
+use crate::options::PlanOptions;
+use crate::sources::parse_time;
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_model::problem::Problem;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_solvers::test_missions::Cell;
+use std::path::Path;
+
+/// Deliberation time where nobody says one.
+const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
+
+/// A problem with what is needed to plan for it.
+pub(super) struct Question {
+    /// What it is called.
+    pub(super) name: String,
+    /// The problem.
+    pub(super) problem: Problem,
+    /// How long solvers may take.
+    pub(super) budget: Duration,
+    /// Seed of solvers' chance.
+    pub(super) seed: u64,
+    /// The mission and its goal, if it is one's.
+    pub(super) mission: Option<(Mission, Value)>,
+}
+
+/// Finds out what is asked.
+///
+/// # Errors
+/// When nothing of that name exists, or it is no problem.
+pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
+    let path = options.mission.as_path();
+    let text = path.to_string_lossy();
+    let mut question = if !path.exists() && text.matches('-').count() >= 4 {
+        of_cell(&text)?
+    } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        of_file(path)?
+    } else {
+        of_mission(path)?
+    };
+    if let Some(budget) = &options.budget {
+        let end = parse_time(budget, "--budget")?;
+        if end <= Time::ZERO {
+            return Err(Trouble::user(format!("a budget of {budget} is no time to plan in"))
+                .help("write how long a solver may take, for example `--budget 2s`"));
+        }
+        question.budget = end - Time::ZERO;
+    }
+    question.seed = options.seed.unwrap_or(question.seed);
+    Ok(question)
+}
+
+/// A test mission: the name of its cell, with `@NUMBER` for another one than the first.
+fn of_cell(text: &str) -> Outcome<Question> {
+    let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
+    let help =
+        "docs/reference/test-missions.md names the cells; a mission is named by its folder, a problem by its file";
+    let cell: Cell = cell.parse().map_err(|why| {
+        Trouble::user(format!("there is no file or mission {text}, nor a test mission")).because(why).help(help)
+    })?;
+    let number: u64 = number.parse().map_err(|_| {
+        Trouble::user(format!("{number} is no number of a test mission")).help(format!("write for example `{cell}@7`"))
+    })?;
+    let problem = Problem::Surveillance(cell.mission(number));
+    Ok(Question { name: format!("{cell}@{number}"), problem, budget: BUDGET_DEFAULT, seed: 1, mission: None })
+}
+
+fn of_file(path: &Path) -> Outcome<Question> {
+    let text = read_text(path)?;
+    let problem: Problem = serde_json::from_str(&text).map_err(|error| {
+        let place = format!("{}:{}:{}", path.display(), error.line(), error.column());
+        Trouble::user(format!("{place}: this is no planning problem"))
+            .because(error)
+            .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
+    })?;
+    let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
+    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None })
+}
+
+fn of_mission(path: &Path) -> Outcome<Question> {
+    let mission = Mission::load(path)?;
+    let (goal, budget) = goal_and_budget(&mission);
+    let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
+        .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
+    let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
+    Ok(Question { name, problem, budget, seed, mission: Some((mission, goal)) })
+}
+
+/// The goal and budget of the mission's first declared solver.
+fn goal_and_budget(mission: &Mission) -> (Value, Duration) {
+    let declared = mission.library.solvers.first();
+    let budget = declared.and_then(|solver| solver.budget.as_ref()).and_then(|budget| match &budget.kind {
+        apex_model::expression::ExprKind::Constant(Value::Duration(duration)) => Some(*duration),
+        _ => None,
+    });
+    let goal = declared.and_then(|solver| ground(&solver.index));
+    (goal.unwrap_or_else(|| Value::list([Value::symbol("plan")])), budget.unwrap_or(BUDGET_DEFAULT))
+}
+
+/// The goal that an index without variables serves.
+fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
+    use apex_model::pattern::Pattern;
+    match index {
+        Pattern::Literal(value) => Some(value.clone()),
+        Pattern::List(items) => items.iter().map(ground).collect::<Option<Vec<_>>>().map(Value::list),
+        _ => None,
+    }
+}
