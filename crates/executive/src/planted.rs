@@ -23,13 +23,26 @@ pub enum Bug {
     LateSampleIgnored,
     /// Of two samples of one instant the first counts.
     FirstDuplicateWins,
+    /// A line is trusted across a gap that is too long.
+    GapOfLineForgotten,
+    /// A value turns as soon as it comes back at all.
+    HysteresisForgotten,
+    /// Something counts as absent while it goes on.
+    AbsentWhileItGoesOn,
     /// A sample just at a bound is not told to who waits for it (planted in the model's thresholds).
     ThresholdMisses,
 }
 
 /// All in the monitors of conditions.
-pub const IN_MONITORS: [Bug; 4] =
-    [Bug::LongerIsAtLeast, Bug::GapToNowForgotten, Bug::LateSampleIgnored, Bug::FirstDuplicateWins];
+pub const IN_MONITORS: [Bug; 7] = [
+    Bug::LongerIsAtLeast,
+    Bug::GapToNowForgotten,
+    Bug::LateSampleIgnored,
+    Bug::FirstDuplicateWins,
+    Bug::GapOfLineForgotten,
+    Bug::HysteresisForgotten,
+    Bug::AbsentWhileItGoesOn,
+];
 
 /// All in the control of tasks, and in how tasks hear of samples.
 pub const IN_CONTROL: [Bug; 7] = [

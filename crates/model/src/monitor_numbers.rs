@@ -253,7 +253,7 @@ pub struct RegressionPart {
 }
 
 /// Samples of one object within the fit interval. The newest stands apart, because a later arrival of its instant may
-/// still replace it.
+/// still replace it, also by what is no number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// Order of the object's first appearance.
@@ -262,10 +262,47 @@ pub struct Fit {
     pub moments: Moments,
     /// Value of the first sample.
     pub first: f64,
-    /// The newest sample, and whether its value satisfies pattern and constraints of the object.
+    /// The last value of `moments`.
+    pub before: f64,
+    /// The newest sample; none where what is no number has taken its place.
     pub newest: Option<(Time, f64)>,
     /// What the object binds; none when it is not wanted.
     pub bindings: Option<Bindings>,
-    /// The greatest gap before the newest sample.
+    /// The greatest gap between the samples of `moments`.
     pub gap: Duration,
+}
+
+impl Fit {
+    /// Adds a sample that is not older than the newest; one of the newest's instant replaces it.
+    pub fn add(&mut self, at: Time, number: f64) {
+        if let Some((newest_at, value)) = self.newest.filter(|(newest_at, _)| *newest_at < at) {
+            self.gap = self.with_newest().1;
+            self.moments.add(newest_at, value);
+            self.before = value;
+        }
+        if self.moments.count() == 0 {
+            self.first = number;
+        }
+        self.newest = Some((at, number));
+    }
+
+    /// What is no number has come at this instant: if the newest sample is of it, the fit is without that again.
+    pub fn miss(&mut self, at: Time) {
+        self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
+    }
+
+    /// The last sample; none while there is none.
+    pub fn last(&self) -> Option<(Time, f64)> {
+        self.newest.or_else(|| self.moments.span().map(|(_, last_at)| (last_at, self.before)))
+    }
+
+    /// All samples, and the greatest gap between them.
+    pub fn with_newest(&self) -> (Moments, Duration) {
+        let (mut moments, mut gap) = (self.moments, self.gap);
+        if let Some((at, number)) = self.newest {
+            gap = moments.span().map_or(gap, |(_, last_at)| gap.max(at - last_at));
+            moments.add(at, number);
+        }
+        (moments, gap)
+    }
 }

@@ -12,6 +12,9 @@ use crate::ways::{View, Way, Ways};
 /// A crossing nearer to an instant than this, in nanoseconds, is at that instant: rounding can be as large.
 const ROUNDING_NS: f64 = 1e-3;
 
+/// What lies further ahead is not foretold: the slope of a line that is level but for rounding is none.
+const FARTHEST: Time = Time::MAX / 2;
+
 /// What a line says.
 enum Saying {
     /// It meets the constraints, as is known then.
@@ -26,7 +29,7 @@ enum Saying {
 pub(crate) fn ways(measurement: &Measurement, options: &Regression, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let on_line = |series: &Series| !fitted(measurement, options, series, view).is_empty();
-    for (series, bound) in series_of(&measurement.variable, |_| Time::MIN, view) {
+    for (series, bound) in series_of(&measurement.variable, |_| fit_start(measurement, options, view), view) {
         match says(measurement, options, series, &bound, view) {
             _ if !on_line(series) => {}
             Saying::Meets(way) if way.known <= view.now => found.all.push(way),
@@ -49,10 +52,13 @@ pub(crate) fn foreseen(measurement: &Measurement, question: &Question, past: &Pa
     sayings.filter_map(|saying| if let Saying::Meets(way) = saying { Some(way.known) } else { None }).collect()
 }
 
+fn fit_start(measurement: &Measurement, options: &Regression, view: View<'_>) -> Time {
+    options.start.unwrap_or(if measurement.timestamp.is_empty() { view.created } else { Time::MIN })
+}
+
 /// The samples of the fit interval that are finite numbers; without an interval, of the window.
 fn fitted(measurement: &Measurement, options: &Regression, series: &Series, view: View<'_>) -> Vec<Sample> {
-    let start = if measurement.timestamp.is_empty() { view.created } else { Time::MIN };
-    let within = options.start.unwrap_or(start)..=options.end.unwrap_or(Time::MAX);
+    let within = fit_start(measurement, options, view)..=options.end.unwrap_or(Time::MAX);
     let number = |sample: &&Sample| !finite(std::slice::from_ref(*sample)).is_empty();
     series.samples.iter().filter(|sample| within.contains(&sample.at)).filter(number).cloned().collect()
 }
@@ -123,10 +129,11 @@ fn earliest(
     if slope != 0.0 {
         for bound in constraints.iter().flat_map(bounds) {
             let crossing = reaches(bound);
-            candidates.extend([(crossing - ROUNDING_NS).ceil() as Time, (crossing + ROUNDING_NS).floor() as Time + 1]);
+            candidates
+                .extend([(crossing - ROUNDING_NS).ceil() as Time, (crossing + ROUNDING_NS + 1.0).floor() as Time]);
         }
     }
-    candidates.retain(|at| *at >= from);
+    candidates.retain(|at| (from..=FARTHEST).contains(at));
     candidates.sort_unstable();
     let near = slope.abs() * ROUNDING_NS / 1e9;
     candidates.into_iter().find(|at| constraints.iter().all(|each| satisfied(each, value_at(*at), near)))

@@ -11,6 +11,7 @@ use super::episode::TICK;
 use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::estimate::Estimator;
@@ -68,10 +69,8 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     let extents = extents::take(&mut part.part, &mut asking);
     let passing = extents.passing.iter().map(|extent| &extent.result);
     let found: Vec<(Time, Time)> = extents.settled.iter().chain(passing).map(lasting).collect();
-    let goes_on = extents
-        .passing
-        .iter()
-        .any(|extent| extent.open || expires(&extent.result).is_some_and(|over| over > asking.now));
+    let lasts = |extent: &extents::Extent| extent.open || expires(&extent.result).is_some_and(|over| over > asking.now);
+    let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
     // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;

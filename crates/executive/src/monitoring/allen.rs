@@ -327,9 +327,11 @@ fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extent
     side.settled.retain(|_| useful.next().unwrap_or(true));
 }
 
-/// All results up to now.
+/// All results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
 pub(super) fn results(part: &AllenPart) -> Vec<Satisfaction> {
-    part.found.iter().chain(&part.passing).map(|chain| chain.result.clone()).collect()
+    let mut chains: Vec<&Chain> = part.found.iter().chain(&part.passing).collect();
+    chains.sort_by(|a, b| (a.result.recognised_at, &a.intervals).cmp(&(b.result.recognised_at, &b.intervals)));
+    chains.into_iter().map(|chain| chain.result.clone()).collect()
 }
 
 /// Satisfied; not known, when the data do not say whether a part holds that has found nothing; else not.

@@ -11,6 +11,7 @@ use super::constraints::{Reading, all, unit_of};
 use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, VariablePattern};
@@ -354,7 +355,7 @@ fn turn(swing: &mut Swing, sample: Extreme, hysteresis: f64) -> Option<Extreme> 
     let highest = swing.highest.filter(|highest| highest.value >= sample.value).unwrap_or(sample);
     let lowest = swing.lowest.filter(|lowest| lowest.value <= sample.value).unwrap_or(sample);
     (swing.highest, swing.lowest) = (Some(highest), Some(lowest));
-    let back = |distance: f64| distance > 0.0 && distance >= hysteresis;
+    let back = |distance: f64| distance > 0.0 && (distance >= hysteresis || planted::is(Bug::HysteresisForgotten));
     let (fell, rose) = (back(highest.value - sample.value), back(sample.value - lowest.value));
     let turned = match swing.heading {
         Heading::Rising if fell => Some((Heading::Falling, Some(highest))),

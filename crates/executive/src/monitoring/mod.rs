@@ -293,6 +293,9 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
 /// Lets parts that depend on time and on other tasks catch up with the present.
 fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let site = site(part);
+    while let Some(at) = replay::overdue(part, surroundings.now()) {
+        replay::look_then(part, at, surroundings, troubles);
+    }
     match &mut part.kind {
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),

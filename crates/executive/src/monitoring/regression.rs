@@ -14,6 +14,7 @@ use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_ho
 use super::time_bounds::{bounds, duration_of, instant_of};
 use super::{Asking, Site, Troubles, Truth};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
@@ -162,20 +163,17 @@ pub(super) fn notice(
         return;
     }
     let window = fit_window(part, site);
-    let newest = part.objects.get(&sample.variable.object).and_then(|fit| fit.newest).map(|(at, _)| at);
+    let fit = part.objects.get(&sample.variable.object);
+    let newest = fit.and_then(Fit::last).map(|(at, _)| at);
     match arrival(window, sample, newest, surroundings) {
         Arrival::Late => look_back(part, site, surroundings, troubles),
-        // What took the place of a number and is none leaves the line without it.
-        Arrival::Next if newest == Some(sample.at) && !is_finite(sample) => {
+        // It takes the place of one that does not stand apart any more, since what is no number came after it.
+        Arrival::Next if newest == Some(sample.at) && fit.is_some_and(|fit| fit.newest.is_none()) => {
             look_back(part, site, surroundings, troubles);
         }
         Arrival::Next => feed(part, site, sample, surroundings, troubles),
         Arrival::Nothing => {}
     }
-}
-
-fn is_finite(sample: Seen<'_>) -> bool {
-    sample.value.as_number().is_some_and(|(number, _)| libm::fabs(number) <= MAGNITUDE_MAX)
 }
 
 fn feed(
@@ -188,35 +186,31 @@ fn feed(
     if part.fit.1.is_some_and(|end| sample.at > end) {
         return;
     }
-    let Some((number, dimension)) = sample.value.as_number() else {
-        return troubles.add(no_number(sample, site));
-    };
-    // What is not finite is a missing measurement here: it opens a gap.
-    if number.is_nan() || libm::fabs(number) > MAGNITUDE_MAX {
-        return;
-    }
-    if *part.dimension.get_or_insert(dimension) != dimension {
-        return troubles.add(no_number(sample, site));
-    }
     let object = &sample.variable.object;
     if !part.objects.contains_key(object) {
         if part.objects.len() >= MONITOR_OBJECTS_MAX {
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
         let bindings = object_bindings(part, site, sample, surroundings, troubles);
-        let fit = Fit { rank: sample.sequence, first: number, bindings, ..Fit::default() };
-        part.objects.insert(object.clone(), fit);
+        part.objects.insert(object.clone(), Fit { rank: sample.sequence, bindings, ..Fit::default() });
     }
     let Some(fit) = part.objects.get_mut(object) else { return };
-    match fit.newest {
-        Some((at, before)) if at < sample.at => {
-            fit.moments.add(at, before);
-            fit.gap = fit.gap.max(sample.at - at);
-        }
-        Some(_) if fit.moments.count() == 0 => fit.first = number,
-        _ => {}
+    let Some((number, dimension)) = sample.value.as_number() else {
+        fit.miss(sample.at);
+        return troubles.add(no_number(sample, site));
+    };
+    // What is not finite is a missing measurement here: it opens a gap. What is no number at all replaces nothing.
+    if number.is_nan() {
+        return;
     }
-    fit.newest = Some((sample.at, number));
+    if libm::fabs(number) > MAGNITUDE_MAX {
+        return fit.miss(sample.at);
+    }
+    if *part.dimension.get_or_insert(dimension) != dimension {
+        fit.miss(sample.at);
+        return troubles.add(no_number(sample, site));
+    }
+    fit.add(sample.at, number);
 }
 
 fn no_number(sample: Seen<'_>, site: Site) -> EvaluationError {
@@ -272,20 +266,19 @@ impl Line {
 /// # Errors
 /// With the reason for which there is none.
 fn line(part: &RegressionPart, fit: &Fit, surroundings: &dyn Surroundings) -> Result<Line, Refusal> {
-    let Some(newest) = fit.newest else { return Err(Refusal::NoSample) };
+    let Some(last) = fit.last() else { return Err(Refusal::NoSample) };
     if part.blind {
         return Err(Refusal::Blind);
     }
-    let mut moments = fit.moments;
-    moments.add(newest.0, newest.1);
+    let (moments, gap) = fit.with_newest();
     let (unit, _) = declared_scale(&part.condition.variable.attribute, surroundings);
     let scale = Scale { unit, dimension: part.dimension.unwrap_or_default() };
-    let line = Line { moments, last: newest, scale };
+    let line = Line { moments, last, scale };
     if moments.count() < part.points_min {
         return Err(Refusal::TooFew { samples: moments.count(), least: part.points_min });
     }
-    if let Some(most) = part.gap_max.filter(|most| fit.gap > *most) {
-        return Err(Refusal::Gap { gap: fit.gap, most });
+    if let Some(most) = part.gap_max.filter(|most| gap > *most && !planted::is(Bug::GapOfLineForgotten)) {
+        return Err(Refusal::Gap { gap, most });
     }
     let Some(error) = moments.error() else { return Err(Refusal::OneInstant) };
     match part.error_max.filter(|most| error > *most) {
@@ -382,7 +375,8 @@ fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
 
 /// What the lines of all wanted objects say, in order of first appearance.
 pub(super) fn all(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Vec<Saying> {
-    let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| fit.bindings.is_some()).collect();
+    let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
+    let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
     objects.sort_by_key(|(_, fit)| fit.rank);
     let mut sayings = Vec::new();
     for object in objects {
@@ -410,7 +404,7 @@ pub(super) fn results(part: &RegressionPart, site: Site, asking: &mut Asking<'_>
 pub(super) fn truth(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Truth {
     let sayings = all(part, site, asking);
     // An object that is not wanted was heard of, as for other conditions.
-    let mut unknown = part.objects.is_empty();
+    let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
     let mut met = false;
     for saying in sayings {
         match saying {

@@ -118,8 +118,22 @@ pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn S
         && *at < surroundings.now()
         && *at >= part.window.start
     {
-        advance(part, &Then { below: surroundings, now: *at }, troubles);
+        look_then(part, *at, surroundings, troubles);
     }
+}
+
+/// The instant before `now` that decides about an absence and was not looked at: a sample that came late has made it.
+pub(super) fn overdue(part: &Part, now: Time) -> Option<Time> {
+    match &part.kind {
+        PartKind::Absent(leaf) if !super::absence::is_done(leaf, super::site(part)) => leaf.decides_at,
+        _ => None,
+    }
+    .filter(|at| *at < now)
+}
+
+/// Looks at the part as it was at `at`.
+pub(super) fn look_then(part: &mut Part, at: Time, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    advance(part, &Then { below: surroundings, now: at }, troubles);
 }
 
 /// Does `part` watch `variable`?
@@ -135,7 +149,7 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
     watched
 }
 
-/// Are all samples that the part watches still there, since its window began?
+/// Are all samples that the part watches still there, since its window began, and those that persist into it?
 fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
     let (start, histories) = (part.window.start, surroundings.histories());
     let mut covers = true;
@@ -148,7 +162,23 @@ fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
             _ => true,
         };
     });
-    covers
+    covers && carries(part, surroundings)
+}
+
+/// Are the samples still there whose values persist into the windows of estimates in the part? They lie before what
+/// [`covers`] asks for.
+fn carries(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let mut all = true;
+    if let PartKind::Persisted(leaf) = &part.kind {
+        let kept = |history: &History| history.forgotten_until.is_none() || history.before(part.window.start).is_some();
+        let histories = surroundings.histories();
+        all = match &leaf.variable {
+            Some(variable) => histories.get(variable).is_none_or(kept),
+            None => histories.of_attribute(&leaf.condition.variable.attribute).all(|(_, history)| kept(history)),
+        };
+    }
+    extents::for_each_inner(part, &mut |inner| all &= carries(inner, surroundings));
+    all
 }
 
 /// Samples and messages that concern the part, in order of time and arrival.

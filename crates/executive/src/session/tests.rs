@@ -158,6 +158,22 @@ fn alternatives_are_told_apart_and_absence_once() {
 }
 
 #[test]
+fn of_relations_known_at_one_instant_the_earlier_parts_go_first() {
+    let (mut session, id) =
+        session("(:after (:measurement (x a) :value (< 1)) (:episode e (x ?o) :quality (:max-gap 2.5s)))", 0.0);
+    let x = |object: &str| StateVariable::new(Symbol::new("x"), Value::symbol(object));
+    // The run of b is over by time alone, those of a by their next sample.
+    for (object, value, instant) in [("b", 1, 0.5), ("a", 5, 2.0), ("a", 2, 7.0), ("a", 0, 11.0)] {
+        session.sample(&x(object), Value::Integer(value), at(instant));
+    }
+    session.advance(at(11.0));
+    let Some(Verdict::Satisfied(first)) = session.verdict(id).map(|judgement| judgement.verdict) else {
+        panic!("it has been satisfied")
+    };
+    assert_eq!((first.interval, first.recognised_at), ((at(0.5), at(11.0)), at(11.0)));
+}
+
+#[test]
 fn a_late_sample_makes_a_result_known_now() {
     let (mut session, _) = session("(slow uav > 10)", 0.0);
     for (value, instant) in [(20, 1.0), (0, 4.0), (30, 2.0), (0, 5.0), (20, 3.0), (40, 6.0)] {
@@ -175,6 +191,19 @@ fn a_late_sample_that_is_valid_at_the_beginning_counts() {
     session.sample(&of("slow"), Value::Integer(20), at(1.0));
     session.advance(at(5.0));
     assert_eq!(told(&mut session), ["found 1..1 @4"]);
+}
+
+#[test]
+fn absence_counts_a_value_from_before_its_window_also_when_a_sample_comes_late() {
+    let level = "(:measurement (level uav) :value (> 5) :estimation (:persist :with-timeout 3.5s))";
+    let (mut session, _) = session(&format!("(:absent {level} :for 4s)"), 3.0);
+    session.sample(&of("level"), Value::Integer(8), at(2.0));
+    session.sample(&of("level"), Value::Integer(1), at(6.0));
+    session.event(Value::list([Value::symbol("tick")]), at(12.0));
+    // At 9.5 s nobody knew the level any more; now it is known that it was low. The 8 is not kept any more.
+    session.sample(&of("level"), Value::Integer(2), at(8.0));
+    session.advance(at(13.0));
+    assert_eq!(told(&mut session), ["found 5.500000001..9.500000001 @12"]);
 }
 
 #[test]
