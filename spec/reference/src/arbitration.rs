@@ -125,9 +125,9 @@ impl Agent<'_> {
     }
 
     /// Priority, then work that has begun, then written order among siblings and creation order among others.
-    fn by_priority(&self, a: usize, b: usize) -> Ordering {
+    fn by_priority(&self, a: usize, b: usize, competitors: &[usize]) -> Ordering {
         let order = |id: usize| {
-            let begun = matches!(self.tasks[id].state, State::Ongoing | State::Interrupted);
+            let begun = self.goes_first(id, competitors);
             let step = match self.tasks[id].origin {
                 crate::task::Origin::Step(_, step) => step,
                 _ => 0,
@@ -136,6 +136,13 @@ impl Agent<'_> {
         };
         let (first, second) = (self.priority(a, self.now), self.priority(b, self.now));
         second.total_cmp(&first).then(order(a).cmp(&order(b)))
+    }
+
+    /// Work that has begun goes first among equals, unless one goes before it that has not begun.
+    fn goes_first(&self, id: usize, competitors: &[usize]) -> bool {
+        let mut ahead = competitors.iter().filter(|other| self.goes_before(**other, id));
+        matches!(self.tasks[id].state, State::Ongoing | State::Interrupted)
+            && ahead.all(|other| self.goes_first(*other, competitors))
     }
 
     /// Does one go before the other by its rank? Only where both need the same.
@@ -147,7 +154,8 @@ impl Agent<'_> {
 
     /// The best by priority first, but before each one comes who goes before it by rank.
     fn order(&self, mut competitors: Vec<usize>) -> Vec<usize> {
-        competitors.sort_by(|a, b| self.by_priority(*a, *b));
+        let all = competitors.clone();
+        competitors.sort_by(|a, b| self.by_priority(*a, *b, &all));
         let mut order = Vec::new();
         for each in &competitors {
             self.put_in_order(*each, &competitors, &mut order);

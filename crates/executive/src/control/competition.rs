@@ -25,7 +25,7 @@ pub(crate) struct Claimant {
     /// Its priority now; where ranks count, not less than that of anybody it goes before.
     pub(crate) priority: f64,
     /// It has begun, and goes before its equals that have not.
-    begun: bool,
+    pub(crate) begun: bool,
     order: (TaskId, u32, TaskId),
     /// Its place among all competitors where ranks count too; the same for all where nobody has one.
     pub(crate) turn: usize,

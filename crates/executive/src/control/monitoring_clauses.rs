@@ -157,6 +157,8 @@ fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
 
 /// The notice phase: tells monitors what was recorded, then judges all that were touched.
 pub(crate) fn notice(cycle: &mut Cycle<'_>) {
+    // What was found as tasks were made at the end of the last round is asked again: a sample may have been replaced since.
+    cycle.work.firings.clear();
     let stimuli = std::mem::take(&mut cycle.work.stimuli);
     let mut found = Found::new();
     for stimulus in &stimuli {

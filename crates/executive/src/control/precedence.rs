@@ -41,13 +41,15 @@ struct Place {
 
 impl Precedence {
     /// The order of `claimants`, holders among them.
-    pub(crate) fn of(agent: &Agent, now: Time, mut claimants: Vec<Claimant>) -> Precedence {
-        claimants.sort_by(by_priority);
+    pub(crate) fn of(agent: &Agent, now: Time, claimants: Vec<Claimant>) -> Precedence {
         let with_path = |claimant: Claimant| {
             let path = rank_path(agent, claimant.id, now);
             Competitor { claimant, path }
         };
-        let competitors: Vec<Competitor> = claimants.into_iter().map(with_path).collect();
+        let mut competitors: Vec<Competitor> = claimants.into_iter().map(with_path).collect();
+        let alone = begun_first(&competitors);
+        competitors.iter_mut().zip(alone).for_each(|(each, counts)| each.claimant.begun = counts);
+        competitors.sort_by(|a, b| by_priority(&a.claimant, &b.claimant));
         let varies = competitors.iter().any(|each| {
             let id = each.claimant.id;
             priority::moves(agent, id, true) || priority::reads_inputs(agent, id)
@@ -145,6 +147,23 @@ impl Competitor {
         let mut needs = self.claimant.needs.iter();
         own < others && needs.any(|need| other.claimant.needs.iter().any(|each| each.resource == need.resource))
     }
+}
+
+/// Which of them go first among equals because they have begun: not those that one goes before which has not begun. It would
+/// come before its own equals with them: who fills a gap would make room for who had to leave it.
+fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
+    let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for (index, each) in competitors.iter().enumerate() {
+            let held_back = || competitors.iter().zip(&counts).any(|(other, begun)| !begun && other.goes_before(each));
+            if counts.get(index).is_some_and(|begun| *begun) && held_back() {
+                changed = true;
+                counts.iter_mut().skip(index).take(1).for_each(|begun| *begun = false);
+            }
+        }
+    }
+    counts
 }
 
 /// The task and its ancestors from the root down, with their ranks.

@@ -248,10 +248,17 @@ impl Twin {
     }
 
     /// Better claimants have lower keys.
-    fn key(&self, task: usize) -> impl PartialOrd + use<> {
-        let waits_to_begin = !matches!(self.states[task], State::Ongoing | State::Interrupted);
+    fn key(&self, task: usize, competitors: &[usize]) -> impl PartialOrd + use<> {
+        let waits_to_begin = self.waits_to_begin(task, competitors);
         let parent = self.nodes[task].parent.map_or(0, |parent| self.born[parent]);
         (-self.priority(task), waits_to_begin, parent, task, self.born[task])
+    }
+
+    /// The task has not begun, or one goes before it that has not.
+    fn waits_to_begin(&self, task: usize, competitors: &[usize]) -> bool {
+        let mut ahead = competitors.iter().filter(|each| self.goes_before(**each, task));
+        !matches!(self.states[task], State::Ongoing | State::Interrupted)
+            || ahead.any(|each| self.waits_to_begin(*each, competitors))
     }
 
     fn share(&self, a: usize, b: usize) -> bool {
@@ -326,7 +333,8 @@ impl Twin {
 
     /// Again and again the best of those that are left, or else the best of those that go before it, and so on.
     fn order(&self, mut left: Vec<usize>) -> Vec<usize> {
-        let better = |a: usize, b: usize| if self.key(b) < self.key(a) { b } else { a };
+        let all = left.clone();
+        let better = |a: usize, b: usize| if self.key(b, &all) < self.key(a, &all) { b } else { a };
         let mut order = Vec::new();
         while let Some(mut next) = left.iter().copied().reduce(better) {
             while let Some(ahead) = left.iter().copied().filter(|each| self.goes_before(*each, next)).reduce(better) {
