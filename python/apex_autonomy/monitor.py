@@ -36,6 +36,9 @@ class Monitor:
     created : Instant, optional
         The instant from which on evidence counts, as if the task that waits for the condition were created then. By
         default everything counts.
+    gaps : bool, default False
+        Results tell the largest sampling gap within them, ``Result.gap_s_max``. Every sample then costs more; without,
+        it is None.
 
     Raises
     ------
@@ -66,16 +69,30 @@ class Monitor:
     6.5
     >>> print(results[1])
     (roll-angle uav) from 3s to 6.5s, 8 samples
+
+    How dense the samples were that a result rests on:
+
+    >>> monitor = Monitor("(:episode (rssi uav) :quality :no-constraints :value (< 20))", gaps=True)
+    >>> results = monitor.extend([1.0, 2.0, 6.0, 6.5, 7.0], [15.0, 12.0, 14.0, 11.0, 40.0])
+    >>> monitor.finish()[-1].gap_s_max
+    4.0
     """
 
-    def __init__(self, condition: str, *, library: str | Path | None = None, created: Instant | None = None) -> None:
+    def __init__(
+        self,
+        condition: str,
+        *,
+        library: str | Path | None = None,
+        created: Instant | None = None,
+        gaps: bool = False,
+    ) -> None:
         source = folder = None
         if isinstance(library, Path):
             source, folder = (str(library), library.read_text(encoding="utf-8")), library.parent
         elif library is not None:
             source = ("the library", library)
         created_ns = None if created is None else instant_ns(created)
-        self._session = Session(condition, library=source, folder=folder, created_ns=created_ns)
+        self._session = Session(condition, library=source, folder=folder, created_ns=created_ns, gaps=gaps)
         self._condition = condition
         if self._session.warnings:
             warnings.warn(self._session.warnings, UserWarning, stacklevel=2)

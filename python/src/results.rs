@@ -156,6 +156,14 @@ impl Result {
         Ok(is_closed(&self.told()?.telling))
     }
 
+    /// float or None: The largest time without a sample within the runs that the result rests on, in seconds; None without
+    /// ``gaps=True``, and where no run of more than one sample came in order.
+    #[getter]
+    fn gap_s_max(&self) -> PyResult<Option<f64>> {
+        let gaps = self.told()?.gaps.iter().map(|gap| (gap.end - gap.start).seconds());
+        Ok(gaps.max_by(f64::total_cmp))
+    }
+
     /// dict: What variables and tags of the condition are bound to, by name without ``?``.
     #[getter]
     fn bindings<'py>(&self, python: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

@@ -29,16 +29,20 @@ pub(crate) struct Session {
 #[pymethods]
 impl Session {
     #[new]
-    #[pyo3(signature = (condition, *, library=None, folder=None, created_ns=None))]
+    #[pyo3(signature = (condition, *, library=None, folder=None, created_ns=None, gaps=false))]
     fn new(
         condition: &str,
         library: Option<(String, String)>,
         folder: Option<PathBuf>,
         created_ns: Option<i64>,
+        gaps: bool,
     ) -> PyResult<Session> {
         let Ready { condition, library, host, warnings } = read(condition, library, folder)?;
         let variables = condition.ground_variables().into_iter().map(Variable).collect();
         let mut session = MonitorSession::new(library, host).map_err(ConditionError::new_err)?;
+        if gaps {
+            session = session.with_gaps();
+        }
         let created_at = created_ns.map(Time);
         let watch = session
             .watch(condition, created_at.unwrap_or(Time::BEGINNING))

@@ -163,6 +163,18 @@ def test_strided_arrays_and_integers_are_taken():
     assert len(monitor.extend(np.arange(20)[::2], values)) + len(monitor.finish()) == 9
 
 
+def test_the_largest_gap_is_told_where_it_is_asked_for():
+    condition = "(:episode (rssi uav) :quality :no-constraints :value (< 20))"
+    t, rssi = [1.0, 2.0, 6.0, 6.5, 7.0, 30.0], [15.0, 12.0, 14.0, 11.0, 40.0, 40.0]
+    silent, telling = Monitor(condition), Monitor(condition, gaps=True)
+    for monitor, gap_s_max in ((silent, None), (telling, 4.0)):
+        results = [*monitor.extend(t, rssi), *monitor.finish()]
+        assert results[-1].gap_s_max == gap_s_max
+        assert (results[-1].start_s, results[-1].end_s) == (1.0, 6.5)
+    alone = Monitor(condition, gaps=True)
+    assert [result.gap_s_max for result in [*alone.push(1, 15.0), *alone.finish()]][-1] is None
+
+
 def test_variables_and_symbols_are_values():
     assert Variable("(a x)") == Variable("(A X)")
     assert len({Symbol("a"), Symbol("A")}) == 1

@@ -90,6 +90,7 @@ codes! {
     RESEMBLES "W0513" "A name looks like a misspelling of another one.";
     UNBOUNDED_MEMORY "W0514" "What a clause keeps has no bound.";
     WORD_LIKE_VARIABLE "W0515" "A word has the name of a variable, and lacks its question mark.";
+    OWN_TAG "W0516" "A message is waited for with the name of the step that waits.";
     NO_END "N0601" "A concurrent procedure has no terminate step and no end-when clause.";
 }
 

@@ -30,7 +30,8 @@ impl MonitorSession {
             if later.first().is_some_and(|next| *next > self.world.now) {
                 self.end_instant();
             }
-            loop {
+            // Who wants to know the gaps is shown every sample.
+            while self.spacings.is_none() {
                 let passed = self.pass_by(variable, instants, values);
                 if passed == 0 {
                     break;

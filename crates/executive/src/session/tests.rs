@@ -94,6 +94,20 @@ fn the_largest_gap_of_a_run_is_told_when_asked_for() {
     }
 }
 
+#[test]
+fn gaps_are_the_same_for_samples_that_come_as_arrays() {
+    let condition = "(:episode (roll-angle uav) :quality :no-constraints :value (> 15))";
+    let seconds = [1.0, 2.0, 6.0, 6.5, 7.0, 8.0, 9.0];
+    let values = [20.0, 21.0, 22.0, 23.0, 3.0, 3.0, 3.0];
+    let (session, _) = session(condition, 1.0);
+    let mut session = session.with_gaps();
+    session.samples(&roll("uav"), &seconds.map(at), &values);
+    session.finish();
+    let results = session.take_results();
+    let lengths: Vec<_> = results.last().unwrap().gaps.iter().map(|gap| gap.length().seconds()).collect();
+    assert_eq!(lengths, [4.0]);
+}
+
 fn session_over(condition: &str) -> MonitorSession {
     let (mut session, _) = session(condition, 0.0);
     for second in [1.0, 2.0, 6.0, 8.0] {

@@ -16,6 +16,7 @@ pub(crate) mod locate;
 mod loops;
 mod memory;
 mod methods;
+mod own_tag;
 mod probes;
 mod profiles;
 mod resemblance;
@@ -77,6 +78,7 @@ pub(crate) fn analyse(library: &Library, names: &Names, fragment: bool, foreign:
     let caught = loops::check(&program, &mut report);
     flow::check(&program, &caught, &mut report);
     limits::check(&program, &mut report);
+    own_tag::check(&program, &mut report);
     probes::check(&program, &mut report);
     profiles::check(&program, &mut report);
     served::check(&program, &mut report);
