@@ -21,6 +21,18 @@ const COMPETITORS: &str = "
 (primitive (index (look)) (profile camera) (on-start (command (look))))
 ";
 
+/// Families with ranks and rising urgency: each member's urgency may count for another, so each pair may cross.
+const FAMILIES: &str = "
+(procedure :ranked (index (do-domain))
+  (step alarm (look) (waitfor (alarm)) (responding) (priority :urgency 9 :importance 10))
+  (step all (family ?n) (forall ?n in (range COUNT)) (priority :urgency 3 :importance 2)))
+(procedure :ranked (index (family ?n))
+  (step first (work ?n) (priority 1) (priority :urgency 4 :importance 3))
+  (step second (work ?n) (priority :urgency 2 :importance 6)))
+(primitive (index (work ?n)) (profile camera) (on-start (command (work ?n))))
+(primitive (index (look)) (profile camera) (duration 10ms))
+";
+
 const COUNTS: [usize; 4] = [100, 1_000, 10_000, 100_000];
 
 fn acknowledged(command: apex_model::effect::CommandId) -> EventKind {
@@ -77,5 +89,21 @@ fn interrupt_and_resume(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, interrupt_and_resume);
+/// An instant at which all are compared and the next crossing of their priorities is looked for.
+fn urgent_families(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("crossings");
+    group.sample_size(10).warm_up_time(WARM_UP).measurement_time(MEASUREMENT);
+    for count in [4, 16, 64] {
+        let mut driven = Driven::new(&library(&FAMILIES.replace("COUNT", &count.to_string())));
+        group.bench_function(BenchmarkId::new("ranked families with urgency", count), |bencher| {
+            bencher.iter(|| {
+                let alarm = driven.batch(EventKind::Occurrence(Value::list([Value::symbol("alarm")])));
+                black_box(driven.step(&alarm));
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, interrupt_and_resume, urgent_families);
 criterion_main!(benches);

@@ -128,6 +128,20 @@ fn priorities_that_only_touch_do_not_cross() {
     agree(&[Clause::Line(2.7, 0.16)], &[Clause::Hill(24.0)]).unwrap();
 }
 
+/// Bounds never tell two rising priorities of one kind apart, so nothing may be searched between them.
+#[test]
+fn equals_that_rise_together_need_no_further_look() {
+    let clauses = "(interrupt-cost 0) (priority 2) (priority :urgency 6 :importance 2)";
+    let pdl = format!(
+        "(procedure (index (do-domain))
+           (step holder (use) {clauses}) (step waiting (use) (waitfor (go)) {clauses}))
+         (primitive (index (use)) (profile tool) (on-start (command (use))))"
+    );
+    let mut agent = agent(&pdl);
+    step(&mut agent, &Batch { now: seconds(0.0), events: vec![support::message(0.0, "(go)")] });
+    assert_eq!(next_look(&agent), None);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(300), failure_persistence: None, max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
     #[test]

@@ -72,7 +72,7 @@ impl Maker<'_> {
             step.profile = vec![Need { resource: word("r3"), amount: None }];
         }
         step.hooks = self.hooks(None);
-        if self.dice.chance(40) {
+        if self.dice.chance(60) {
             step.clauses = self.clauses(around.tags, around.about, false);
         }
         if self.dice.chance(self.taste.failures) {

@@ -5,18 +5,19 @@
 
 use crate::control::arbitration::{Arbitration, Loss, Refusal};
 use crate::control::conflict;
-use crate::control::crossing::Contest;
+use crate::control::crossing::{self, Defender};
+use crate::control::curve::Curve;
 use crate::control::transition::{Trigger, transition};
 use crate::control::{competition, line, resources};
 use crate::control::{interruption, priority, termination};
 use crate::cycle::{Cycle, in_order};
 use crate::planted::{self, Bug};
+use apex_model::agent::Agent;
 use apex_model::because::{Because, Cause, Share};
 use apex_model::effect::DecisionKind;
 use apex_model::quantity::Dimension;
 use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{TaskId, TaskState};
-use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
 use std::collections::BTreeMap;
@@ -219,13 +220,11 @@ fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     contests.dedup();
     concerned.sort_unstable();
     concerned.dedup();
-    let mut at: Option<Time> = None;
-    for (rival, holder) in contests {
-        for challenger in refusal.stands_for.iter().copied() {
-            let contest = Contest { agent: cycle.agent, challenger, rival, holder };
-            at = [at, contest.next_look(cycle.now)].into_iter().flatten().min();
-        }
-    }
+    let agent: &Agent = cycle.agent;
+    let challengers: Vec<Curve<'_>> = refusal.stands_for.iter().map(|id| Curve::new(agent, *id, cycle.now)).collect();
+    let defender = |(rival, holder): (TaskId, Option<TaskId>)| Defender::new(agent, rival, holder, cycle.now);
+    let defenders: Vec<Defender<'_>> = contests.into_iter().map(defender).collect();
+    let at = crossing::next_look(agent, &challengers, &defenders, cycle.now);
     if concerned.iter().any(|each| priority::reads_inputs(cycle.agent, *each)) {
         cycle.agent.unsteady.insert(loser);
     }

@@ -8,6 +8,7 @@ pub(crate) mod conflict;
 pub(crate) mod contention;
 pub(crate) mod correspondence;
 pub(crate) mod crossing;
+pub(crate) mod curve;
 pub(crate) mod enablement;
 pub(crate) mod failure;
 pub(crate) mod hooks;

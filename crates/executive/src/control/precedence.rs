@@ -52,7 +52,7 @@ impl Precedence {
         competitors.sort_by(|a, b| by_priority(&a.claimant, &b.claimant));
         let varies = competitors.iter().any(|each| {
             let id = each.claimant.id;
-            priority::moves(agent, id, true) || priority::reads_inputs(agent, id)
+            priority::moves(agent, id) || priority::reads_inputs(agent, id)
         });
         let (places, stand_for) = (BTreeMap::new(), RefCell::default());
         let mut precedence = Precedence { competitors, places, varies, stand_for };

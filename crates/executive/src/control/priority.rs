@@ -4,6 +4,7 @@
 //! Bound: O(depth) per task.
 //! PDL: `priority`, section 9.  Paper: section III, priority of competitors.
 
+use crate::control::curve::Rise;
 use crate::control::moving::{self, Bounds};
 use crate::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate};
@@ -123,7 +124,11 @@ fn deadline(urgency: f64, created_at: Time) -> Time {
 
 /// Urgency rises as the deadline nears, and is 10 from half a second before it on.
 fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
-    let left = (deadline(urgency, created_at) - at).seconds();
+    urgency_before(deadline(urgency, created_at), at)
+}
+
+fn urgency_before(due: Time, at: Time) -> f64 {
+    let left = (due - at).seconds();
     if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
 }
 
@@ -164,15 +169,19 @@ pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
         })
 }
 
-/// True when what the task brings to a conflict changes by the passing of time; its interrupt cost counts `with_cost`.
-pub(crate) fn moves(agent: &Agent, id: TaskId, with_cost: bool) -> bool {
-    let moves = |expr: &Expr| moving::moves(expr, &agent.library);
-    with_cost && cost_clause(agent, id).is_some_and(|(expr, _)| moves(expr))
+/// True when what the task brings to a conflict changes by the passing of time.
+pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
+    cost_moves(agent, id)
         || clauses_above(agent, id).any(|(task, clause)| match clause {
             _ if recovery_span(agent, task).is_some() => true,
-            PriorityClause::Number(expr) => moves(expr),
+            PriorityClause::Number(expr) => moving::moves(expr, &agent.library),
             PriorityClause::UrgencyImportance(..) => true,
         })
+}
+
+/// True when what it costs to interrupt the task changes by the passing of time.
+pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
+    cost_clause(agent, id).is_some_and(|(expr, _)| moving::moves(expr, &agent.library))
 }
 
 /// The priority clauses of the task and of its ancestors.
@@ -185,12 +194,48 @@ fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &Pri
     })
 }
 
-/// Between which values the priority stays from `from` to `to`, while only time passes.
-pub(crate) fn bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
-    let counts = |task: &Task| task.id == id || task.state != TaskState::Interrupted;
-    let clauses = clauses_above(agent, id).filter(|(task, _)| counts(task));
-    let all = clauses.filter_map(|(task, clause)| clause_bounds(agent, task, clause, from, to));
-    all.reduce(Bounds::greater).unwrap_or(Bounds { low: 0.0, high: 0.0 })
+/// The clauses of the task, and those of its ancestors that are not interrupted.
+pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
+    clauses_above(agent, id).filter(move |(task, _)| task.id == id || task.state != TaskState::Interrupted)
+}
+
+/// How a priority clause goes on while nothing but time passes.
+pub(crate) enum Kind {
+    /// It has no number.
+    Absent,
+    /// It stays.
+    Steady(f64),
+    /// It rises with its urgency until that is 10.
+    Rising(Rise),
+    /// It moves in some other way; [`clause_bounds`] tells what is known.
+    Other,
+}
+
+/// How the clause goes on from `now`.
+pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> Kind {
+    let parts: &[&Expr] = match clause {
+        PriorityClause::Number(expr) => &[expr],
+        PriorityClause::UrgencyImportance(urgency, importance) => &[urgency, importance],
+    };
+    if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| moving::moves(expr, &agent.library)) {
+        return Kind::Other;
+    }
+    let view = View { agent, task: task.id, level: Level::Step, now };
+    let found = match clause {
+        PriorityClause::Number(expr) => number(expr, &view).map(Kind::Steady),
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            number(urgency, &view).zip(number(importance, &view)).map(|(urgency, importance)| {
+                let (due, importance) = (deadline(urgency, created(task)), importance.clamp(0.0, 10.0));
+                Kind::Rising(Rise { importance, due })
+            })
+        }
+    };
+    found.unwrap_or(Kind::Absent)
+}
+
+/// What a priority that rises with its urgency is at `at`.
+pub(crate) fn risen(agent: &Agent, rise: Rise, at: Time) -> f64 {
+    combined(urgency_before(rise.due, at), rise.importance, agent.workload)
 }
 
 /// Between which values stays what it costs to interrupt the task.
@@ -208,7 +253,13 @@ pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bo
 }
 
 /// Urgency, recovery and what is made of them only rise, so their ends are their bounds.
-fn clause_bounds(agent: &Agent, task: &Task, clause: &PriorityClause, from: Time, to: Time) -> Option<Bounds> {
+pub(crate) fn clause_bounds(
+    agent: &Agent,
+    task: &Task,
+    clause: &PriorityClause,
+    from: Time,
+    to: Time,
+) -> Option<Bounds> {
     let view = View { agent, task: task.id, level: Level::Step, now: from };
     let value = match clause {
         PriorityClause::Number(expr) => moving::bounds(expr, &view, to)?,
