@@ -300,9 +300,12 @@ pub enum ExportFormat {
 /// `apex plan`
 #[derive(Args)]
 pub struct PlanOptions {
-    /// The mission's folder, or its `mission.pdl`; a problem in a file of JSON; or a test mission, such as
-    /// `small-fixed-fixed-8-uniform` or `small-fixed-fixed-8-uniform@7`.
+    /// The mission's folder, or its `mission.pdl`; a problem in a file of JSON, or in a benchmark's format (TOPTW, Solomon,
+    /// OPLib, TSPLIB); or a test mission, such as `small-fixed-fixed-8-uniform` or `small-fixed-fixed-8-uniform@7`.
     pub mission: PathBuf,
+    /// Vehicles to plan for; plans are for one, also where a benchmark's file names more.
+    #[arg(long, value_name = "NUMBER")]
+    pub vehicles: Option<usize>,
     /// Use this solver instead of the one that solver selection chooses.
     #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,

@@ -4,6 +4,7 @@
 //! instead of the wind triangle), so that a planner's mistake is not made twice.
 //! Bound: O(visits x targets) quadratures for surveillance; O(route length / 5 km x (zones + landing places)) else.
 
+mod given_times;
 mod single_visit;
 mod surveillance;
 

@@ -94,7 +94,18 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Features {
     let mut features = features(&positions, variation(&values), 0.0, 0.0);
     let tour_m = 0.7124 * libm::sqrt(features.count as f64 * features.area_m2);
     let time_s = problem.vehicle.endurance_s - problem.vehicle.endurance_reserve_s;
-    features.tour_share = tour_m / problem.vehicle.true_airspeed_mps / time_s;
+    features.tour_share = match &problem.travel {
+        // The quickest way into each target: no tour is shorter.
+        Some(travel) => {
+            let into_s = |to: usize| {
+                let from = (0..features.count).filter(|from| *from != to).map(|from| travel.between(from, to));
+                from.fold(travel.start_to(to), f64::min)
+            };
+            (0..features.count).map(into_s).sum::<f64>()
+                / (problem.end_s.unwrap_or(time_s) - problem.start_s).min(time_s)
+        }
+        None => tour_m / problem.vehicle.true_airspeed_mps / time_s,
+    };
     features
 }
 

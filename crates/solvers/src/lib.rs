@@ -7,6 +7,7 @@ pub mod anytime;
 pub mod bound;
 pub mod checker;
 pub mod features;
+pub mod formats;
 pub mod nearest_neighbour;
 pub mod random;
 pub mod single_visit;

@@ -125,7 +125,31 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
             return Err(format!("The timing of target {} has a factor outside 0..1.", target.name));
         }
     }
+    problem.travel.as_ref().map_or(Ok(()), |travel| given_times(problem, travel))?;
     precedence(problem)
+}
+
+/// Travel times given as numbers: one for each pair, and nothing beside them that a vehicle in the air would need.
+fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(), String> {
+    let TravelTimes { from_start_s, between_s, to_base_s } = travel;
+    let count = problem.targets.len();
+    let square = between_s.len() == count && between_s.iter().all(|row| row.len() == count);
+    if from_start_s.len() != count || !square || (problem.base.is_some() && to_base_s.len() != count) {
+        return Err(format!("The travel times do not fit {count} targets: give one row and one column per target."));
+    }
+    let mut times = from_start_s.iter().chain(to_base_s).chain(between_s.iter().flatten());
+    if times.any(|time_s| time_s.is_nan() || *time_s < 0.0) {
+        return Err("A travel time is negative or not a number.".to_string());
+    }
+    let flown = [
+        (!problem.zones.is_empty(), "zones"),
+        (problem.landing_distance_m_max.is_some(), "a distance to landing places"),
+        (!problem.wind.layers.is_empty(), "wind"),
+    ];
+    match flown.iter().find(|(given, _)| *given) {
+        Some((_, what)) => Err(format!("The problem has travel times and {what}; leave one of the two out.")),
+        None => Ok(()),
+    }
 }
 
 fn precedence(problem: &SingleVisitProblem) -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
-use super::plan_question::{self, Question};
+use super::plan_question::{self, Benchmark, Question};
 use crate::mission::deliberator::{Deliberation, solve, translate};
 use crate::options::PlanOptions;
 use crate::output;
@@ -8,6 +8,7 @@ use crate::telling::{name_width, named, wrapped};
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
+use apex_solvers::formats;
 use std::fmt::Write;
 
 /// Gap below which rounding is all that is left.
@@ -18,20 +19,29 @@ const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out 
 
 /// Plans and prints.
 pub fn run(options: &PlanOptions) -> Outcome {
-    let Question { name, problem, budget, seed, mission } = plan_question::read(options)?;
+    let Question { name, problem, budget, seed, mission, benchmark } = plan_question::read(options)?;
     if options.problem {
         return output::print_line(serde_json::json!(problem));
     }
     if options.pdl && mission.is_none() {
         return Err(Trouble::user("only a mission's plan can be a PDL procedure").help("leave `--pdl` out"));
     }
+    let before_s = cpu_s();
     let solved = solve(problem, options.solver.as_deref(), budget, seed)
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
+    let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
     if options.json {
+        let tour = benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
+        let (value, bound) = value_and_bound(&solved.plan, tour);
         return output::print_line(serde_json::json!({
             "mission": name,
+            "format": benchmark.as_ref().map(|benchmark| benchmark.format),
+            "vehicles": benchmark.as_ref().and_then(|benchmark| benchmark.vehicles),
             "reason": solved.reason,
+            "value": value,
+            "bound": bound,
             "work_units": solved.work,
+            "cpu_s": cpu_s,
             "plan": solved.plan,
         }));
     }
@@ -40,8 +50,39 @@ pub fn run(options: &PlanOptions) -> Outcome {
     }
     let mut text = String::new();
     // Writing to a string cannot fail.
+    let _ = write_benchmark(&mut text, &name, benchmark.as_ref());
     let _ = write_table(&mut text, &solved);
     output::print(text)
+}
+
+/// Time that this thread has spent on a processor; none where the system does not tell.
+fn cpu_s() -> Option<f64> {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+/// What the plan is worth (a cost or the length of a tour where less is better), and what no plan can do better than.
+fn value_and_bound(plan: &Plan, tour: bool) -> (f64, Option<f64>) {
+    match plan {
+        Plan::SingleVisit(plan) if tour => (plan.costs, None),
+        Plan::SingleVisit(plan) => (plan.benefits, plan.benefits_bound),
+        Plan::Surveillance(plan) => (plan.expected_cost, plan.expected_cost_bound),
+    }
+}
+
+/// What a benchmark's file is taken for.
+fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) -> std::fmt::Result {
+    let Some(Benchmark { format, asked, vehicles }) = benchmark else { return Ok(()) };
+    let asked = match asked {
+        formats::Question::OrienteeringWithWindows => "the most value within windows",
+        formats::Question::Orienteering => "the most value within a length",
+        formats::Question::Tour => "the shortest tour of all",
+    };
+    writeln!(out, "{name}: {format}; wanted is {asked}")?;
+    match vehicles {
+        Some(vehicles) if *vehicles != 1 => writeln!(out, "the file names {vehicles} vehicles; this is a plan for one"),
+        _ => Ok(()),
+    }
 }
 
 fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {

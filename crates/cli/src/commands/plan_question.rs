@@ -1,4 +1,5 @@
-//! What `apex plan` is asked: a mission, a problem in a file of JSON, or a test mission by the name of its cell.
+//! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
+//! of its cell.
 
 use crate::mission::Mission;
 use crate::mission::bookkeeping::Bookkeeping;
@@ -9,6 +10,7 @@ use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::problem::Problem;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use apex_solvers::formats;
 use apex_solvers::test_missions::Cell;
 use std::path::Path;
 
@@ -27,7 +29,22 @@ pub(super) struct Question {
     pub(super) seed: u64,
     /// The mission and its goal, if it is one's.
     pub(super) mission: Option<(Mission, Value)>,
+    /// What a benchmark's file says beside the problem.
+    pub(super) benchmark: Option<Benchmark>,
 }
+
+/// What a benchmark's file says beside the problem.
+pub(super) struct Benchmark {
+    /// The format, in words.
+    pub(super) format: &'static str,
+    /// What is asked.
+    pub(super) asked: formats::Question,
+    /// Vehicles that the file names.
+    pub(super) vehicles: Option<usize>,
+}
+
+/// Extensions of benchmark files; other files are looked into.
+const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
 
 /// Finds out what is asked.
 ///
@@ -40,9 +57,12 @@ pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
         of_cell(&text)?
     } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         of_file(path)?
+    } else if path.is_file() {
+        of_benchmark(path)?
     } else {
         of_mission(path)?
     };
+    refuse_fleets(options.vehicles, &question)?;
     if let Some(budget) = &options.budget {
         let end = parse_time(budget, "--budget")?;
         if end <= Time::ZERO {
@@ -67,7 +87,14 @@ fn of_cell(text: &str) -> Outcome<Question> {
         Trouble::user(format!("{number} is no number of a test mission")).help(format!("write for example `{cell}@7`"))
     })?;
     let problem = Problem::Surveillance(cell.mission(number));
-    Ok(Question { name: format!("{cell}@{number}"), problem, budget: BUDGET_DEFAULT, seed: 1, mission: None })
+    Ok(Question {
+        name: format!("{cell}@{number}"),
+        problem,
+        budget: BUDGET_DEFAULT,
+        seed: 1,
+        mission: None,
+        benchmark: None,
+    })
 }
 
 fn of_file(path: &Path) -> Outcome<Question> {
@@ -79,7 +106,47 @@ fn of_file(path: &Path) -> Outcome<Question> {
             .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
     })?;
     let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
-    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None })
+    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark: None })
+}
+
+/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
+fn of_benchmark(path: &Path) -> Outcome<Question> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if extension == "pdl" {
+        return of_mission(path);
+    }
+    let text = read_text(path)?;
+    if !BENCHMARKS.contains(&extension.as_str()) && !formats::is_one(&text) {
+        return of_mission(path);
+    }
+    let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
+    let instance = formats::read(&name, &text).map_err(|trouble| {
+        let place = format!("{}:{}:{}", path.display(), trouble.line, trouble.column);
+        Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
+            .because(trouble.reason)
+            .help(trouble.help)
+    })?;
+    let formats::Instance { name, format, question, vehicles, problem } = instance;
+    let benchmark = Some(Benchmark { format, asked: question, vehicles });
+    let problem = Problem::SingleVisit(problem);
+    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark })
+}
+
+/// Plans are for one vehicle; whoever asks for more is told.
+fn refuse_fleets(vehicles: Option<usize>, question: &Question) -> Outcome {
+    match vehicles {
+        None | Some(1) => Ok(()),
+        Some(more) => {
+            let named = question.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles);
+            let reason = match named {
+                Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
+                None => "a plan is the path of one vehicle".to_string(),
+            };
+            Err(Trouble::user(format!("{more} vehicles cannot be planned for"))
+                .because(reason)
+                .help("leave `--vehicles` out to plan for one"))
+        }
+    }
 }
 
 fn of_mission(path: &Path) -> Outcome<Question> {
@@ -88,7 +155,7 @@ fn of_mission(path: &Path) -> Outcome<Question> {
     let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
         .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
     let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
-    Ok(Question { name, problem, budget, seed, mission: Some((mission, goal)) })
+    Ok(Question { name, problem, budget, seed, mission: Some((mission, goal)), benchmark: None })
 }
 
 /// The goal and budget of the mission's first declared solver.

@@ -117,6 +117,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
         wind: mission.forecast.clone(),
         crew: mission.crew.clone(),
         failure: mission.failure,
+        travel: None,
     })
 }
 

@@ -1,6 +1,6 @@
 //! The single-visit problem: see a subset of targets once each, in the best order and way (paper, section II.B).
 
-use super::{AirspaceZone, LandingPlace, LeftOut, Position, TimeWindow, WindField};
+use super::{AirspaceZone, LandingPlace, LeftOut, Position, TimeWindow, TravelTimes, WindField};
 use serde::{Deserialize, Serialize};
 
 /// Choose targets, order and manoeuvres so that the mission score is highest.
@@ -38,6 +38,10 @@ pub struct SingleVisitProblem {
     pub crew: Vec<CrewMember>,
     /// What failure would cost.
     pub failure: FailureTerm,
+    /// Travel times given as numbers: from the start, between targets (from the end of an observation to where the next
+    /// begins), to the base. Airspace, wind and altitudes then play no part, and positions are for display. None: the
+    /// vehicle flies, and times follow from speed, wind and airspace.
+    pub travel: Option<TravelTimes>,
 }
 
 /// Something to be observed once.

@@ -1,6 +1,7 @@
 //! The checker's own look at a single-visit plan: flies it in short steps, with its own arithmetic for wind, polygons,
 //! fuel and worth.
 
+use super::given_times;
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
 use apex_geo::{sun, wind};
 use apex_model::problem::{
@@ -37,17 +38,21 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         let entry = manoeuvre.lines.first().map_or(target.position, |(from, _)| *from);
         let leg = Leg { to: &visit.target, from_m: altitude_m, to_m: manoeuvre.altitude_m };
-        if visit.depart_s < time_s - 1e-6 {
-            found.push(format!("leaves for {} before the visit before has ended", visit.target));
+        if problem.travel.is_none() {
+            if visit.depart_s < time_s - 1e-6 {
+                found.push(format!("leaves for {} before the visit before has ended", visit.target));
+            }
+            ends_meet(&visit.route, here, entry, &visit.target, &mut found);
+            fly(problem, &visit.route, &leg, (visit.depart_s, visit.arrive_s), &mut found);
         }
-        ends_meet(&visit.route, here, entry, &visit.target, &mut found);
-        fly(problem, &visit.route, &leg, (visit.depart_s, visit.arrive_s), &mut found);
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
         (altitude_m, time_s) = (manoeuvre.altitude_m, visit.end_s);
     }
-    if let Some(base) = problem.base {
+    if let Some(travel) = &problem.travel {
+        given_times::legs(problem, travel, plan, &mut found);
+    } else if let Some(base) = problem.base {
         let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
         fly(problem, &plan.return_route, &leg, (time_s, plan.end_s), &mut found);

@@ -11,6 +11,7 @@ mod moves;
 mod plan;
 pub mod schedule;
 mod search;
+mod steady;
 mod travel;
 
 #[cfg(test)]

@@ -227,6 +227,12 @@ impl<'a> Schedule<'a> {
         self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
     }
 
+    /// The spans in which the observation of a target by a manoeuvre may begin.
+    pub(super) fn windows(&self, target: usize, manoeuvre: usize) -> &[TimeWindow] {
+        let windows = self.windows.get(target).and_then(|windows| windows.get(manoeuvre));
+        windows.map_or(&[], Vec::as_slice)
+    }
+
     /// The targets that must come before `target`.
     pub(super) fn earlier(&self, target: usize) -> &[usize] {
         self.earlier.get(target).map_or(&[], Vec::as_slice)

@@ -3,7 +3,7 @@
 use super::schedule::{Choice, Judged, Schedule};
 use crate::random::Generator;
 use apex_model::problem::Plan;
-use apex_model::solver::{Budget, Environment};
+use apex_model::solver::{Budget, Environment, WorkBudget};
 
 /// Ruins in a row without a better plan after which the search ends by itself.
 pub(super) const STALE_ROUNDS_MAX: usize = 300;
@@ -41,9 +41,13 @@ pub(super) fn run(
     troubles: &[Option<String>],
     environment: &mut Environment<'_>,
 ) -> Candidate {
+    let usable: Vec<usize> =
+        troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
+    if let Some(order) = super::steady::run(schedule, &usable, environment) {
+        return longest_flown(schedule, order);
+    }
     let seed = environment.seed;
     let report = &mut *environment.report;
-    let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
     let random = Generator::new(seed);
     let mut search =
         Search { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
@@ -80,6 +84,22 @@ pub(super) fn run(
         }
     }
     best
+}
+
+/// `order` judged; should the judge find something too late after all, without what is last.
+fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
+    let mut free = WorkBudget::new(u64::MAX);
+    loop {
+        match schedule.judge(&order, &mut free) {
+            Ok(judged) => return Candidate { order, judged },
+            Err(_) if order.is_empty() => {
+                let end_s = schedule.problem.start_s;
+                let judged = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
+                return Candidate { order, judged };
+            }
+            Err(_) => drop(order.pop()),
+        }
+    }
 }
 
 fn tell(search: &mut Search<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {

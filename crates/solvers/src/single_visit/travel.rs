@@ -8,7 +8,7 @@ use apex_geo::geodesy::Position;
 use apex_geo::passage::{ChangingWind, Passage};
 use apex_geo::route::{Router, Spot};
 use apex_geo::wind::LegProfile;
-use apex_model::problem::SingleVisitProblem;
+use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 use std::collections::BTreeMap;
 
 /// Looks for a route whose time fits the span for which airspace was looked at.
@@ -154,11 +154,17 @@ impl<'a> Travel<'a> {
 
     /// Time from `from` to `to`, leaving at `depart_s`; none where there is no way.
     pub(crate) fn time_s(&mut self, from: Node, to: Node, depart_s: f64) -> Option<f64> {
+        if let Some(travel) = &self.problem.travel {
+            return given_s(travel, from, to);
+        }
         self.find(from, to, depart_s).ok().map(|(_, time_s)| time_s)
     }
 
     /// No way from `from` to `to` takes less than this.
     pub(crate) fn time_s_min(&self, from: Node, to: Node) -> f64 {
+        if let Some(travel) = &self.problem.travel {
+            return given_s(travel, from, to).unwrap_or(f64::INFINITY);
+        }
         let (Some((start, _)), Some((end, _))) = (self.places.get(self.number(from)), self.places.get(self.number(to)))
         else {
             return 0.0;
@@ -171,6 +177,10 @@ impl<'a> Travel<'a> {
     /// # Errors
     /// A phrase that says what stands in the way, for example "inside restricted area R-2515".
     pub(crate) fn way(&mut self, from: Node, to: Node, depart_s: f64) -> Result<Way, String> {
+        if let Some(travel) = &self.problem.travel {
+            let time_s = given_s(travel, from, to).ok_or("no way leads there")?;
+            return Ok(Way { route: vec![place(self.problem, from).0, place(self.problem, to).0], time_s });
+        }
         let (known, time_s) = self.find(from, to, depart_s).map_err(|known| self.trouble(known))?;
         match self.known.get(known) {
             Some(Ok(known)) => Ok(Way { route: known.route.clone(), time_s }),
@@ -332,6 +342,17 @@ impl<'a> Travel<'a> {
         let at = |time_s: f64| self.zone_changes_s.partition_point(|change_s| *change_s <= time_s);
         (at(from_s), at(until_s))
     }
+}
+
+/// A travel time given as a number; none where there is no way.
+fn given_s(travel: &TravelTimes, from: Node, to: Node) -> Option<f64> {
+    let time_s = match (from, to) {
+        (Node::Start, Node::Entry(to, _)) => travel.start_to(to),
+        (Node::Exit(from, _), Node::Entry(to, _)) => travel.between(from, to),
+        (Node::Exit(from, _), Node::Base) => travel.to_base(from),
+        _ => UNREACHABLE_S,
+    };
+    (time_s < UNREACHABLE_S).then_some(time_s)
 }
 
 /// Where a node is and at which altitude.

@@ -1,0 +1,66 @@
+//! Benchmark files of orienteering and touring: TOPTW (Solomon and Cordeau), OPLib, TSPLIB.
+//!
+//! Text in, [`SingleVisitProblem`] out, or where the text is wrong, why, and what to do. Which format it is follows from
+//! the content. `docs/reference/planning-problems.md` tells the conventions.
+//! Bound: O(length of the text + targets squared); more than `validate::TARGETS_MAX` targets are refused before they are read.
+
+mod distance;
+pub mod generate;
+mod pose;
+mod solomon;
+mod toptw;
+mod trouble;
+mod tsplib;
+mod words;
+
+pub use trouble::FormatTrouble;
+
+use apex_model::problem::SingleVisitProblem;
+
+/// What a file asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The most value within time windows and a closing time.
+    OrienteeringWithWindows,
+    /// The most value within a length.
+    Orienteering,
+    /// The shortest tour of all.
+    Tour,
+}
+
+/// A problem as a file tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    /// Its name: the file's own, or that of the file.
+    pub name: String,
+    /// The format, in words.
+    pub format: &'static str,
+    /// What is asked.
+    pub question: Question,
+    /// Vehicles (paths) that the file names; the problem is that of one.
+    pub vehicles: Option<usize>,
+    /// The problem.
+    pub problem: SingleVisitProblem,
+}
+
+/// Is `text` meant to be one of these formats? Looks at its first words only.
+pub fn is_one(text: &str) -> bool {
+    tsplib::is_one(text) || solomon::is_one(text) || toptw::is_one(text)
+}
+
+/// Reads `text`; `name` serves where the text tells none.
+///
+/// # Errors
+/// The place, what is wrong there, and what to do.
+pub fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
+    if tsplib::is_one(text) {
+        tsplib::read(name, text)
+    } else if solomon::is_one(text) {
+        solomon::read(name, text)
+    } else {
+        toptw::read(name, text)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,29 @@
+//! What is wrong with a benchmark file, for people.
+
+use std::fmt;
+
+/// A mistake in a file: the place, what, why, and what to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FormatTrouble {
+    /// From 1; 0 where the file as a whole is meant.
+    pub line: usize,
+    /// From 1, in characters.
+    pub column: usize,
+    /// The line's text.
+    pub text: String,
+    /// What is wrong.
+    pub message: String,
+    /// Why it is wrong.
+    pub reason: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl fmt::Display for FormatTrouble {
+    /// `3:7: x is not a number (the profit of vertex 2): write a number`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: {} ({}): {}", self.line, self.column, self.message, self.reason, self.help)
+    }
+}
+
+impl std::error::Error for FormatTrouble {}

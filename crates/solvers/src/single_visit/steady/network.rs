@@ -1,0 +1,196 @@
+//! A problem whose ways take the same time at every departure, in whole ticks: nodes, legs, windows, neighbours.
+//!
+//! A node is a target with one of its manoeuvres in one of its windows. Ticks are whole numbers, so that times found by
+//! different ways of summing are equal, and they are rounded so that what fits in ticks fits in seconds.
+
+use super::super::schedule::Schedule;
+use apex_model::problem::{SingleVisitProblem, TravelTimes};
+
+/// The node where every route begins.
+pub(super) const START: u32 = 0;
+/// The node where every route ends.
+pub(super) const END: u32 = 1;
+/// The first node that is a visit.
+pub(super) const FIRST: u32 = 2;
+/// A leg that cannot be flown: three of them still fit into 32 bits.
+pub(super) const NO_WAY: i32 = 1 << 29;
+/// Ticks of the longest flight: a leg besides fits.
+const TICKS_MAX: f64 = (1_u32 << 27) as f64;
+/// More nodes than this are left to the general search: the table of legs would not fit.
+const NODES_MAX: usize = 6_000;
+/// Two times nearer than this share of a tick are the same.
+const SAME_TICKS: f64 = 1e-6;
+/// Nodes that a node has for neighbours, each way.
+const NEIGHBOURS: usize = 24;
+
+/// One way to visit one target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Node {
+    pub(super) target: u32,
+    pub(super) manoeuvre: u32,
+    /// First and last tick at which the visit may begin.
+    pub(super) open: i32,
+    pub(super) close: i32,
+    pub(super) value: f64,
+}
+
+/// The problem in ticks.
+pub(super) struct Network {
+    pub(super) nodes: Vec<Node>,
+    pub(super) targets: usize,
+    legs: Vec<i32>,
+    /// For each node those that are quickly reached from it or that quickly reach it, nearest first.
+    pub(super) near: Vec<Vec<u32>>,
+    /// What each tick of flight costs.
+    pub(super) cost_per_tick: f64,
+}
+
+impl Network {
+    /// The network of a problem with given travel times; none where order, timing or costs need the general search.
+    pub(super) fn new(schedule: &Schedule<'_>, usable: &[usize]) -> Option<Network> {
+        let problem = schedule.problem;
+        let travel = problem.travel.as_ref()?;
+        let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
+        let risky = problem.failure.probability_per_hour != 0.0;
+        if timed || risky || !problem.precedence.is_empty() {
+            return None;
+        }
+        let span_s = schedule.limit_s - problem.start_s;
+        let tick_s = tick_s(span_s)?;
+        let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s));
+        for index in usable {
+            let Some(target) = problem.targets.get(*index) else { continue };
+            for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
+                let value = target.value * data.quality.product();
+                for window in schedule.windows(*index, manoeuvre) {
+                    let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
+                    // The window's end is not in it.
+                    let close = (libm::ceil((close / tick_s).min(TICKS_MAX) - SAME_TICKS) as i32).saturating_sub(1);
+                    let open = ceil_ticks(open.max(0.0).min(span_s + 1.0), tick_s);
+                    if open <= close && value > 0.0 {
+                        let (target, manoeuvre) = (*index as u32, manoeuvre as u32);
+                        nodes.push(Node { target, manoeuvre, open, close, value });
+                    }
+                }
+            }
+        }
+        if nodes.len() > NODES_MAX {
+            return None;
+        }
+        let legs = legs(problem, travel, &nodes, tick_s);
+        let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
+        let mut network = Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), cost_per_tick };
+        network.tighten();
+        network.near = network.neighbours();
+        Some(network)
+    }
+
+    /// Ticks from the beginning of the visit `from` to the arrival at `to`.
+    #[inline(always)]
+    pub(super) fn leg(&self, from: u32, to: u32) -> i32 {
+        self.legs.get(from as usize * self.nodes.len() + to as usize).copied().unwrap_or(NO_WAY)
+    }
+
+    #[inline(always)]
+    pub(super) fn node(&self, node: u32) -> Node {
+        const NOWHERE: Node = Node { target: 0, manoeuvre: 0, open: 0, close: -1, value: 0.0 };
+        self.nodes.get(node as usize).copied().unwrap_or(NOWHERE)
+    }
+
+    /// Last tick at which a route may end.
+    pub(super) fn limit(&self) -> i32 {
+        self.node(END).close
+    }
+
+    /// All nodes that are visits.
+    pub(super) fn visits(&self) -> std::ops::Range<u32> {
+        FIRST..self.nodes.len() as u32
+    }
+
+    /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached.
+    fn tighten(&mut self) {
+        for node in FIRST..self.nodes.len() as u32 {
+            let (first, last) = (self.leg(START, node), self.limit() - self.leg(node, END));
+            if let Some(node) = self.nodes.get_mut(node as usize) {
+                node.open = node.open.max(first.min(NO_WAY));
+                node.close = node.close.min(last);
+            }
+        }
+    }
+
+    fn neighbours(&self) -> Vec<Vec<u32>> {
+        let of = |node: u32| {
+            let mut all: Vec<(i32, u32)> = self
+                .visits()
+                .filter(|other| *other != node)
+                .map(|other| (self.leg(node, other).min(self.leg(other, node)), other))
+                .collect();
+            if all.len() > NEIGHBOURS {
+                all.select_nth_unstable(NEIGHBOURS);
+                all.truncate(NEIGHBOURS);
+            }
+            all.sort_unstable();
+            all.into_iter().map(|(_, other)| other).collect()
+        };
+        (0..self.nodes.len() as u32).map(of).collect()
+    }
+}
+
+fn terminal_nodes(limit: i32) -> Vec<Node> {
+    let terminal = |close| Node { target: u32::MAX, manoeuvre: 0, open: 0, close, value: 0.0 };
+    vec![terminal(0), terminal(limit)]
+}
+
+/// The finest power of ten of a second in which the flight has not too many ticks.
+fn tick_s(span_s: f64) -> Option<f64> {
+    let mut tick_s = 1e-6;
+    while span_s / tick_s > TICKS_MAX {
+        tick_s *= 10.0;
+        if tick_s > 1e9 {
+            return None;
+        }
+    }
+    Some(tick_s)
+}
+
+fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
+    libm::ceil((time_s / tick_s).min(f64::from(NO_WAY)) - SAME_TICKS) as i32
+}
+
+fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
+    libm::floor((time_s / tick_s).min(f64::from(NO_WAY))) as i32
+}
+
+/// The table of legs, each with the visit that it begins with.
+fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick_s: f64) -> Vec<i32> {
+    let duration_s = |node: &Node| {
+        let target = problem.targets.get(node.target as usize);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(node.manoeuvre as usize));
+        manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s)
+    };
+    let mut legs = vec![NO_WAY; nodes.len() * nodes.len()];
+    let count = nodes.len();
+    for (from, data) in nodes.iter().enumerate() {
+        let stay_s = if from >= FIRST as usize { duration_s(data) } else { 0.0 };
+        let Some(row) = legs.get_mut(from * count..(from + 1) * count) else { continue };
+        let times = match from as u32 {
+            START => Some(&travel.from_start_s),
+            END => None,
+            _ => travel.between_s.get(data.target as usize),
+        };
+        let Some(times) = times else { continue };
+        for (slot, to) in row.iter_mut().zip(nodes).skip(FIRST as usize) {
+            if let Some(time_s) = times.get(to.target as usize).filter(|_| to.target != data.target) {
+                *slot = ceil_ticks(stay_s + time_s, tick_s);
+            }
+        }
+        let home_s = match (from as u32, problem.base) {
+            (START, _) | (_, None) => Some(0.0),
+            _ => travel.to_base_s.get(data.target as usize).copied(),
+        };
+        if let Some((slot, home_s)) = row.get_mut(END as usize).zip(home_s) {
+            *slot = ceil_ticks(stay_s + home_s, tick_s);
+        }
+    }
+    legs
+}

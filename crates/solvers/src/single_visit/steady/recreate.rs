@@ -1,0 +1,101 @@
+//! Putting visits back: each missing node, in an order of chance, at its best place if it fits.
+
+use super::network::{Network, Node};
+use super::route::{Place, Route};
+use crate::random::Generator;
+
+/// How missing nodes are ordered for insertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// Any.
+    Chance,
+    /// The most valuable first.
+    Value,
+    /// The most value for the way from the neighbourhood first.
+    Worth,
+    /// Those whose window closes first.
+    Closing,
+}
+
+/// Nodes that may be inserted, with their keys: memory used again and again.
+#[derive(Default)]
+pub(super) struct Recreation {
+    keys: Vec<(f64, u32)>,
+}
+
+impl Recreation {
+    /// Inserts of `missing` what fits; returns places looked at.
+    pub(super) fn run(
+        &mut self,
+        network: &Network,
+        route: &mut Route,
+        missing: impl Iterator<Item = u32>,
+        ease: &[f64],
+        chance: &mut Generator,
+    ) -> u64 {
+        let order = match chance.below(8) {
+            0 | 1 => Order::Chance,
+            2 | 3 => Order::Value,
+            4..=6 => Order::Worth,
+            _ => Order::Closing,
+        };
+        let blur = 0.2 + 0.6 * chance.unit();
+        self.keys.clear();
+        for node in missing {
+            let noise = 1.0 + blur * (chance.unit() - 0.5);
+            let data = network.node(node);
+            let key = match order {
+                Order::Chance => noise,
+                Order::Value => data.value * noise,
+                Order::Worth => data.value * noise * ease.get(node as usize).copied().unwrap_or(1.0),
+                Order::Closing => -f64::from(data.close) * noise,
+            };
+            self.keys.push((key, node));
+        }
+        self.keys.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
+        // Some places are overlooked, so that not always the same is found.
+        let blind = if chance.below(4) == 0 { 0 } else { 3 };
+        let mut looked = 0;
+        for index in 0..self.keys.len() {
+            let Some((_, node)) = self.keys.get(index).copied() else { break };
+            if route.sees(network, node) {
+                continue;
+            }
+            looked += route.stops.len() as u64;
+            if let Some(place) = best_place(network, route, node, blind, chance) {
+                route.insert(network, node, place.after);
+            }
+        }
+        looked
+    }
+}
+
+/// The place where `node` takes least; none where it fits nowhere, or costs more than it is worth.
+pub(super) fn best_place(
+    network: &Network,
+    route: &Route,
+    node: u32,
+    blind: usize,
+    chance: &mut Generator,
+) -> Option<Place> {
+    let Node { open, close, value, .. } = network.node(node);
+    let skip = if blind > 0 { chance.below(100) } else { usize::MAX };
+    let mut best: Option<(i64, Place)> = None;
+    for after in 0..route.stops.len() - 1 {
+        let Some(before) = route.stops.get(after) else { break };
+        if before.begin > close {
+            break;
+        }
+        if after % 33 == skip && blind > 0 {
+            continue;
+        }
+        let Some(place) = route.place(network, node, open, close, after) else { continue };
+        let price = 2 * i64::from(place.shift) + i64::from(place.longer);
+        if best.is_none_or(|(least, _)| price < least) {
+            best = Some((price, place));
+        }
+    }
+    let place = best.map(|(_, place)| place)?;
+    let cost = network.cost_per_tick * f64::from(place.end - route.end());
+    (value > cost).then_some(place)
+}

@@ -1,0 +1,150 @@
+//! The timetable against a naive twin, and that the search finds the best of small problems.
+
+use super::network::{END, FIRST, START};
+use super::*;
+use crate::formats;
+use crate::formats::generate::{self, Day, Family, Places};
+use crate::random::Generator;
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::solver::{Solver, WorkBudget};
+use proptest::prelude::*;
+
+fn small(seed: u64, count: usize) -> SingleVisitProblem {
+    let family = if seed.is_multiple_of(2) {
+        Family::Solomon(Places::Random, if seed.is_multiple_of(4) { Day::Short } else { Day::Long })
+    } else {
+        Family::Cordeau { targets: 48, wide: seed.is_multiple_of(3) }
+    };
+    let mut problem = formats::read("s", &generate::windows(family, 1 + seed % 11)).unwrap().problem;
+    let mut chance = Generator::new(seed);
+    while problem.targets.len() > count {
+        let out = chance.below(problem.targets.len());
+        problem.targets.remove(out);
+        let travel = problem.travel.as_mut().unwrap();
+        travel.from_start_s.remove(out);
+        travel.to_base_s.remove(out);
+        travel.between_s.remove(out);
+        for row in &mut travel.between_s {
+            row.remove(out);
+        }
+    }
+    problem
+}
+
+fn network(problem: &SingleVisitProblem) -> Network {
+    let usable: Vec<usize> = (0..problem.targets.len()).collect();
+    Network::new(&Schedule::new(problem).unwrap(), &usable).unwrap()
+}
+
+/// When a route ends, by going along it; none where something is too late.
+fn naive_end(network: &Network, visits: &[u32]) -> Option<i32> {
+    let (mut here, mut time) = (START, 0);
+    for next in visits.iter().copied().chain([END]) {
+        time = (time + network.leg(here, next)).max(network.node(next).open);
+        if time > network.node(next).close {
+            return None;
+        }
+        here = next;
+    }
+    Some(time)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+    #[test]
+    fn the_timetable_knows_what_going_along_the_route_shows(seed in 0..10_000u64) {
+        let problem = small(seed, 14);
+        let network = network(&problem);
+        let mut chance = Generator::new(seed);
+        let mut route = Route::new(&network);
+        for _ in 0..60 {
+            let node = FIRST + chance.below(network.visits().len()) as u32;
+            if route.sees(&network, node) {
+                let at = 1 + chance.below(route.count());
+                route.remove(&network, at, at + 1 + chance.below(2));
+            } else {
+                let visits: Vec<u32> = route.visits().collect();
+                let data = network.node(node);
+                for after in 0..=visits.len() {
+                    let mut with = visits.clone();
+                    with.insert(after, node);
+                    let place = route.place(&network, node, data.open, data.close, after);
+                    prop_assert_eq!(place.map(|place| place.end), naive_end(&network, &with));
+                }
+                let fits = |after: &usize| route.place(&network, node, data.open, data.close, *after).is_some();
+                if let Some(after) = (0..=visits.len()).find(fits) {
+                    route.insert(&network, node, after);
+                }
+            }
+            let visits: Vec<u32> = route.visits().collect();
+            prop_assert!(route.is_feasible());
+            prop_assert_eq!(Some(route.end()), naive_end(&network, &visits));
+            prop_assert_eq!(&route, &Route::of(&network, &visits));
+        }
+    }
+}
+
+fn solved(problem: &SingleVisitProblem, units: u64, seed: u64) -> SingleVisitPlan {
+    let mut budget = WorkBudget::new(units);
+    let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {} };
+    let problem = Problem::SingleVisit(problem.clone());
+    let plan = super::super::SingleVisit.solve(&problem, &mut environment).unwrap();
+    assert_eq!(crate::checker::violations(&problem, &plan), Vec::<String>::new());
+    match plan {
+        Plan::SingleVisit(plan) => plan,
+        Plan::Surveillance(_) => panic!("a single-visit problem has a single-visit plan"),
+    }
+}
+
+/// The highest value of all routes, by trying every one.
+fn highest(network: &Network, visits: &mut Vec<u32>) -> f64 {
+    let own: f64 = visits.iter().map(|node| network.node(*node).value).sum();
+    let mut best = own;
+    for node in network.visits() {
+        if !visits.contains(&node) {
+            visits.push(node);
+            if naive_end(network, visits).is_some() {
+                best = best.max(highest(network, visits));
+            }
+            visits.pop();
+        }
+    }
+    best
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn small_problems_are_solved_to_the_optimum_and_never_claim_a_bound_below_it(seed in 0..10_000u64) {
+        let problem = small(seed, 8);
+        let best = highest(&network(&problem), &mut Vec::new());
+        prop_assume!(best > 0.0);
+        let plan = solved(&problem, 3_000, seed);
+        prop_assert!((plan.benefits - best).abs() < 1e-9, "{} of {best}", plan.benefits);
+        prop_assert!(plan.benefits_bound.unwrap() >= best - 1e-9);
+    }
+}
+
+#[test]
+fn equal_seed_and_budget_give_an_equal_plan_and_more_budget_none_worse() {
+    let problem = small(5, 40);
+    let short = solved(&problem, 2_000, 9);
+    assert_eq!(short, solved(&problem, 2_000, 9));
+    assert!(solved(&problem, 20_000, 9).benefits >= short.benefits);
+}
+
+#[test]
+fn the_checker_refuses_a_leg_that_is_too_quick_and_a_return_too_late() {
+    let problem = small(4, 8);
+    let asked = Problem::SingleVisit(problem.clone());
+    let plan = solved(&problem, 1_000, 1);
+    let told = |change: &dyn Fn(&mut SingleVisitPlan)| {
+        let mut plan = plan.clone();
+        change(&mut plan);
+        crate::checker::violations(&asked, &Plan::SingleVisit(plan)).join("; ")
+    };
+    assert!(told(&|plan| plan.visits[1].depart_s += 1.0).contains("s for the way to"));
+    assert!(told(&|plan| plan.visits[1].depart_s -= 1.0).contains("before the visit before has ended"));
+    assert!(told(&|plan| plan.end_s -= 1.0).contains("is back after"));
+    assert!(told(&|plan| plan.visits[0].begin_s += 1e4).contains("outside its time windows"));
+}
