@@ -9,7 +9,9 @@
 //!
 //! A combination tells something new only at an instant at which one of its leaves has a new result, or at which a
 //! sample contradicts a leaf under `:not`; that intervals of runs grow, or that a run is over, makes nothing true here.
-//! So what reads growing intervals is no plain combination: constraints, delays, relations. Harvesting once too often
+//! So what reads growing intervals is no plain combination: constraints, delays, relations. Neither is an order or a
+//! conjunction of alternatives one of which is a `:not`: while another one makes it true, that one is left over for
+//! whatever sample comes next. Harvesting once too often
 //! is harmless, and never is one harvested too seldom.
 
 use super::plain_episode::{self, Bankable};
@@ -63,9 +65,10 @@ fn for_each_leaf<'a>(part: &'a Part, place: Place, act: &mut dyn FnMut(&'a Part,
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
             let alternatives = matches!(part.kind, PartKind::Or(_)) && place == Place::Alternative;
             let inner = if alternatives { place } else { Place::Inside };
-            // A `:not` in an order is an instant that moves with time.
+            // A `:not` in an order is an instant that moves with time; so is one that need not be used at once.
+            let one_of_many = matches!(part.kind, PartKind::Or(_)) && place == Place::Inside;
             let ordered = matches!(part.kind, PartKind::InOrder(_));
-            let moving = |part: &Part| ordered && matches!(part.kind, PartKind::Not(_));
+            let moving = |part: &Part| ordered && matches!(part.kind, PartKind::Not(_)) || one_of_many && denies(part);
             composite.constraints.is_empty()
                 && composite.shared.is_empty()
                 && composite.parts.iter().all(|part| !moving(part) && for_each_leaf(part, inner, act))
@@ -74,6 +77,17 @@ fn for_each_leaf<'a>(part: &'a Part, place: Place, act: &mut dyn FnMut(&'a Part,
             act(inner, Place::Negated);
             true
         }
+        _ => false,
+    }
+}
+
+/// Is there a `:not` in it?
+fn denies(part: &Part) -> bool {
+    match &part.kind {
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().any(denies)
+        }
+        PartKind::Not(_) => true,
         _ => false,
     }
 }

@@ -96,6 +96,15 @@ fn an_end_that_was_told_and_taken_back_is_not_told_again() {
     assert_eq!(told, run(&samples, &[text], &[], false).0);
 }
 
+#[test]
+fn what_another_alternative_left_over_is_told_at_the_next_sample() {
+    let text = "(:and (:or (:episode (x uav) :quality (:max-gap 1s) :value (> 0) :timing (:duration (>= 1s))) \
+                (:not (:episode (y uav) :quality :no-constraints :value (> 0) :timing (:duration (>= 0s))))))";
+    let samples = [(3, 1, 25), (1, 0, 27), (3, 0, 28)];
+    let (told, _) = run(&samples, &[text.to_string()], &[], true);
+    assert_eq!(told, run(&samples, &[text.to_string()], &[], false).0);
+}
+
 proptest! {
     #[test]
     fn banks_tell_of_combinations_what_monitors_would_tell(
