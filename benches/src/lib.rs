@@ -72,6 +72,7 @@ pub fn declaration() -> AgentDeclaration {
         bundles: Vec::new(),
         routers: Vec::new(),
         workload: apex_model::library::DEFAULT_WORKLOAD,
+        limits: apex_model::agent_limits::Limits::default(),
         place: Place::default(),
     }
 }

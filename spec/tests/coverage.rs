@@ -1,5 +1,6 @@
 //! Every construct of the language stands in the table of `docs/reference/pdl-coverage.md`, and on the page that it names.
 
+use apex_model::agent_limits::Limit;
 use apex_model::builtins::{ALIASES, BUILT_INS, INDEXICALS, SPECIAL_FORMS};
 use apex_model::quantity::UNITS;
 use apex_pdl::VOCABULARY;
@@ -25,7 +26,8 @@ fn every_word_that_the_checker_knows_has_a_row() {
     let indexicals = INDEXICALS.iter().map(|name| ("indexical", format!("+{name}+")));
     let units = UNITS.iter().map(|unit| ("unit", unit.name.to_string()));
     let words = VOCABULARY.iter().flat_map(|each| each.words.iter().map(|word| (each.kind, word.to_string())));
-    let known = functions.chain(indexicals).chain(units).chain(words);
+    let limits = Limit::ALL.iter().map(|limit| ("limit", limit.word().to_string()));
+    let known = functions.chain(indexicals).chain(units).chain(words).chain(limits);
     let missing: Vec<String> = known
         .filter(|(kind, word)| !rows.iter().any(|row| has(row, kind, &word.to_lowercase())))
         .map(|(kind, word)| format!("{kind} {word}"))

@@ -45,8 +45,10 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
         initial_task: declaration.initial_task.clone(),
         bundles: declaration.bundles.clone(),
         workload: declaration.workload,
+        limits: declaration.limits.clone(),
         ..Agent::default()
     };
+    agent.histories.limit(&agent.limits);
     monitoring::prepare(&mut agent.histories, &library);
     agent.attach(library, host);
     // No task: the checker lets nothing into a constant that would ask for one.

@@ -3,9 +3,10 @@
 //! What is derived here is what an agent obeys: [`crate::load`] prepares the histories by the same demands.
 
 use crate::monitoring;
+use apex_model::agent_limits::Limit;
 use apex_model::history::{Occurrence, Sample};
 use apex_model::library::Library;
-use apex_model::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX};
+use apex_model::limits::HISTORY_SAMPLES_DEFAULT;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
@@ -177,20 +178,26 @@ pub fn kept(library: &Library) -> Vec<Kept> {
     let declared = library.state_variables.keys().cloned().map(Subject::Attribute);
     let asked = demands.iter().map(|demand| demand.subject.clone()).chain([Subject::Messages]);
     let subjects: BTreeSet<Subject> = declared.chain(asked).collect();
+    let most = limit(library, Limit::HistorySamples);
     let of = |subject: Subject| {
         let own = demands.iter().filter(|demand| demand.subject == subject);
         match &subject {
-            Subject::Messages => messages(own),
-            Subject::EveryAttribute => samples(subject.clone(), own, None, Duration::ZERO),
+            Subject::Messages => messages(own, limit(library, Limit::EventHistory)),
+            Subject::EveryAttribute => samples(subject.clone(), own, None, Duration::ZERO, most),
             Subject::Attribute(name) => {
                 let declaration = library.state_variables.get(name);
                 let lateness = declaration.and_then(monitoring::lateness).unwrap_or_default();
                 let rate = declaration.and_then(|declared| declared.rate_per_s);
-                samples(subject.clone(), own.chain(everything.iter().copied()), rate, lateness)
+                samples(subject.clone(), own.chain(everything.iter().copied()), rate, lateness, most)
             }
         }
     };
     subjects.into_iter().map(of).collect()
+}
+
+/// The limit as the agents have it: of several the greatest.
+fn limit(library: &Library, limit: Limit) -> u64 {
+    library.crew().iter().map(|agent| agent.limits.of(limit)).max().unwrap_or_else(|| limit.most())
 }
 
 fn longest<'a>(demands: impl Iterator<Item = &'a Demand>) -> (Option<Duration>, Option<u64>) {
@@ -211,10 +218,11 @@ fn samples<'a>(
     demands: impl Iterator<Item = &'a Demand>,
     rate_per_s: Option<f64>,
     lateness: Duration,
+    most: u64,
 ) -> Kept {
     let (span, logged) = longest(demands);
     let span = span.map(|span| if span > Duration::ZERO { span + lateness } else { span });
-    let (least, most) = (HISTORY_SAMPLES_DEFAULT as u64, HISTORY_SAMPLES_MAX as u64);
+    let least = HISTORY_SAMPLES_DEFAULT as u64;
     let within = match (span, rate_per_s) {
         (None, _) => Some(most),
         (Some(Duration::ZERO), _) => Some(least),
@@ -227,9 +235,8 @@ fn samples<'a>(
     Kept { subject, span, count, bytes, rate_per_s, logged: logged.unwrap_or_default() }
 }
 
-fn messages<'a>(demands: impl Iterator<Item = &'a Demand>) -> Kept {
+fn messages<'a>(demands: impl Iterator<Item = &'a Demand>, count: u64) -> Kept {
     let (span, _) = longest(demands);
-    let count = EVENT_HISTORY_MAX as u64;
     let bytes = Some(count * size_of::<Occurrence>() as u64);
     Kept { subject: Subject::Messages, span, count: Some(count), bytes, rate_per_s: None, logged: 0 }
 }
@@ -296,8 +303,8 @@ pub fn report(library: &Library) -> String {
     for demand in demands.iter().filter(|demand| demand.is_unbounded()) {
         let (because, instead) = (demand.reason(), demand.help());
         let limit = match demand.subject {
-            Subject::Messages => EVENT_HISTORY_MAX,
-            Subject::Attribute(_) | Subject::EveryAttribute => HISTORY_SAMPLES_MAX,
+            Subject::Messages => limit(library, Limit::EventHistory),
+            Subject::Attribute(_) | Subject::EveryAttribute => limit(library, Limit::HistorySamples),
         };
         let _ = writeln!(text, "without bound, up to the limit of {limit}: {}: {}", place(demand), demand.text);
         let _ = writeln!(text, "  why: {because}");

@@ -10,16 +10,16 @@ use crate::control::{
 };
 use crate::cycle::{Cycle, Work};
 use apex_model::agent::Agent;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Batch, Event};
-use apex_model::limits::CASCADE_ROUNDS_MAX;
 use apex_model::task::{Origin, TaskId};
 use apex_model::time::Time;
 
 /// Rounds until the next task is ended, once an instant has been found to be restless.
-const RESTLESS_ROUNDS_MAX: u32 = 100;
+const RESTLESS_ROUNDS_MAX: u64 = 100;
 /// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
 const RESTLESS_TASKS_MAX: u32 = 100;
 
@@ -76,8 +76,8 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     let mut restless = 0;
     let mut rounds = 0;
     while !cycle.work.is_done() && !cycle.agent.is_finished() {
-        rounds += u32::from(!cycle.work.came_closer(cycle.agent.next.task));
-        if rounds > if restless == 0 { CASCADE_ROUNDS_MAX } else { RESTLESS_ROUNDS_MAX } {
+        rounds += u64::from(!cycle.work.came_closer(cycle.agent.next.task));
+        if rounds > if restless == 0 { cycle.agent.limits.of(Limit::CascadeRounds) } else { RESTLESS_ROUNDS_MAX } {
             rounds = 0;
             restless += 1;
             end_restless(cycle, restless > RESTLESS_TASKS_MAX);
@@ -126,7 +126,7 @@ fn end_restless(cycle: &mut Cycle<'_>, everything: bool) {
     let work = &cycle.work;
     let lists = [&work.starting, &work.claims, &work.enabled, &work.ready];
     let task = lists.iter().find_map(|list| list.first().copied()).or_else(|| watched(cycle));
-    let cause = Cause::LimitReached { limit: "CASCADE_ROUNDS_MAX".into(), value: u64::from(CASCADE_ROUNDS_MAX) };
+    let cause = cycle.agent.limits.reached(Limit::CascadeRounds);
     let place = task.and_then(|task| cycle.place_of(task));
     let because = Because::new(cause, place);
     let message = "this instant does not come to rest: tasks keep causing one another without time passing".to_string();

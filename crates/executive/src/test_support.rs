@@ -1,6 +1,7 @@
 //! Small surroundings for tests.
 
 use crate::expression::Surroundings;
+use apex_model::agent_limits::{Limits, UNLOWERED};
 use apex_model::bindings::Bindings;
 use apex_model::history::Histories;
 use apex_model::host::HostFunctions;
@@ -83,5 +84,8 @@ impl Surroundings for View {
     }
     fn host(&self) -> &HostFunctions {
         &self.host
+    }
+    fn limits(&self) -> &Limits {
+        UNLOWERED
     }
 }

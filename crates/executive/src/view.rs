@@ -2,6 +2,7 @@
 
 use crate::expression::Surroundings;
 use apex_model::agent::Agent;
+use apex_model::agent_limits::Limits;
 use apex_model::clause::Level;
 use apex_model::controller::{Controller, ProcedureController, Way};
 use apex_model::history::Histories;
@@ -85,6 +86,10 @@ impl Surroundings for View<'_> {
 
     fn this_task(&self) -> Option<TaskId> {
         Some(self.task)
+    }
+
+    fn limits(&self) -> &Limits {
+        &self.agent.limits
     }
 
     fn agent_name(&self) -> &Symbol {

@@ -1,5 +1,6 @@
 //! The agent: all state that can influence behaviour, in one value that can be cloned, compared and stored.
 
+use crate::agent_limits::Limits;
 use crate::clause::{MonitorId, Watch};
 use crate::controller::OpenCommand;
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
@@ -46,6 +47,9 @@ pub struct Agent {
     pub bundles: Vec<Symbol>,
     /// Its workload, 1 to 9, in the formula of urgency and importance.
     pub workload: f64,
+    /// Its limits.
+    #[serde(default)]
+    pub limits: Limits,
     /// The instant of the last step.
     pub now: Time,
     /// True when the first step was taken.
@@ -132,6 +136,7 @@ impl Default for Agent {
             initial_task: Value::list([Value::symbol("do-domain")]),
             bundles: Vec::new(),
             workload: crate::library::DEFAULT_WORKLOAD,
+            limits: Limits::default(),
             now: Time::BEGINNING,
             started: false,
             finished: None,

@@ -293,7 +293,7 @@ pub enum Cause {
     LimitReached {
         /// The limit's name in `limits.rs`.
         limit: String,
-        /// Its value.
+        /// Its value, as the agent may have lowered it.
         value: u64,
     },
     /// The operator answered.

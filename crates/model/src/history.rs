@@ -4,6 +4,7 @@
 //! policies ask for, within the hard limits of [`crate::limits`]. What was dropped is remembered as one instant, so
 //! that a question about the time before it is answered with "unknown", never with "no".
 
+use crate::agent_limits::{Limit, Limits};
 use crate::event::StateVariable;
 use crate::history_table::HistoryTable;
 use crate::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
@@ -65,6 +66,9 @@ pub struct History {
     pub missing_count: u64,
     /// The newest instant of a sample that is no longer kept.
     pub forgotten_until: Option<Time>,
+    /// Samples that conditions or logs ask for have been dropped, because there were more than the limit.
+    #[serde(default)]
+    overflowed: bool,
     retention: Retention,
 }
 
@@ -92,9 +96,27 @@ pub struct OpenLog {
     pub count: u64,
 }
 
+/// How much is kept whatever is asked for; by default the limits of the executive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Most {
+    samples: usize,
+    events: usize,
+}
+
+impl Default for Most {
+    fn default() -> Most {
+        Most { samples: HISTORY_SAMPLES_MAX, events: EVENT_HISTORY_MAX }
+    }
+}
+
 /// All histories of an agent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Histories {
+    #[serde(default)]
+    most: Most,
+    /// Messages that conditions ask for have been dropped, because there were more than the limit.
+    #[serde(default)]
+    events_overflowed: bool,
     variables: HistoryTable,
     lookbacks: BTreeMap<Symbol, Duration>,
     lookback_of_all: Duration,
@@ -144,13 +166,18 @@ impl History {
         self.samples.range(first..last)
     }
 
+    /// Has a sample been dropped that somebody may still ask for, because there were more than the limit?
+    pub fn has_overflowed(&self) -> bool {
+        self.overflowed
+    }
+
     /// True when every sample at or after `instant` is still kept.
     pub fn covers(&self, instant: Time) -> bool {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
-    /// Puts a sample in, within the lateness that was last asked for.
-    pub fn record(&mut self, sample: Sample) -> Recorded {
+    /// Puts a sample in, within the lateness that was last asked for; at most `samples_max` are kept.
+    pub fn record(&mut self, sample: Sample, samples_max: usize) -> Recorded {
         if matches!(&sample.value, Value::Real(real) if real.is_nan())
             || matches!(&sample.value, Value::Quantity(quantity) if quantity.si.is_nan())
         {
@@ -165,7 +192,7 @@ impl History {
                 Recorded::Appended
             }
         };
-        self.trim();
+        self.trim(samples_max);
         recorded
     }
 
@@ -195,7 +222,7 @@ impl History {
     }
 
     /// Drops what nobody may ask for any more; constant time on average.
-    fn trim(&mut self) {
+    fn trim(&mut self, samples_max: usize) {
         self.thin();
         let Some(newest) = self.samples.back().map(|sample| sample.at) else { return };
         let Retention { lookback, lateness, log_time, log_count, .. } = self.retention;
@@ -208,8 +235,11 @@ impl History {
             let next = self.samples.get(1).map_or(oldest, |sample| sample.at);
             let asked = lookback > Duration::ZERO && next > needed_from;
             let logged = log_count >= self.samples.len() && oldest >= log_from;
-            if (asked || logged) && self.samples.len() <= HISTORY_SAMPLES_MAX {
-                return;
+            if asked || logged {
+                if self.samples.len() <= samples_max {
+                    return;
+                }
+                self.overflowed = true;
             }
             self.samples.pop_front();
             self.forget(oldest);
@@ -241,6 +271,11 @@ impl History {
 }
 
 impl Histories {
+    /// Keeps no more than an agent with these limits may.
+    pub fn limit(&mut self, limits: &Limits) {
+        self.most = Most { samples: limits.count(Limit::HistorySamples), events: limits.count(Limit::EventHistory) };
+    }
+
     /// The history of `variable`, if it was ever measured.
     pub fn get(&self, variable: &StateVariable) -> Option<&History> {
         self.variables.get(variable)
@@ -261,27 +296,40 @@ impl Histories {
         self.variables.of_attribute(attribute)
     }
 
-    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all).
-    pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> Recorded {
+    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). True besides when
+    /// a sample that somebody may ask for was dropped for it, because of the limit, and none was before.
+    pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> (Recorded, bool) {
         if let Some(history) = self.variables.get_mut(variable) {
             history.retention.lateness = lateness;
-            return history.record(sample);
+            let before = history.overflowed;
+            let recorded = history.record(sample, self.most.samples);
+            return (recorded, history.overflowed && !before);
         }
         let mut history = History { retention: self.retention_of(variable), ..History::default() };
         history.retention.lateness = lateness;
-        let recorded = history.record(sample);
+        let recorded = history.record(sample, self.most.samples);
         self.variables.insert(variable.clone(), history);
-        recorded
+        (recorded, false)
     }
 
-    /// Puts a message into the memory of events.
-    pub fn record_event(&mut self, event: Occurrence) {
+    /// Puts a message into the memory of events. True when an earlier one that somebody may ask for was dropped for it,
+    /// because of the limit, and none was before.
+    pub fn record_event(&mut self, event: Occurrence) -> bool {
+        let before = self.events_overflowed;
+        self.keep_event(event);
+        self.events_overflowed && !before
+    }
+
+    fn keep_event(&mut self, event: Occurrence) {
         let index = self.events.partition_point(|kept| kept.at <= event.at);
         self.events.insert(index, event);
         while let Some(oldest) = self.events.front().map(|event| event.at) {
             let newest = self.events.back().map_or(oldest, |event| event.at);
-            if self.events.len() <= EVENT_HISTORY_MAX && newest - oldest <= self.event_lookback {
-                return;
+            if newest - oldest <= self.event_lookback {
+                if self.events.len() <= self.most.events {
+                    return;
+                }
+                self.events_overflowed |= newest > oldest;
             }
             self.events.pop_front();
             self.events_forgotten_until = Some(self.events_forgotten_until.map_or(oldest, |before| before.max(oldest)));

@@ -7,6 +7,7 @@
 //! This crate imports no other crate of Apex. It holds no clock, no I/O, no randomness.
 
 pub mod agent;
+pub mod agent_limits;
 pub mod because;
 pub mod bindings;
 pub mod builtins;

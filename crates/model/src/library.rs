@@ -1,5 +1,6 @@
 //! The checked library: everything an agent knows before it starts (`pdl.md` sections 1, 3, 5, 8).
 
+use crate::agent_limits::Limits;
 use crate::expression::{Expr, Parameters, Template};
 use crate::pattern::Pattern;
 use crate::procedure::{Primitive, Procedure};
@@ -155,6 +156,9 @@ pub struct AgentDeclaration {
     pub routers: Vec<RouterUse>,
     /// Its workload, 1 to 9: the more, the more counts importance against urgency.
     pub workload: f64,
+    /// Its limits, where it lowers any.
+    #[serde(default)]
+    pub limits: Limits,
     /// Where it stands.
     pub place: Place,
 }
@@ -174,6 +178,7 @@ impl AgentDeclaration {
             bundles: Vec::new(),
             routers: vec![RouterUse::everything(Symbol::new(DEFAULT_ROUTER), Place::default())],
             workload: DEFAULT_WORKLOAD,
+            limits: Limits::default(),
             place: Place::default(),
         }
     }

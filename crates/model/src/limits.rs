@@ -1,4 +1,5 @@
-//! Every limit of the core, with its reason. Loops over external input take their bound from here.
+//! Every limit of the core, with its reason. Loops over external input take their bound from here. Some may be lowered by an
+//! agent: [`crate::agent_limits`].
 
 /// Rounds of notice/enable/choose/contend/commit/act at one instant, but for those in which tasks only end: a chain of
 /// steps that take no time is as long as it is written, and comes to its end by itself.
@@ -15,7 +16,7 @@ pub const EVALUATION_STEPS_MAX: u64 = 1_000_000;
 pub const MATCH_STEPS_MAX: u64 = 10_000;
 /// Nesting of tasks: a procedure that calls itself without bound ends here, with a cause.
 pub const TASK_DEPTH_MAX: u32 = 200;
-/// Live tasks of one agent.
+/// Tasks of one agent, with the ended ones that siblings may still refer to: 600 MB of them.
 pub const TASKS_MAX: usize = 1_000_000;
 /// Items of one `forall`.
 pub const FORALL_ITEMS_MAX: usize = 100_000;

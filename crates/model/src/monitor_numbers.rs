@@ -160,6 +160,9 @@ pub struct Totals {
     pub held: HeldMoments,
     /// The numbers in order, where a median is wanted.
     pub ordered: Option<OrderedNumbers>,
+    /// There were more numbers than are kept in order: nothing is said of their median.
+    #[serde(default)]
+    pub is_overfull: bool,
     /// The window, where one slides.
     pub window: Option<Box<SlidingWindow>>,
 }

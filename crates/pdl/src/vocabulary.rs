@@ -1,7 +1,7 @@
 //! The words of the language outside of expressions, as the checker knows them: for tables that must be complete.
 
 use crate::check::FORMS;
-use crate::lower::{PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, REPEATING_OPTIONS, STEP_CLAUSES};
+use crate::lower::{AGENT_OPTIONS, PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, REPEATING_OPTIONS, STEP_CLAUSES};
 
 /// Words of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,11 +12,12 @@ pub struct Words {
     pub words: &'static [&'static str],
 }
 
-/// Every top-level form, clause and option of a repetition. Functions are in `apex_model::builtins`.
+/// Every top-level form, clause and option of a repetition or an agent. Functions are in `apex_model::builtins`.
 pub const VOCABULARY: &[Words] = &[
     Words { kind: "top-level form", words: FORMS },
     Words { kind: "clause of a procedure", words: PROCEDURE_CLAUSES },
     Words { kind: "clause of a step", words: STEP_CLAUSES },
     Words { kind: "clause of a primitive", words: PRIMITIVE_CLAUSES },
     Words { kind: "option of `repeating`", words: REPEATING_OPTIONS },
+    Words { kind: "option of an agent", words: AGENT_OPTIONS },
 ];

@@ -34,6 +34,7 @@ pub fn loaded(pdl: &str) -> Result<Agent, String> {
         bundles: Vec::new(),
         routers: Vec::new(),
         workload: apex_model::library::DEFAULT_WORKLOAD,
+        limits: apex_model::agent_limits::Limits::default(),
         place: Place::default(),
     };
     load(Arc::new(checked.library), &declaration, HostFunctions::default())

@@ -354,7 +354,12 @@ impl Scene<'_> {
                     matches!(effect, Effect::Decided(decision) if decision.because.cause == Cause::ItemOf { parent: self.id })
                 });
                 let count = made.count() as u64;
-                require(count == *items || count == 0, "it has another number of items")
+                // Where there was no room for all of them, it failed, and says so.
+                let full = self.step.effects.iter().any(|effect| {
+                    matches!(effect, Effect::Decided(decision) if decision.task == Some(self.id)
+                        && matches!(&decision.because.cause, Cause::LimitReached { limit, .. } if limit == "TASKS_MAX"))
+                });
+                require(count == *items || count == 0 || count < *items && full, "it has another number of items")
             }
             (Cause::NoProcedureMatched, Method::Solver(_)) => Ok(()),
             (Cause::PlanArrived { .. }, Method::Procedure(_)) => ends::plan_arrived(self.step, &self.because.cause),

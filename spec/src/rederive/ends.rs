@@ -8,6 +8,7 @@ use super::world::{Known, World};
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{Effect, Method};
 use apex_model::event::{EventKind, SolverReport};
+use apex_model::library::AgentDeclaration;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
@@ -30,11 +31,11 @@ pub(super) fn of_nobody(world: &World<'_>, step: &Step, because: &Because) -> Ch
             require(!message.is_empty() && (came || said), "nothing came in")
         }
         Cause::NobodyHears { message } => require(!message.is_empty(), "it says nothing"),
-        cause => of_expression_or_limit(because, cause),
+        cause => of_expression_or_limit(world, because, cause),
     }
 }
 
-fn of_expression_or_limit(because: &Because, cause: &Cause) -> Checked {
+fn of_expression_or_limit(world: &World<'_>, because: &Because, cause: &Cause) -> Checked {
     match cause {
         Cause::ExpressionFailed { message } => {
             require(!message.is_empty() && because.place.is_some(), "it names no place or no reason")
@@ -42,17 +43,38 @@ fn of_expression_or_limit(because: &Because, cause: &Cause) -> Checked {
         Cause::LimitReached { limit, value } => {
             let line = LIMITS.lines().find(|line| line.contains(&format!("pub const {limit}:")));
             let stated = line.and_then(|line| line.split_once("= ")).map(|(_, number)| number.replace(['_', ';'], ""));
-            require(stated == Some(value.to_string()), "no such limit, or it has another value")
+            // An agent may have lowered it: then its own text says so.
+            let word = limit.trim_end_matches("_MAX").to_lowercase().replace('_', "-");
+            let mut declared = world.library.agents.iter().flat_map(|agent| lowered(world, agent));
+            let lowered = declared.any(|(name, lowered)| name == word && lowered == value.to_string());
+            require(lowered || stated == Some(value.to_string()), "no such limit, or it has another value")
         }
         other => Err(format!("{} is no trouble", other.kind())),
     }
+}
+
+/// The words after `:limits` in the text of the agent's declaration, two by two.
+fn lowered(world: &World<'_>, agent: &AgentDeclaration) -> Vec<(String, String)> {
+    let source = usize::try_from(agent.place.file).ok().and_then(|file| world.library.sources.get(file));
+    let skipped = (agent.place.line as usize).saturating_sub(1);
+    let text: String =
+        source.map(|source| source.text.lines().skip(skipped).collect::<Vec<_>>().join(" ")).unwrap_or_default();
+    let Some((_, after)) = text.split_once(":limits") else { return Vec::new() };
+    let inside = after.split(')').next().unwrap_or_default().replace('(', " ");
+    let words: Vec<&str> = inside.split_whitespace().collect();
+    words
+        .chunks(2)
+        .filter_map(|pair| Some((pair.first()?.trim_start_matches(':').to_string(), pair.get(1)?.to_string())))
+        .collect()
 }
 
 /// Trouble of a task: it fails by it, or goes on in spite of it.
 pub(super) fn trouble(scene: &Scene<'_>) -> Checked {
     let because = scene.because;
     match &because.cause {
-        Cause::ExpressionFailed { .. } | Cause::LimitReached { .. } => of_expression_or_limit(because, &because.cause),
+        Cause::ExpressionFailed { .. } | Cause::LimitReached { .. } => {
+            of_expression_or_limit(scene.world, because, &because.cause)
+        }
         Cause::NobodyHears { .. } | Cause::InputRefused { .. } => of_nobody(scene.world, scene.step, because),
         Cause::ProbingStopped { waiting, probes, reason } => {
             require(*waiting == scene.id, "another task waits")?;
@@ -216,7 +238,7 @@ fn failed(scene: &Scene<'_>, own: &Known) -> Checked {
             require(asked.0.is_some_and(|by| by <= now), "it is not time")
         }
         Cause::NobodyHears { message } => require(!message.is_empty(), "it says nothing"),
-        cause => of_expression_or_limit(scene.because, cause),
+        cause => of_expression_or_limit(world, scene.because, cause),
     }
 }
 

@@ -9,13 +9,13 @@ use crate::cycle::Cycle;
 use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
 use crate::view::View;
 use apex_model::agent::Agent;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
 use apex_model::effect::DecisionKind;
 use apex_model::expression::Expr;
 use apex_model::index::StepIndex;
-use apex_model::limits::{TASK_DEPTH_MAX, TASKS_MAX};
 use apex_model::monitor::Window;
 use apex_model::procedure::{Activity, BuiltInActivity};
 use apex_model::source::Place;
@@ -48,12 +48,7 @@ pub(crate) struct Seed {
 /// The cause, when a limit on tasks is reached.
 pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause> {
     let depth = seed.parent.and_then(|parent| cycle.task(parent)).map_or(0, |parent| parent.depth + 1);
-    if depth > TASK_DEPTH_MAX {
-        return Err(Cause::LimitReached { limit: "TASK_DEPTH_MAX".into(), value: u64::from(TASK_DEPTH_MAX) });
-    }
-    if cycle.agent.tasks.len() >= TASKS_MAX {
-        return Err(Cause::LimitReached { limit: "TASKS_MAX".into(), value: TASKS_MAX as u64 });
-    }
+    room(cycle, seed.origin, depth)?;
     let id = TaskId(cycle.agent.next.task);
     cycle.agent.next.task += 1;
     let task = Task {
@@ -82,6 +77,22 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
     let kind = DecisionKind::Created { parent: seed.parent, tag, goal, place };
     cycle.decide(Some(id), kind, Because::new(seed.cause, place));
     Ok(id)
+}
+
+/// Is there room for one more task, at this depth? For what handles a failure there is always: it takes the place of the
+/// work that failed, and there is one for each task at the most.
+fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
+    let limits = &cycle.agent.limits;
+    if matches!(origin, Origin::OnFailure(_)) {
+        return Ok(());
+    }
+    if u64::from(depth) > limits.of(Limit::TaskDepth) {
+        return Err(limits.reached(Limit::TaskDepth));
+    }
+    if cycle.agent.tasks.len() >= limits.count(Limit::Tasks) {
+        return Err(limits.reached(Limit::Tasks));
+    }
+    Ok(())
 }
 
 /// The task's goal with what is bound now; unbound variables stay as they are written.

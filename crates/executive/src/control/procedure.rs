@@ -8,6 +8,7 @@ use crate::control::instantiation::{self, Seed};
 use crate::control::{binding, hooks, interruption, termination};
 use crate::cycle::Cycle;
 use crate::expression::instantiate;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::children::Children;
@@ -15,7 +16,6 @@ use apex_model::clause::Level;
 use apex_model::controller::{Controller, ItemsController, ProcedureController};
 use apex_model::event::StateVariable;
 use apex_model::history::OpenLog;
-use apex_model::limits::REPETITIONS_PER_INSTANT_MAX;
 use apex_model::procedure::{Procedure, ProcedureKind};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, Outcome, ProcedureRef, StepRef, TaskId, TaskState};
@@ -196,9 +196,9 @@ fn begin_again(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, now: 
     let Some(Controller::Procedure(controller)) = controller(cycle, id) else { return };
     controller.rounds = if controller.instant == now { controller.rounds + 1 } else { 1 };
     controller.instant = now;
-    if controller.rounds > REPETITIONS_PER_INSTANT_MAX {
-        let value = u64::from(REPETITIONS_PER_INSTANT_MAX);
-        let cause = Cause::LimitReached { limit: "REPETITIONS_PER_INSTANT_MAX".into(), value };
+    let rounds = u64::from(controller.rounds);
+    if rounds > cycle.agent.limits.of(Limit::RepetitionsPerInstant) {
+        let cause = cycle.agent.limits.reached(Limit::RepetitionsPerInstant);
         return termination::fail(cycle, id, Because::new(cause, Some(procedure.place)));
     }
     let cause = Cause::PlanBegunAgain { parent: id };

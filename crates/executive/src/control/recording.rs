@@ -6,11 +6,11 @@
 use crate::control::{monitoring_clauses, primitive, probing, question, repetition, termination};
 use crate::cycle::{Cycle, Said};
 use crate::deliberation::plan_adoption;
-use crate::monitoring;
+use crate::monitoring::{self, Stimulus};
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
 use apex_model::event::{Event, EventKind, Message, StateVariable};
-use apex_model::limits::EVENT_HISTORY_MAX;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
@@ -64,8 +64,12 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
 fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
     let number = arrival(cycle);
     let remembered = cycle.agent.histories.events_cover(cycle.now);
-    let stimulus = monitoring::record_event(&mut cycle.agent.histories, form, at, number);
+    let (stimulus, overflows) = monitoring::record_event(&mut cycle.agent.histories, form, at, number);
     cycle.work.stimuli.push(stimulus);
+    if overflows {
+        let message = monitoring::overflow_of_messages(&cycle.agent.limits);
+        overflow(cycle, Limit::EventHistory, message);
+    }
     if remembered && !cycle.agent.histories.events_cover(cycle.now) {
         forgets(cycle);
     }
@@ -74,17 +78,26 @@ fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
 /// Says once for each instant that messages of it are forgotten: who begins to listen now does not hear them. So a loop
 /// without time whose tasks send messages may end because of it.
 fn forgets(cycle: &mut Cycle<'_>) {
+    let most = cycle.agent.limits.of(Limit::EventHistory);
     let message = format!(
-        "more than {EVENT_HISTORY_MAX} messages at this instant: the oldest of them are forgotten, tasks made now do not \
+        "more than {most} messages at this instant: the oldest of them are forgotten, tasks made now do not \
          hear them; look for tasks that keep causing one another without time passing, or send fewer messages at once"
     );
-    let cause = Cause::LimitReached { limit: "EVENT_HISTORY_MAX".into(), value: EVENT_HISTORY_MAX as u64 };
+    overflow(cycle, Limit::EventHistory, message);
+}
+
+fn overflow(cycle: &mut Cycle<'_>, limit: Limit, message: String) {
+    let cause = cycle.agent.limits.reached(limit);
     cycle.decide(None, DecisionKind::Trouble { message }, Because::new(cause, None));
 }
 
 fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
     let number = arrival(cycle);
     let recording = monitoring::record_sample(&mut cycle.agent.histories, cycle.library, variable, value, at, number);
+    if let Some(Stimulus::Sample { variable, .. }) = recording.stimulus.as_ref().filter(|_| recording.overflows) {
+        let message = monitoring::overflow_of_samples(variable, &cycle.agent.limits);
+        overflow(cycle, Limit::HistorySamples, message);
+    }
     cycle.work.stimuli.extend(recording.stimulus);
     if let Some(message) = recording.trouble {
         cycle.trouble_of(None, Cause::InputRefused { message }, None);

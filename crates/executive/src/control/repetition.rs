@@ -9,11 +9,11 @@ use crate::control::transition::{Trigger, transition};
 use crate::control::{binding, monitoring_clauses, procedure, termination};
 use crate::cycle::Cycle;
 use crate::expression::evaluate;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::{Clause, Level};
 use apex_model::expression::Expr;
-use apex_model::limits::REPETITIONS_PER_INSTANT_MAX;
 use apex_model::monitor::Window;
 use apex_model::procedure::Repetition;
 use apex_model::step_clauses::StepClauses;
@@ -32,9 +32,9 @@ pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Ca
     let extras = task.extras_mut();
     extras.instances = if extras.instant == now { extras.instances + 1 } else { 1 };
     extras.instant = now;
-    if extras.instances > REPETITIONS_PER_INSTANT_MAX {
-        let value = u64::from(REPETITIONS_PER_INSTANT_MAX);
-        return Err(Cause::LimitReached { limit: "REPETITIONS_PER_INSTANT_MAX".into(), value });
+    let instances = u64::from(extras.instances);
+    if instances > cycle.agent.limits.of(Limit::RepetitionsPerInstant) {
+        return Err(cycle.agent.limits.reached(Limit::RepetitionsPerInstant));
     }
     Ok(())
 }

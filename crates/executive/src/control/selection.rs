@@ -10,6 +10,7 @@ use crate::deliberation::solver_selection;
 use crate::expression::{EvaluationError, evaluate, instantiate};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::specificity;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
@@ -17,7 +18,6 @@ use apex_model::controller::{Selection, Way};
 use apex_model::effect::{DecisionKind, Method};
 use apex_model::expression::Expr;
 use apex_model::index::Candidate;
-use apex_model::limits::FORALL_ITEMS_MAX;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, BuiltInActivity, Primitive, Procedure, ResourceNeed};
 use apex_model::resource::Need;
@@ -150,8 +150,8 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> 
         let message = format!("forall needs a list, and got {value}");
         return Err(Because::new(Cause::ExpressionFailed { message }, Some(list.place)));
     };
-    if items.len() > FORALL_ITEMS_MAX {
-        let cause = Cause::LimitReached { limit: "FORALL_ITEMS_MAX".into(), value: FORALL_ITEMS_MAX as u64 };
+    if items.len() > cycle.agent.limits.count(Limit::ForallItems) {
+        let cause = cycle.agent.limits.reached(Limit::ForallItems);
         return Err(Because::new(cause, Some(list.place)));
     }
     Ok(Choice {

@@ -8,12 +8,13 @@ use crate::control::termination;
 use crate::cycle::Cycle;
 use crate::deliberation::solver_selection;
 use crate::expression::evaluate;
+use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::{Controller, PlanningController};
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
-use apex_model::limits::{SOLVE_GRACE_S, SOLVE_REQUESTS_MAX, SOLVE_TIMEOUT_DEFAULT_S};
+use apex_model::limits::{SOLVE_GRACE_S, SOLVE_TIMEOUT_DEFAULT_S};
 use apex_model::symbol::Symbol;
 use apex_model::task::{Origin, TaskId};
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
@@ -57,8 +58,8 @@ fn ask(
     budget: Option<Duration>,
     pursue: bool,
 ) -> Result<(), Because> {
-    if cycle.agent.requests.len() >= SOLVE_REQUESTS_MAX {
-        let cause = Cause::LimitReached { limit: "SOLVE_REQUESTS_MAX".into(), value: SOLVE_REQUESTS_MAX as u64 };
+    if cycle.agent.requests.len() >= cycle.agent.limits.count(Limit::SolveRequests) {
+        let cause = cycle.agent.limits.reached(Limit::SolveRequests);
         return Err(Because::new(cause, cycle.place_of(id)));
     }
     let Some(declaration) = cycle.library.solvers.get(solver as usize).cloned() else { return Ok(()) };
@@ -109,7 +110,14 @@ fn meanwhile(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {
         after_sequence: None,
         cause: Cause::Meanwhile { parent: id },
     };
-    let Ok(child) = instantiation::create(cycle, seed) else { return };
+    let child = match instantiation::create(cycle, seed) {
+        Ok(child) => child,
+        // The plan is awaited all the same.
+        Err(cause) => {
+            let place = cycle.place_of(id);
+            return cycle.trouble_of(Some(id), cause, place);
+        }
+    };
     if let Some(Controller::Planning(controller)) =
         cycle.agent.task_mut(id).and_then(|task| task.controller.as_deref_mut())
     {

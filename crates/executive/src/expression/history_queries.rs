@@ -60,7 +60,7 @@ fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surround
         ("mean-over" | "min-over" | "max-over" | "samples-over", window @ ([_] | [_, _])) => {
             let (start, end) = span(window, surroundings.now())?;
             if !history.covers(start) && history.samples().next().is_none_or(|oldest| oldest.at > start) {
-                return Err(no_longer_kept(&variable, start));
+                return Err(no_longer_kept(history, &variable, start));
             }
             aggregate(name, history.between(start, end))
         }
@@ -74,11 +74,15 @@ fn value_of(sample: Option<&Sample>) -> Value {
 
 fn found(sample: Option<&Sample>, history: &History, variable: &StateVariable, at: Time) -> Outcome {
     let certain = sample.map_or(history.forgotten_until.is_none(), |sample| history.covers(sample.at));
-    if certain { Ok(value_of(sample)) } else { Err(no_longer_kept(variable, at)) }
+    if certain { Ok(value_of(sample)) } else { Err(no_longer_kept(history, variable, at)) }
 }
 
-fn no_longer_kept(variable: &StateVariable, at: Time) -> String {
-    format!("samples of {variable} around {at} are no longer kept; a (log {variable} ..) clause keeps them longer")
+fn no_longer_kept(history: &History, variable: &StateVariable, at: Time) -> String {
+    let instead = match history.has_overflowed() {
+        true => "there were more than are kept at the most: ask less far back".to_string(),
+        false => format!("a (log {variable} ..) clause keeps them longer"),
+    };
+    format!("samples of {variable} around {at} are no longer kept; {instead}")
 }
 
 fn span(window: &[Value], now: Time) -> Result<(Time, Time), String> {

@@ -1,5 +1,6 @@
 //! What an expression may see: the task's variables, the time, other tasks, histories, the library. Nothing else.
 
+use apex_model::agent_limits::Limits;
 use apex_model::bindings::Bindings;
 use apex_model::history::Histories;
 use apex_model::host::HostFunctions;
@@ -38,6 +39,8 @@ pub(crate) trait Surroundings {
     fn library(&self) -> &Library;
     /// Registered host functions.
     fn host(&self) -> &HostFunctions;
+    /// The agent's limits.
+    fn limits(&self) -> &Limits;
 }
 
 /// Surroundings with further variables on top: pattern bindings, a task's own bindings.
@@ -84,5 +87,8 @@ impl Surroundings for WithBindings<'_> {
     }
     fn host(&self) -> &HostFunctions {
         self.below.host()
+    }
+    fn limits(&self) -> &Limits {
+        self.below.limits()
     }
 }

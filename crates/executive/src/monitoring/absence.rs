@@ -8,7 +8,7 @@
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
 use super::episode::TICK;
-use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
+use super::{Asking, Site, Troubles, Truth, extents, remember_untold, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
@@ -145,7 +145,7 @@ fn note(part: &mut AbsentPart, now: Time) {
     if part.told != Some(part.since) {
         part.told = Some(part.since);
         let interval = (part.since, part.since + part.length);
-        remember(&mut part.found, result(&part.part, interval, now));
+        remember_untold(&mut part.found, result(&part.part, interval, now));
     }
 }
 

@@ -10,11 +10,11 @@
 use super::constraints::{Reading, prepare_as, satisfies_all_as, unit_of};
 use super::significance::slope_by_chance;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use apex_model::agent_limits::Limit;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition};
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;
-use apex_model::limits::CUSTOM_VALUES_MAX;
 use apex_model::moments::{HeldMoments, Moments};
 use apex_model::monitor_numbers::{Criterion, Measure};
 use apex_model::quantity::{Dimension, Quantity, Unit};
@@ -129,6 +129,8 @@ pub(super) struct Gathered {
     pub(super) held: HeldMoments,
     /// The middle one, where it is wanted.
     pub(super) median: Option<f64>,
+    /// There were more numbers than are kept in order.
+    pub(super) is_overfull: bool,
     /// The last two numbers, older first.
     pub(super) last_two: Option<(f64, f64)>,
     /// Some step does not satisfy the constraints on steps.
@@ -235,9 +237,10 @@ impl Bench<'_> {
     fn values(&self, (start, end): (Time, Time)) -> Result<Value, EvaluationError> {
         let history = self.surroundings.histories().get(self.variable);
         let samples = history.into_iter().flat_map(|history| history.between(start, end));
-        let values: Vec<Value> = samples.take(CUSTOM_VALUES_MAX + 1).map(|sample| sample.value.clone()).collect();
-        if values.len() > CUSTOM_VALUES_MAX {
-            let message = format!("the limit CUSTOM_VALUES_MAX = {CUSTOM_VALUES_MAX} of a condition was reached");
+        let most = self.surroundings.limits().count(Limit::CustomValues);
+        let values: Vec<Value> = samples.take(most.saturating_add(1)).map(|sample| sample.value.clone()).collect();
+        if values.len() > most {
+            let message = format!("the limit {} = {most} of a condition was reached", Limit::CustomValues.constant());
             return Err(EvaluationError { message, place: self.place });
         }
         Ok(Value::list(values))
@@ -272,7 +275,9 @@ fn computed(measure: &Measure, numbers: &Gathered) -> Result<f64, &'static str> 
         Measure::Difference => moments.least().zip(moments.greatest()).map(|(low, high)| high - low).ok_or(none),
         Measure::Least => moments.least().ok_or(none),
         Measure::Greatest => moments.greatest().ok_or(none),
-        Measure::Median => median.ok_or(none),
+        Measure::Median => {
+            median.ok_or(if numbers.is_overfull { "more numbers than are kept for a median" } else { none })
+        }
         Measure::HeldMean => held.mean().filter(|_| moments.count() > 0).ok_or(no_time),
         Measure::HeldVariance => held.variance().filter(|_| moments.count() > 0).ok_or(no_time),
         Measure::HeldStandardDeviation => {

@@ -13,12 +13,13 @@ use super::extents::{self, Extent, Extents};
 use super::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
 use super::{Asking, Site, Troubles, Truth, logic};
 use crate::expression::Surroundings;
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::AllenRelation;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
+use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{AllenPart, Chain, Side};
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::symbol::Symbol;
@@ -70,11 +71,11 @@ pub(super) fn advance(
     }
     let mut asking = Asking::new(surroundings);
     let mut extents: Vec<Extents> = part.parts.iter_mut().map(|each| extents::take(each, &mut asking)).collect();
-    let mut join = Join::new(part, &extents, asking.now);
+    let mut join = Join::new(part, &extents, surroundings);
     join.run();
     let Join { met, undecided, exhausted, .. } = join;
     if exhausted {
-        asking.troubles.limit("MONITOR_COMBINATIONS_MAX", MONITOR_COMBINATIONS_MAX as usize, site.place);
+        asking.troubles.reached(Limit::MonitorCombinations, surroundings, site.place);
     }
     part.undecided = undecided;
     let changes = extents.iter().filter_map(|each| each.changes_at);
@@ -164,15 +165,25 @@ struct Join<'a> {
     extents: &'a [Extents],
     now: Time,
     combinations: u64,
+    combinations_max: u64,
     met: Vec<(Chain, bool)>,
     undecided: bool,
     exhausted: bool,
 }
 
 impl<'a> Join<'a> {
-    fn new(part: &'a AllenPart, extents: &'a [Extents], now: Time) -> Join<'a> {
-        let relation = part.relation;
-        Join { relation, part, extents, now, combinations: 0, met: Vec::new(), undecided: false, exhausted: false }
+    fn new(part: &'a AllenPart, extents: &'a [Extents], surroundings: &dyn Surroundings) -> Join<'a> {
+        Join {
+            relation: part.relation,
+            part,
+            extents,
+            now: surroundings.now(),
+            combinations: 0,
+            combinations_max: surroundings.limits().of(Limit::MonitorCombinations),
+            met: Vec::new(),
+            undecided: false,
+            exhausted: false,
+        }
     }
 
     /// Each new result is the first new one of a chain, in order of parts: so no chain is met twice.
@@ -253,7 +264,7 @@ impl<'a> Join<'a> {
 
     fn meet(&mut self, chain: &[Item<'a>]) {
         self.combinations += 1;
-        if self.combinations > MONITOR_COMBINATIONS_MAX {
+        if self.combinations > self.combinations_max {
             self.exhausted = true;
             return;
         }

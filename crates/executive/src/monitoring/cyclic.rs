@@ -157,7 +157,7 @@ fn settle(part: &mut CyclicPart, site: Site, object: &Value, surroundings: &dyn 
         state.swing = swing;
     }
     if let Some(result) = found {
-        remember(&mut part.settled, result);
+        remember(&mut part.settled, result, site, troubles);
     }
 }
 

@@ -14,11 +14,11 @@ use super::{Site, Troubles, Truth, WakeReason, plain_look_back, quick_runs, reme
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::expression::Expr;
-use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample, Satisfaction};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -147,8 +147,8 @@ fn feed(
             settle(part, site, object, object_run, sample.at, surroundings, troubles)
         }
         Some(object_run) => object_run,
-        None if objects >= MONITOR_OBJECTS_MAX => {
-            troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, surroundings, site.place);
             return;
         }
         // Of the one object of a known variable nothing need be told apart.
@@ -180,11 +180,11 @@ fn settle(
     let Judged { run, found, over, contradicted, gap, .. } =
         advance_run(part, site, object, &object_run, next - TICK, surroundings, troubles);
     for result in over {
-        remember(&mut part.settled, result);
+        remember(&mut part.settled, result, site, troubles);
     }
     let found = match (found, site.keep) {
         (Some(result), Keep::First) => {
-            remember(&mut part.settled, result);
+            remember(&mut part.settled, result, site, troubles);
             None
         }
         (found, _) => found,

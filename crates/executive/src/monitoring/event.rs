@@ -46,7 +46,12 @@ pub(super) fn notice(
     match holds(part, site, form, at, &mut bindings, surroundings) {
         Ok(true) => {
             let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at });
-            remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
+            remember(
+                &mut part.settled,
+                Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence },
+                site,
+                troubles,
+            );
         }
         Ok(false) => {}
         Err(error) => troubles.add(error),

@@ -10,6 +10,7 @@
 use super::Stimulus;
 use super::constraints::unit_of;
 use crate::expression::arithmetic::{described, duration, with_unit};
+use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, Occurrence, Recorded, Sample};
 use apex_model::library::Library;
@@ -26,6 +27,8 @@ pub(crate) struct Recording {
     pub(crate) trouble: Option<String>,
     /// What the history did with it; none when it was refused.
     pub(crate) recorded: Option<Recorded>,
+    /// A sample that somebody may ask for was dropped for it, the first of its variable.
+    pub(crate) overflows: bool,
 }
 
 /// Puts a measurement into its history. A bare number takes the unit that the variable is declared with; a value that
@@ -50,34 +53,57 @@ pub(crate) fn record_sample(
                     "the sample {found} of {variable} was refused: it is declared in {}, which measures {}",
                     unit.name, unit.dimension
                 );
-                return Recording { stimulus: None, trouble: Some(message), recorded: None };
+                return Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false };
             }
         },
     };
     let lateness = declaration.and_then(|declared| declared.lateness.as_ref()).and_then(|value| duration(value).ok());
     let sample = Sample { at, sequence, value: value.clone() };
-    let recorded = histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO));
+    let (recorded, overflows) = histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO));
     match recorded {
         Recorded::Appended | Recorded::Inserted | Recorded::Replaced => {
             let newest = recorded == Recorded::Appended;
             let stimulus = Some(Stimulus::Sample { variable, value, at, sequence, newest });
-            Recording { stimulus, trouble: None, recorded: Some(recorded) }
+            Recording { stimulus, trouble: None, recorded: Some(recorded), overflows }
         }
-        Recorded::Repeated | Recorded::Missing => Recording { stimulus: None, trouble: None, recorded: Some(recorded) },
+        Recorded::Repeated | Recorded::Missing => {
+            Recording { stimulus: None, trouble: None, recorded: Some(recorded), overflows }
+        }
         Recorded::TooLate => {
             let message = format!(
                 "the sample {value} of {variable} at {at} came too late and is kept aside; (state-variable ({} ?) :lateness D) accepts later ones",
                 variable.attribute
             );
-            Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded) }
+            Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded), overflows }
         }
     }
 }
 
-/// Puts a message into the memory of events.
-pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> Stimulus {
-    histories.record_event(Occurrence { at, sequence, form: form.clone() });
-    Stimulus::Event { form, at, sequence }
+/// Puts a message into the memory of events. True besides when one that somebody may ask for was dropped for it, the first.
+pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
+    let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
+    (Stimulus::Event { form, at, sequence }, overflows)
+}
+
+/// What is told when the first sample of `variable` was dropped that somebody may still ask for.
+pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> String {
+    let most = limits.of(Limit::HistorySamples);
+    let over = format!("more than {most} samples of {variable} within what conditions or logs ask for");
+    forgotten(&over, Limit::HistorySamples, limits)
+}
+
+/// What is told when the first message was dropped that somebody may still ask for.
+pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
+    let most = limits.of(Limit::EventHistory);
+    forgotten(&format!("more than {most} messages within what conditions ask for"), Limit::EventHistory, limits)
+}
+
+fn forgotten(over: &str, limit: Limit, limits: &Limits) -> String {
+    let raise = if limits.of(limit) < limit.most() { format!(", or raise `:{}`", limit.word()) } else { String::new() };
+    format!(
+        "{over}: the oldest of them are forgotten, and a question that reaches back to them is \
+         answered with \"unknown\"; ask less far back{raise}"
+    )
 }
 
 #[cfg(test)]

@@ -14,11 +14,12 @@ use super::{
     time_conditions,
 };
 use crate::expression::{WithBindings, evaluate};
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
-use apex_model::limits::{MONITOR_COMBINATIONS_MAX, MONITOR_RESULTS_MAX};
+use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -283,8 +284,8 @@ impl<'a> Combination<'a> {
         };
         for result in &step.results {
             self.combinations += 1;
-            if self.combinations > MONITOR_COMBINATIONS_MAX {
-                asking.troubles.limit("MONITOR_COMBINATIONS_MAX", MONITOR_COMBINATIONS_MAX as usize, self.part.place);
+            if self.combinations > asking.surroundings.limits().of(Limit::MonitorCombinations) {
+                asking.troubles.reached(Limit::MonitorCombinations, asking.surroundings, self.part.place);
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {

@@ -12,12 +12,12 @@ use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use super::{Site, Troubles, remember};
 use crate::expression::{EvaluationError, Surroundings};
 use crate::planted::{self, Bug};
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window};
 use apex_model::thresholds::Threshold;
 use apex_model::time::Time;
@@ -106,7 +106,7 @@ fn feed_late(
     }
     seen.settled.retain(|result| result.interval.0 != sample.at || variable_of(result) != Some(sample.variable));
     if let Some(result) = result {
-        remember(&mut seen.settled, result);
+        remember(&mut seen.settled, result, site, troubles);
     }
 }
 
@@ -125,7 +125,7 @@ fn feed(
         && sample.at > newest.at
         && let Some(result) = newest.result.take()
     {
-        remember(&mut seen.settled, result);
+        remember(&mut seen.settled, result, site, troubles);
         if site.keep == Keep::First {
             return;
         }
@@ -140,8 +140,8 @@ fn feed(
             newest.rank = newest.rank.min(sample.sequence);
             newest.result = result;
         }
-        None if objects >= MONITOR_OBJECTS_MAX => {
-            troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place)
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, surroundings, site.place)
         }
         None => {
             let newest = NewestSample { rank: sample.sequence, at: sample.at, result };

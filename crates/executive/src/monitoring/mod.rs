@@ -50,7 +50,7 @@ mod unmet;
 mod wake;
 
 pub(crate) use harvest::{Telling, TellingKind, Told, finish, harvest};
-pub(crate) use histories::{record_event, record_sample};
+pub(crate) use histories::{overflow_of_messages, overflow_of_samples, record_event, record_sample};
 pub(crate) use interest::{interests, lasting_interest, threshold};
 pub(crate) use parts::holds as part_holds;
 pub(crate) use retention::{demands, lateness, prepare, prepare_condition};
@@ -58,6 +58,7 @@ pub(crate) use stimulus::Stimulus;
 pub(crate) use wake::WakeReason;
 
 use crate::expression::{EvaluationError, Surroundings};
+use apex_model::agent_limits::Limit;
 use apex_model::condition::Condition;
 use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::monitor::{Keep, Monitor, Part, PartKind, Satisfaction, Trouble, Unmet, Verdict, Window};
@@ -116,6 +117,10 @@ impl Troubles {
         }
     }
 
+    fn reached(&mut self, limit: Limit, surroundings: &dyn Surroundings, place: Place) {
+        self.limit(limit.constant(), surroundings.limits().count(limit), place);
+    }
+
     fn limit(&mut self, name: &str, value: usize, place: Place) {
         self.add(EvaluationError { message: format!("the limit {name} = {value} of a condition was reached"), place });
     }
@@ -167,7 +172,15 @@ impl<'a> Asking<'a> {
 }
 
 /// Keeps a result, dropping the oldest when there are too many.
-fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction) {
+fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction, site: Site, troubles: &mut Troubles) {
+    if settled.len() >= MONITOR_RESULTS_MAX {
+        troubles.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, site.place);
+    }
+    remember_untold(settled, result);
+}
+
+/// The same where nobody can be told: what is forgotten was told as a result before.
+fn remember_untold(settled: &mut Vec<Satisfaction>, result: Satisfaction) {
     if settled.len() >= MONITOR_RESULTS_MAX {
         settled.drain(..MONITOR_RESULTS_MAX / 4);
     }

@@ -12,10 +12,11 @@ use super::constraints::{Reading, all};
 use super::sliding_window::{contents, drop_before, leaving, push};
 use super::{Asking, Site, Troubles};
 use crate::expression::{EvaluationError, Surroundings};
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
-use apex_model::limits::{MEDIAN_NUMBERS_MAX, WINDOW_FORESIGHT_MAX};
+use apex_model::limits::WINDOW_FORESIGHT_MAX;
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::monitor_numbers::{Criterion, Measure, NumberRun, Point, StatisticalPart, Totals};
 use apex_model::time::{Duration, Time};
@@ -45,7 +46,14 @@ pub(super) fn contradicted(part: &StatisticalPart, state: &NumberRun) -> bool {
 }
 
 /// Takes the newest sample of `state` into its run, the next sample being at `next`.
-pub(super) fn take_in(part: &StatisticalPart, site: Site, state: &mut NumberRun, next: Time, troubles: &mut Troubles) {
+pub(super) fn take_in(
+    part: &StatisticalPart,
+    site: Site,
+    state: &mut NumberRun,
+    next: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
     let gap = gap_cut(part, state);
     state.contradicted = contradicted(part, state);
     state.gap = gap.or(state.gap);
@@ -73,10 +81,12 @@ pub(super) fn take_in(part: &StatisticalPart, site: Site, state: &mut NumberRun,
         run.previous = Some((newest.at, number));
     }
     if let (Some(ordered), Some(number)) = (&mut run.ordered, newest.number) {
-        if ordered.count() < MEDIAN_NUMBERS_MAX {
+        if ordered.count() < surroundings.limits().of(Limit::MedianNumbers) {
             ordered.add(number);
         } else {
-            troubles.limit("MEDIAN_NUMBERS_MAX", MEDIAN_NUMBERS_MAX as usize, site.place);
+            // Of some of the numbers there is a median, too, but it is not what was asked for.
+            run.is_overfull = true;
+            troubles.reached(Limit::MedianNumbers, surroundings, site.place);
         }
     }
     let held = next - newest.at;
@@ -379,7 +389,9 @@ impl Evaluation<'_> {
             }
         }
         numbers.bad_step = bad_step.is_some_and(|before| before >= from);
+        numbers.is_overfull = run.is_some_and(|run| run.is_overfull);
         numbers.median = match run.and_then(|run| run.ordered.as_ref()) {
+            _ if numbers.is_overfull => None,
             Some(ordered) => ordered.median(number, &left),
             None => number,
         };

@@ -13,13 +13,13 @@ use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use super::time_bounds::{TimeBounds, bounds, duration_of};
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings};
+use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
 use apex_model::estimate::{Estimate, Estimator};
 use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
-use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::monitor_numbers::{PersistedPart, PersistedSample};
 use apex_model::time::{Duration, Time};
@@ -129,12 +129,12 @@ fn feed(
                 && let Some(result) =
                     judged(part, site, sample.variable, before, (sample.at - TICK, true), surroundings, troubles)
             {
-                remember(&mut part.settled, result);
+                remember(&mut part.settled, result, site, troubles);
             }
             rank
         }
-        None if part.objects.len() >= MONITOR_OBJECTS_MAX => {
-            return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
+        None if part.objects.len() >= surroundings.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
         }
         None => sample.sequence,
     };

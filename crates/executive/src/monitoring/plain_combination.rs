@@ -15,7 +15,7 @@
 //! is harmless, and never is one harvested too seldom.
 
 use super::plain_episode::{self, Bankable};
-use super::remember;
+use super::remember_untold;
 use crate::expression::Surroundings;
 use apex_model::episode_bank::{Seen, Told, What};
 use apex_model::event::StateVariable;
@@ -168,7 +168,7 @@ pub(crate) fn stand_up(monitor: &mut Monitor, leaves: &mut Leaves, seen: Vec<Opt
         let before = leaf.runs.values().next().and_then(|run| run.found.as_ref()).map(|found| found.interval.0);
         let still_there = |result: &mut Satisfaction| before != Some(result.interval.0);
         if let Some(result) = state.over.take_if(still_there) {
-            remember(&mut leaf.settled, result);
+            remember_untold(&mut leaf.settled, result);
         }
     });
 }
@@ -200,7 +200,7 @@ pub(crate) fn told(monitor: &mut Monitor, leaves: &mut Leaves, leaf: u32, told: 
                     && number == leaf
                 {
                     if let Some(before) = state.over.take() {
-                        remember(&mut episode.settled, before);
+                        remember_untold(&mut episode.settled, before);
                     }
                     state.over = plain_episode::told_of(episode, told);
                 }

@@ -9,7 +9,7 @@
 
 use super::plain_episode::{band, give_back, is_plain, told_of};
 use super::samples::Seen;
-use super::{Site, remember};
+use super::{Site, remember_untold};
 use crate::expression::Surroundings;
 use apex_model::clause::MonitorId;
 use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Told, What};
@@ -68,6 +68,6 @@ pub(super) fn look_back(
 
 fn settle(part: &mut EpisodePart, over: Option<Told>) {
     if let Some(result) = over.and_then(|told| told_of(part, &told)) {
-        remember(&mut part.settled, result);
+        remember_untold(&mut part.settled, result);
     }
 }

@@ -12,6 +12,7 @@ use super::{
     Stimulus, Troubles, advance, cyclic, extents, interest::collect_interests, notice_part, persistence, wake_of,
 };
 use crate::expression::Surroundings;
+use apex_model::agent_limits::Limits;
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, History};
@@ -65,6 +66,9 @@ impl Surroundings for Then<'_> {
     }
     fn host(&self) -> &HostFunctions {
         self.below.host()
+    }
+    fn limits(&self) -> &Limits {
+        self.below.limits()
     }
 }
 

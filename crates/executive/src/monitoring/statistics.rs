@@ -15,11 +15,11 @@ use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_ho
 use super::time_bounds::duration_of;
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings};
+use apex_model::agent_limits::Limit;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
 use apex_model::event::StateVariable;
-use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::moments::MAGNITUDE_MAX;
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::monitor_numbers::{Measure, NumberRun, NumberSample, StatisticalPart, Totals};
@@ -134,8 +134,8 @@ fn feed(
     let mut state = match part.objects.get_mut(object).map(std::mem::take) {
         Some(state) if sample.at > state.newest.at => settle(part, site, sample, state, surroundings, troubles),
         Some(state) => state,
-        None if objects >= MONITOR_OBJECTS_MAX => {
-            return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
         }
         None => NumberRun { rank: sample.sequence, ..NumberRun::default() },
     };
@@ -158,16 +158,16 @@ fn settle(
     let evaluation = Evaluation { part, site, object: &next.variable.object, surroundings };
     let Evaluated { found, over, .. } = evaluation.up_to(&state, next.at - Duration(1), troubles);
     for result in over {
-        remember(&mut part.settled, result);
+        remember(&mut part.settled, result, site, troubles);
     }
     state.found = match found {
         Some(result) if site.keep == Keep::First => {
-            remember(&mut part.settled, result);
+            remember(&mut part.settled, result, site, troubles);
             None
         }
         found => found,
     };
-    take_in(part, site, &mut state, next.at, troubles);
+    take_in(part, site, &mut state, next.at, surroundings, troubles);
     state
 }
 

@@ -99,7 +99,12 @@ fn note(
     match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
         Ok(true) => {
             let evidence = EvidenceList::one(Evidence::TaskState { task, state: value, at });
-            remember(&mut part.settled, Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
+            remember(
+                &mut part.settled,
+                Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence },
+                site,
+                troubles,
+            );
         }
         Ok(false) => {}
         Err(error) => troubles.add(error),

@@ -7,10 +7,12 @@ use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
 use crate::monitoring::{self, Stimulus, plain_combination, plain_episode};
+use apex_model::agent_limits::UNLOWERED;
 use apex_model::clause::MonitorId;
 use apex_model::episode_bank::{LeafId, Seen, Taken, What};
 use apex_model::event::StateVariable;
 use apex_model::history::Sample;
+use apex_model::limits::HISTORY_SAMPLES_MAX;
 use apex_model::monitor::Monitor;
 use apex_model::monitor_set::Found;
 use apex_model::time::{Duration, Time};
@@ -280,7 +282,7 @@ impl MonitorSession {
             self.wakes.remove(&wake_of(wake.at, leaf));
         }
         let wake = self.wakes.first().map_or(Time::END, |(at, ..)| *at);
-        let (mut found, mut count) = (Found::new(), 0);
+        let (mut found, mut count, mut overflowed) = (Found::new(), 0, None);
         for (pair, number) in instants.windows(2).zip(values) {
             let [at, next] = pair else { break };
             let alone = *at > *now && next > at && *at < wake && !number.is_nan();
@@ -294,15 +296,21 @@ impl MonitorSession {
                 break;
             }
             self.arrivals += 1;
-            history.record(Sample { at: *at, sequence: self.arrivals, value });
+            let before = history.has_overflowed();
+            history.record(Sample { at: *at, sequence: self.arrivals, value }, HISTORY_SAMPLES_MAX);
             *now = *at;
             count += 1;
+            overflowed = overflowed.or((history.has_overflowed() && !before).then_some(*at));
             if let (Some(bank), Some(Some(number))) = (&mut bank, exact) {
                 bank.sample(*at, number, &mut self.heard);
             }
             if !self.heard.is_empty() {
                 break;
             }
+        }
+        if let Some(at) = overflowed {
+            let message = monitoring::overflow_of_samples(variable, UNLOWERED);
+            self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
         self.refresh(variable);
         self.judge_touched();

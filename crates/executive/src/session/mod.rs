@@ -10,6 +10,7 @@ mod watched;
 
 use crate::constants;
 use crate::monitoring::{self, Stimulus, TellingKind};
+use apex_model::agent_limits::UNLOWERED;
 use apex_model::bindings::Bindings;
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
@@ -191,7 +192,8 @@ impl MonitorSession {
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
-        if let Some(message) = recording.trouble {
+        let overflow = || monitoring::overflow_of_samples(variable, UNLOWERED);
+        for message in recording.trouble.into_iter().chain(recording.overflows.then(overflow)) {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
         recording.recorded
@@ -201,7 +203,12 @@ impl MonitorSession {
     pub fn event(&mut self, form: Value, at: Time) {
         self.come_to(at);
         let sequence = self.arrival();
-        self.stimuli.push(monitoring::record_event(&mut self.world.histories, form, at, sequence));
+        let (stimulus, overflows) = monitoring::record_event(&mut self.world.histories, form, at, sequence);
+        self.stimuli.push(stimulus);
+        if overflows {
+            let message = monitoring::overflow_of_messages(UNLOWERED);
+            self.trouble(SessionTrouble { watch: None, at, message, place: None });
+        }
     }
 
     /// A task enters a state. One that is first heard of was pending before.

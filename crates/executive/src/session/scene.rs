@@ -1,6 +1,7 @@
 //! What the conditions of a session see: its histories, the tasks that it was told of, the variables that were bound.
 
 use crate::expression::Surroundings;
+use apex_model::agent_limits::{Limits, UNLOWERED};
 use apex_model::bindings::Bindings;
 use apex_model::history::Histories;
 use apex_model::host::HostFunctions;
@@ -93,5 +94,9 @@ impl Surroundings for World {
 
     fn host(&self) -> &HostFunctions {
         &self.host
+    }
+
+    fn limits(&self) -> &Limits {
+        UNLOWERED
     }
 }

@@ -38,6 +38,7 @@ pub fn agent_of(library: Arc<Library>) -> Agent {
         bundles: Vec::new(),
         routers: Vec::new(),
         workload: apex_model::library::DEFAULT_WORKLOAD,
+        limits: apex_model::agent_limits::Limits::default(),
         place: Place::default(),
     });
     load(library, &declaration, HostFunctions::default()).unwrap()

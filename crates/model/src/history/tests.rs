@@ -44,11 +44,11 @@ fn late_samples_are_inserted_within_lateness_and_kept_aside_beyond() {
     for at in [0, 10, 20] {
         histories.record(&variable(), sample(at, 1.0), Duration(5));
     }
-    assert_eq!(histories.record(&variable(), sample(16, 2.0), Duration(5)), Recorded::Inserted);
-    assert_eq!(histories.record(&variable(), sample(3, 2.0), Duration(5)), Recorded::TooLate);
-    assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)), Recorded::Replaced);
-    assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)), Recorded::Repeated);
-    assert_eq!(histories.record(&variable(), sample(21, f64::NAN), Duration(5)), Recorded::Missing);
+    assert_eq!(histories.record(&variable(), sample(16, 2.0), Duration(5)).0, Recorded::Inserted);
+    assert_eq!(histories.record(&variable(), sample(3, 2.0), Duration(5)).0, Recorded::TooLate);
+    assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)).0, Recorded::Replaced);
+    assert_eq!(histories.record(&variable(), sample(20, 9.0), Duration(5)).0, Recorded::Repeated);
+    assert_eq!(histories.record(&variable(), sample(21, f64::NAN), Duration(5)).0, Recorded::Missing);
     assert_eq!(times(&histories), [0, 10, 16, 20]);
     let history = histories.get(&variable()).unwrap();
     assert_eq!((history.late_count, history.replaced_count, history.missing_count), (1, 1, 1));

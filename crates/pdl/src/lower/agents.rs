@@ -14,7 +14,9 @@ use apex_model::quantity::Dimension;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-const AGENT_SHAPE: &str = "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9])";
+const AGENT_SHAPE: &str =
+    "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])";
+pub(crate) const AGENT_OPTIONS: &[&str] = &["initial-task", "use-bundles", "routers", "workload", "limits"];
 const ROUTER_SHAPE: &str = "(router NAME [:carries (TOPIC..)])";
 
 /// A name of something that another form must define.
@@ -45,7 +47,7 @@ impl Lowering {
         }
     }
 
-    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9])`
+    /// `(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])`
     pub(crate) fn agent(&mut self, form: &Datum, library: &Library) -> Option<AgentDeclaration> {
         if self.report_missing_colon(form.tail(), &["initial-task", "use-bundles", "routers"], "an agent") {
             return None;
@@ -59,7 +61,7 @@ impl Lowering {
             return self
                 .refuse(Diagnostic::error(codes::DUPLICATE_DEFINITION, *span, message).help("rename one of them"));
         }
-        self.check_groups(&options, &["initial-task", "use-bundles", "routers", "workload"], "`agent`")?;
+        self.check_groups(&options, AGENT_OPTIONS, "`agent`")?;
         let task = self.optional(&options, "initial-task", |lowering, datum| lowering.initial_task(datum))?;
         let (initial_task, source) = match task {
             Some(source) => (source.to_value(), source),
@@ -77,7 +79,9 @@ impl Lowering {
         };
         let workload = self.optional(&options, "workload", |lowering, datum| lowering.workload(datum))?;
         let workload = workload.unwrap_or(DEFAULT_WORKLOAD);
-        Some(AgentDeclaration { name: name.clone(), initial_task, bundles, routers, workload, place })
+        let limits =
+            self.optional(&options, "limits", |lowering, datum| lowering.agent_limits(datum))?.unwrap_or_default();
+        Some(AgentDeclaration { name: name.clone(), initial_task, bundles, routers, workload, limits, place })
     }
 
     fn workload(&mut self, datum: &Datum) -> Option<f64> {

@@ -3,6 +3,7 @@
 //! Convention: a lowering method returns `None` when it has reported why there is no result.
 
 mod activity;
+mod agent_limits;
 mod agents;
 mod apart;
 mod application;
@@ -38,7 +39,7 @@ mod timing;
 mod unindexed;
 mod unserved;
 
-pub(crate) use agents::{NameKind, NameUse};
+pub(crate) use agents::{AGENT_OPTIONS, NameKind, NameUse};
 pub(crate) use goals::{Goal, Served};
 pub(crate) use indexes::shape;
 pub(crate) use names::{Callable, Names};

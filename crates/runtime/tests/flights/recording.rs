@@ -96,6 +96,40 @@ fn replay_finds_missing_effects_and_changed_programs() {
     assert!(message.starts_with("The mission inside "), "{message}");
 }
 
+/// Tasks, samples and messages come to limits that the program itself has lowered: replaying and restoring obey them, too.
+#[test]
+fn limits_that_an_agent_has_lowered_are_those_of_the_replay() {
+    let pdl = "(agent pilot :limits (:tasks 6 :history-samples 20 :event-history 3))
+      (procedure (index (do-domain))
+        (step all (photograph ?site) (forall ?site in (range 9)) (on-failure (photograph 0)))
+        (step high (photograph 1) (waitfor (:measurement (altitude ac-1 > 6990) :timestamp (> (- +now+ P50S)))))
+        (step said (photograph 2) (waitfor (:atomic-episode (go) :timing (:es (- +now+ P50S))) (never)))
+        (step end (terminate) (waitfor (over))))
+      (primitive (index (photograph ?site)) (duration 1s))";
+    let mut inputs: Vec<_> =
+        (0..2000_u32).map(|tick| altitude(f64::from(tick) * 0.05, 6000 + i64::from(tick % 900))).collect();
+    inputs.extend([10.0, 20.0, 30.0, 40.0, 50.0].map(|at| crate::support::event(at, "(other)")));
+    inputs.push(crate::support::event(99.0, "(over)"));
+    inputs.sort_by_key(|input| input.at);
+    let flight = record(pdl, inputs, &mut NoDeliberator, &mut []);
+    let reader = flight.reader();
+    let filter = TraceFilter { kinds: ["trouble".to_owned()].into(), ..TraceFilter::default() };
+    let troubles = String::from_utf8(trace_record(&reader, Vec::new(), TraceFormat::Text, filter).unwrap()).unwrap();
+    for limit in ["TASKS_MAX = 6", "more than 20 samples of (altitude ac-1)", "more than 3 messages"] {
+        assert_eq!(
+            troubles.lines().filter(|line| line.contains(limit)).count(),
+            1,
+            "{limit} is told once:\n{troubles}"
+        );
+    }
+    let report = replay(&reader, &load).unwrap();
+    assert_eq!(report.difference, None, "{report}");
+    let restored = |seconds| reader.restore(Time::from_seconds(seconds), &load).unwrap();
+    assert_eq!(restored(1e6), flight.agent, "the end is the agent that flew");
+    Connection::open(&flight.path).unwrap().execute("DELETE FROM snapshot", []).unwrap();
+    assert_eq!(restored(1e6), flight.agent, "also from its inputs alone");
+}
+
 #[test]
 fn any_instant_is_restored_from_snapshot_or_from_inputs() {
     let inputs =

@@ -3,8 +3,7 @@
 use apex_model::agent::Agent;
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::host::HostFunctions;
-use apex_model::library::AgentDeclaration;
-use apex_model::source::{Place, SourceFile};
+use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -39,14 +38,7 @@ pub(crate) fn load(sources: &[SourceFile]) -> Result<Program, String> {
     if checked.has_errors() {
         return Err(apex_pdl::render(&checked.diagnostics, &checked.library.sources, false));
     }
-    let declaration = AgentDeclaration {
-        name: Symbol::new("agent"),
-        initial_task: Value::list([Value::symbol("do-domain")]),
-        bundles: Vec::new(),
-        routers: Vec::new(),
-        workload: apex_model::library::DEFAULT_WORKLOAD,
-        place: Place::default(),
-    };
+    let declaration = checked.library.crew().swap_remove(0);
     Ok((Arc::new(checked.library), declaration, HostFunctions::default()))
 }
 

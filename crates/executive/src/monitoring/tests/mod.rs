@@ -194,7 +194,7 @@ impl World {
     fn event(&mut self, form: Value, at: i64) {
         self.view.now = self.view.now.max(Time(at));
         self.sequence += 1;
-        let stimulus = record_event(&mut self.view.histories, form, Time(at), self.sequence);
+        let (stimulus, _) = record_event(&mut self.view.histories, form, Time(at), self.sequence);
         notice(&mut self.monitor, &stimulus, &self.view);
         notice(&mut self.told, &stimulus, &self.view);
     }

@@ -1,0 +1,169 @@
+//! Limits that an agent may lower for itself: `(agent NAME .. :limits (:tasks 200 :event-history 50))`.
+//!
+//! What they bound and why they are as high as they are is told in [`crate::limits`]; an agent on a small computer wants
+//! them lower, and tests reach them so. The word in PDL is the constant's name without its `_MAX`.
+
+use crate::cause::Cause;
+use crate::limits;
+use serde::{Deserialize, Serialize};
+
+/// A limit that an agent may lower.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Limit {
+    /// [`limits::TASKS_MAX`]
+    Tasks,
+    /// [`limits::TASK_DEPTH_MAX`]
+    TaskDepth,
+    /// [`limits::FORALL_ITEMS_MAX`]
+    ForallItems,
+    /// [`limits::REPETITIONS_PER_INSTANT_MAX`]
+    RepetitionsPerInstant,
+    /// [`limits::CASCADE_ROUNDS_MAX`]
+    CascadeRounds,
+    /// [`limits::HISTORY_SAMPLES_MAX`]
+    HistorySamples,
+    /// [`limits::EVENT_HISTORY_MAX`]
+    EventHistory,
+    /// [`limits::SOLVE_REQUESTS_MAX`]
+    SolveRequests,
+    /// [`limits::MONITOR_OBJECTS_MAX`]
+    MonitorObjects,
+    /// [`limits::MONITOR_COMBINATIONS_MAX`]
+    MonitorCombinations,
+    /// [`limits::CUSTOM_VALUES_MAX`]
+    CustomValues,
+    /// [`limits::MEDIAN_NUMBERS_MAX`]
+    MedianNumbers,
+}
+
+impl Limit {
+    /// All of them, in the order in which messages list them.
+    pub const ALL: [Limit; 12] = [
+        Limit::Tasks,
+        Limit::TaskDepth,
+        Limit::ForallItems,
+        Limit::RepetitionsPerInstant,
+        Limit::CascadeRounds,
+        Limit::HistorySamples,
+        Limit::EventHistory,
+        Limit::SolveRequests,
+        Limit::MonitorObjects,
+        Limit::MonitorCombinations,
+        Limit::CustomValues,
+        Limit::MedianNumbers,
+    ];
+
+    /// The constant's name, the word in PDL, and the values between which the limit may be set.
+    fn facts(self) -> (&'static str, &'static str, u64, u64) {
+        let samples_least = limits::HISTORY_SAMPLES_DEFAULT as u64;
+        match self {
+            Limit::Tasks => ("TASKS_MAX", "tasks", 1, limits::TASKS_MAX as u64),
+            Limit::TaskDepth => ("TASK_DEPTH_MAX", "task-depth", 1, u64::from(limits::TASK_DEPTH_MAX)),
+            Limit::ForallItems => ("FORALL_ITEMS_MAX", "forall-items", 1, limits::FORALL_ITEMS_MAX as u64),
+            Limit::RepetitionsPerInstant => (
+                "REPETITIONS_PER_INSTANT_MAX",
+                "repetitions-per-instant",
+                1,
+                u64::from(limits::REPETITIONS_PER_INSTANT_MAX),
+            ),
+            // Fewer rounds than an ordinary instant takes would end what is in order.
+            Limit::CascadeRounds => {
+                ("CASCADE_ROUNDS_MAX", "cascade-rounds", 100, u64::from(limits::CASCADE_ROUNDS_MAX))
+            }
+            Limit::HistorySamples => {
+                ("HISTORY_SAMPLES_MAX", "history-samples", samples_least, limits::HISTORY_SAMPLES_MAX as u64)
+            }
+            Limit::EventHistory => ("EVENT_HISTORY_MAX", "event-history", 1, limits::EVENT_HISTORY_MAX as u64),
+            Limit::SolveRequests => ("SOLVE_REQUESTS_MAX", "solve-requests", 1, limits::SOLVE_REQUESTS_MAX as u64),
+            Limit::MonitorObjects => ("MONITOR_OBJECTS_MAX", "monitor-objects", 1, limits::MONITOR_OBJECTS_MAX as u64),
+            Limit::MonitorCombinations => {
+                ("MONITOR_COMBINATIONS_MAX", "monitor-combinations", 1, limits::MONITOR_COMBINATIONS_MAX)
+            }
+            Limit::CustomValues => ("CUSTOM_VALUES_MAX", "custom-values", 1, limits::CUSTOM_VALUES_MAX as u64),
+            Limit::MedianNumbers => ("MEDIAN_NUMBERS_MAX", "median-numbers", 1, limits::MEDIAN_NUMBERS_MAX),
+        }
+    }
+
+    /// The constant's name in [`crate::limits`], as causes tell it.
+    pub fn constant(self) -> &'static str {
+        self.facts().0
+    }
+
+    /// The word in PDL.
+    pub fn word(self) -> &'static str {
+        self.facts().1
+    }
+
+    /// The least value that it may be set to.
+    pub fn least(self) -> u64 {
+        self.facts().2
+    }
+
+    /// The executive's own limit: the greatest value, and the value where nobody sets one.
+    pub fn most(self) -> u64 {
+        self.facts().3
+    }
+}
+
+/// The limits of one agent.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Those that are lower than the executive's, each once.
+    lowered: Vec<(Limit, u64)>,
+}
+
+/// The executive's own limits, for who has no agent.
+pub const UNLOWERED: &Limits = &Limits { lowered: Vec::new() };
+
+impl Limits {
+    /// The value of `limit`.
+    pub fn of(&self, limit: Limit) -> u64 {
+        self.lowered.iter().find(|(each, _)| *each == limit).map_or_else(|| limit.most(), |(_, value)| *value)
+    }
+
+    /// The same as a number of things in memory.
+    pub fn count(&self, limit: Limit) -> usize {
+        usize::try_from(self.of(limit)).unwrap_or(usize::MAX)
+    }
+
+    /// Sets `limit` to `value`, within what it may be.
+    pub fn lower(&mut self, limit: Limit, value: u64) {
+        self.lowered.retain(|(each, _)| *each != limit);
+        if value < limit.most() {
+            self.lowered.push((limit, value.max(limit.least())));
+        }
+    }
+
+    /// The cause of what happens because `limit` was reached.
+    pub fn reached(&self, limit: Limit) -> Cause {
+        Cause::LimitReached { limit: limit.constant().into(), value: self.of(limit) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_the_executives_until_it_is_lowered_and_is_never_raised() {
+        let mut limits = Limits::default();
+        assert!(Limit::ALL.iter().all(|limit| limits.of(*limit) == limit.most() && limit.least() < limit.most()));
+        limits.lower(Limit::Tasks, 20);
+        limits.lower(Limit::HistorySamples, 0);
+        assert_eq!((limits.of(Limit::Tasks), limits.of(Limit::HistorySamples)), (20, 2));
+        assert_eq!(limits.reached(Limit::Tasks).text(), "the limit TASKS_MAX = 20 was reached");
+        limits.lower(Limit::Tasks, u64::MAX);
+        assert_eq!(limits, {
+            let mut other = Limits::default();
+            other.lower(Limit::HistorySamples, 2);
+            other
+        });
+    }
+
+    #[test]
+    fn the_word_is_the_constants_name() {
+        for limit in Limit::ALL {
+            assert_eq!(limit.word().to_uppercase().replace('-', "_") + "_MAX", limit.constant());
+        }
+    }
+}
