@@ -9,6 +9,9 @@ MAKEFLAGS += --no-builtin-rules
 MISSION ?= western-states
 MISSIONS := first-picture structure-watch western-states
 SEED ?= 1
+ROUNDS ?= 20
+# What has property tests.
+PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics solvers logs)
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 APEX := $(TARGET)/release/apex
 # Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.
@@ -18,7 +21,7 @@ FLIGHTS := $(TARGET)/flights
 RECORD ?= $(MISSION).apex
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench spec sim nightly clean
+.PHONY: help build fly test check web python bench spec sim properties nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -58,9 +61,16 @@ bench: .venv/.peers ## Measure latency, throughput and load time; peers beside i
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
 
-nightly: test build ## What is too slow for every change: many seeds, replay across builds, a million random programs, ten million conditions, planted bugs, measurements.
+properties: ## Run the property tests with ROUNDS=20 seeds of their own; a failure prints its case and its seed repeats it.
+	for round in $$(seq $(ROUNDS)); do \
+	  seed=$$(od -An -N4 -tu4 /dev/urandom | tr -d ' '); echo "PROPTEST_RNG_SEED=$$seed"; \
+	  PROPTEST_RNG_SEED=$$seed cargo test --locked --quiet $(CI_PROFILE) $(PROPERTIES); \
+	done
+
+nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
+	$(MAKE) properties
 	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
 	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
