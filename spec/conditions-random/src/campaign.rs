@@ -84,9 +84,28 @@ impl Outcome {
     }
 }
 
-/// Asks the questions of all `seeds`.
+/// How questions are asked.
+#[derive(Clone, Debug)]
+pub struct Manner {
+    /// In so many threads.
+    pub threads: u64,
+    /// Only those with this form, as [`features`] names it.
+    pub only: Option<String>,
+}
+
+/// How many threads this machine runs at once.
+pub fn cores() -> u64 {
+    thread::available_parallelism().map_or(2, |threads| threads.get() as u64)
+}
+
+/// Asks the questions of all `seeds` on all cores.
 pub fn run(seeds: Range<u64>) -> Outcome {
-    let threads = thread::available_parallelism().map_or(2, |threads| threads.get() as u64);
+    run_as(seeds, &Manner { threads: cores(), only: None })
+}
+
+/// Asks the questions of `seeds`.
+pub fn run_as(seeds: Range<u64>, manner: &Manner) -> Outcome {
+    let threads = manner.threads.max(1);
     let mut whole = Outcome::default();
     thread::scope(|scope| {
         let workers: Vec<_> = (0..threads)
@@ -96,6 +115,9 @@ pub fn run(seeds: Range<u64>) -> Outcome {
                     let mut part = Outcome::default();
                     for seed in seeds.filter(|seed| seed % threads == worker) {
                         let question = generate::question(seed);
+                        if manner.only.as_ref().is_some_and(|form| !features(&question).contains(form)) {
+                            continue;
+                        }
                         part.add(seed, &question, compare(&question));
                     }
                     part

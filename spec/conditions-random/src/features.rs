@@ -1,6 +1,6 @@
 //! What is in a question: for counting, and for telling kinds of differences apart.
 
-use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind, Term};
+use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind, Statistic, Term};
 use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
@@ -64,6 +64,11 @@ fn at_instants(condition: &Condition) -> bool {
     }
 }
 
+fn is_weighted(statistic: Statistic) -> bool {
+    use Statistic::{TimeWeightedDeviation, TimeWeightedMean, TimeWeightedVariance};
+    matches!(statistic, TimeWeightedMean | TimeWeightedVariance | TimeWeightedDeviation)
+}
+
 fn of_cyclic(cyclic: &Cyclic) -> Vec<&'static str> {
     let parts = [
         (":cyclic", true),
@@ -105,6 +110,7 @@ fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
                 (":duration", !episode.duration.is_empty()),
                 (":start or :end", !episode.start.is_empty() || !episode.end.is_empty()),
                 (":stats", !episode.stats.is_empty()),
+                (":time-weighted", episode.stats.iter().any(|(statistic, ..)| is_weighted(*statistic))),
                 (":trend", !episode.trend.is_empty()),
                 ("object variable", matches!(episode.variable.object, Term::Variable(_))),
                 ("no :value", episode.value.is_empty()),

@@ -415,9 +415,14 @@ impl Maker {
     }
 
     fn statistic(&mut self) -> (Statistic, Relation, f64) {
-        use Statistic::{Count, Difference, Max, Mean, Median, Min, StandardDeviation, Sum, Variance};
-        let statistics = [Count, Mean, Sum, Min, Max, Median, Difference, Variance, StandardDeviation];
-        (self.pick(&statistics, Count), self.order(), self.number() + BESIDE)
+        use Statistic::{
+            Count, Difference, Max, Mean, Median, Min, StandardDeviation, Sum, TimeWeightedDeviation, TimeWeightedMean,
+            TimeWeightedVariance, Variance,
+        };
+        let plain = [Count, Mean, Sum, Min, Max, Median, Difference, Variance, StandardDeviation];
+        let weighted = [TimeWeightedMean, TimeWeightedVariance, TimeWeightedDeviation];
+        let statistics = if self.dice.chance(20) { weighted.as_slice() } else { &plain };
+        (self.pick(statistics, Count), self.order(), self.number() + BESIDE)
     }
 }
 

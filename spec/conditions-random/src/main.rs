@@ -1,12 +1,14 @@
 //! `apex-conditions-random --count N --seed S`: asks random questions, tells how it goes on, and writes down what differs.
 
-use apex_conditions_random::campaign::{self, Outcome};
+use apex_conditions_random::campaign::{self, Manner, Outcome};
 use apex_conditions_random::{compare, generate, page, shrink};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: apex-conditions-random [--count N] [--seed S] [--shown K]   ask N questions from seed S on; 20000 and 1 unless given;
-                                                show K that differ, made small; 5 unless given
+usage: apex-conditions-random [--count N] [--seed S] [--shown K] [--threads T] [--only FORM]
+                                                ask N questions from seed S on, 20000 and 1 unless given, in T threads, as many
+                                                as there are cores; only those with FORM, as the table names it; show K that
+                                                differ, made small, 5 unless given. Each line of progress tells its own seeds.
        apex-conditions-random --show S                 the question of seed S as a page";
 /// Questions between two lines of progress.
 const PORTION: u64 = 100_000;
@@ -15,10 +17,17 @@ fn main() -> ExitCode {
     let mut count = 20_000;
     let mut seed = 1;
     let mut shown = 5;
+    let mut threads = None;
+    let mut only = None;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
+        if argument == "--only" {
+            only = arguments.next();
+            continue;
+        }
         let mut number = || arguments.next().and_then(|text| text.parse().ok());
         match argument.as_str() {
+            "--threads" => threads = number(),
             "--count" => count = number().unwrap_or(count),
             "--seed" => seed = number().unwrap_or(seed),
             "--shown" => shown = number().unwrap_or(shown),
@@ -29,18 +38,19 @@ fn main() -> ExitCode {
             }
         }
     }
-    hunt(seed, count, usize::try_from(shown).unwrap_or(usize::MAX))
+    let manner = Manner { threads: threads.unwrap_or_else(campaign::cores), only };
+    hunt(seed, count, &manner, usize::try_from(shown).unwrap_or(usize::MAX))
 }
 
-fn hunt(seed: u64, count: u64, shown: usize) -> ExitCode {
+fn hunt(seed: u64, count: u64, manner: &Manner, shown: usize) -> ExitCode {
     let mut whole = Outcome::default();
     let mut from = seed;
     while from < seed + count {
         let to = (from + PORTION).min(seed + count);
-        let part = campaign::run(from..to);
+        let part = campaign::run_as(from..to, manner);
+        println!("seeds {from}..{to}: {} alike, different {:?}, refused {:?}", part.same, part.different, part.refused);
         from = to;
         whole.join(&part);
-        println!("{} questions, {} different, {} refused", from - seed, whole.different.len(), whole.refused.len());
     }
     println!("{}", whole.text());
     if let Some(refused) = whole.refused.first() {

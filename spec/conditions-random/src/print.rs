@@ -102,7 +102,7 @@ fn episode(episode: &Episode) -> String {
     let stats: Vec<String> = episode
         .stats
         .iter()
-        .map(|(name, relation, number)| format!("(:{} ({} {number}))", statistic(*name), word(*relation)))
+        .map(|(name, relation, number)| format!("({} ({} {number}))", statistic(*name), word(*relation)))
         .collect();
     let trend: Vec<String> = episode
         .trend
@@ -221,15 +221,18 @@ fn word(relation: Relation) -> &'static str {
 
 fn statistic(statistic: Statistic) -> &'static str {
     match statistic {
-        Statistic::Count => "count",
-        Statistic::Mean => "mean",
-        Statistic::Sum => "sum",
-        Statistic::Min => "min",
-        Statistic::Max => "max",
-        Statistic::Median => "median",
-        Statistic::Difference => "difference",
-        Statistic::Variance => "variance",
-        Statistic::StandardDeviation => "stddev",
+        Statistic::Count => ":count",
+        Statistic::Mean => ":mean",
+        Statistic::Sum => ":sum",
+        Statistic::Min => ":min",
+        Statistic::Max => ":max",
+        Statistic::Median => ":median",
+        Statistic::Difference => ":difference",
+        Statistic::Variance => ":variance",
+        Statistic::StandardDeviation => ":stddev",
+        Statistic::TimeWeightedMean => ":mean :time-weighted",
+        Statistic::TimeWeightedVariance => ":variance :time-weighted",
+        Statistic::TimeWeightedDeviation => ":stddev :time-weighted",
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::condition::{Episode, Relation, Span, Time};
 use crate::episode::{Run, held};
 use crate::history::Sample;
+use crate::statistics::finite;
 use crate::value::Bindings;
 use crate::ways::{View, Way};
 
@@ -19,7 +20,7 @@ pub(crate) fn ways(episode: &Episode, run: &Run<'_>, bound: &Bindings, view: Vie
     for end in ends(episode, run, view) {
         let inside = inside(episode, run, end).unwrap_or_default();
         let holds = crate::statistics::hold(episode, &inside) && crate::trend::hold(episode, &inside);
-        let interval = inside.first().zip(inside.last()).map(|(first, last)| (first.at, last.at));
+        let interval = inside.samples.first().zip(inside.samples.last()).map(|(first, last)| (first.at, last.at));
         match (interval.filter(|_| holds), found.last_mut()) {
             (Some((_, last)), Some(way)) if goes_on => way.hull = way.hull.map(|(first, _)| (first, last)),
             (Some(interval), _) => found.push(Way::over(interval, end, bound.clone())),
@@ -58,25 +59,45 @@ fn wanted(episode: &Episode) -> Span {
 }
 
 /// Every sample's instant; and where a gap licenses that time goes on, where the length is reached or a sample leaves.
+/// What is weighted by time moves between them too, but is judged at these instants only.
 fn ends(episode: &Episode, run: &Run<'_>, view: View<'_>) -> Vec<Time> {
     let wanted = wanted(episode);
     let instants: Vec<Time> = run.samples.iter().map(|sample| sample.at).collect();
     let mut ends = instants.clone();
+    let reached = instants.first().map(|start| start + wanted);
+    let leave = instants.iter().filter(|_| slides(episode)).map(|at| at + wanted + 1);
+    let by_time: Vec<Time> = reached.into_iter().chain(leave).collect();
     for (index, sample) in run.samples.iter().enumerate() {
         let next = run.samples.get(index + 1).or(run.next).map(|next| next.at);
         let licensed = sample.at..=held(episode, sample, next, view);
-        ends.extend(instants.iter().flat_map(|at| [at + wanted, at + wanted + 1]).filter(|end| licensed.contains(end)));
+        ends.extend(by_time.iter().filter(|end| licensed.contains(end)));
     }
     ends.sort_unstable();
     ends.dedup();
     ends
 }
 
-/// The samples of the run, or of the window that ends at `end`, if that is long enough.
-fn inside(episode: &Episode, run: &Run<'_>, end: Time) -> Option<Vec<Sample>> {
+/// What lies in the run, or in the window that ends at an instant.
+#[derive(Default)]
+pub(crate) struct Inside {
+    /// The samples.
+    pub(crate) samples: Vec<Sample>,
+    /// Numbers, and for how many seconds of it each held: until the next sample, up to the end.
+    pub(crate) held: Vec<(f64, f64)>,
+}
+
+/// What lies in the run, or in the window that ends at `end`, if that is long enough.
+fn inside(episode: &Episode, run: &Run<'_>, end: Time) -> Option<Inside> {
     let wanted = wanted(episode);
     let start = run.samples.first()?.at;
     let from = if slides(episode) { end - wanted } else { start };
-    let inside = run.samples.iter().filter(|sample| (from..=end).contains(&sample.at)).cloned();
-    (end - start >= wanted).then(|| inside.collect())
+    let samples = run.samples.iter().filter(|sample| (from..=end).contains(&sample.at)).cloned().collect();
+    let mut held = Vec::new();
+    for (index, sample) in run.samples.iter().enumerate() {
+        let until = run.samples.get(index + 1).map_or(end, |next| next.at.min(end));
+        let seconds = (until - sample.at.max(from)) as f64 / 1e9;
+        held.extend(finite(std::slice::from_ref(sample)).into_iter().map(|number| (number, seconds)));
+    }
+    held.retain(|(_, seconds)| *seconds > 0.0);
+    (end - start >= wanted).then_some(Inside { samples, held })
 }

@@ -218,6 +218,9 @@ pub enum Statistic {
     Difference,
     Variance,
     StandardDeviation,
+    TimeWeightedMean,
+    TimeWeightedVariance,
+    TimeWeightedDeviation,
 }
 
 /// How values move.

@@ -27,13 +27,16 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
         let samples = windowed(episode, series, view);
         let runs = runs(episode, samples, view);
         // Rule 3: a run of which nothing shows where it began, or whether it goes on, may be what is asked for.
-        let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed));
         let decided = |run: &Run<'_>| !run.closed && aggregate::contradicted(episode, run, view);
-        if let Some(run) = newest.filter(|run| !decided(run)) {
+        let newest = runs.last().filter(|run| run.next.is_none() && (!run.begins || run.closed) && !decided(run));
+        if let Some(run) = newest {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
-            found.unknown = Some(format!("{why}: {} samples", run.samples.len()));
+            found.unknown = Some(why.into());
         }
+        // One that is what is asked for, and goes on, leaves nothing to know.
+        let mut found_before = found.all.len();
         for run in &runs {
+            found_before = found.all.len();
             match if episode.any { Runs::Any } else { view.runs } {
                 _ if aggregate::asked(episode) => found.all.extend(aggregate::ways(episode, run, bound, view)),
                 Runs::Begun => found.all.extend(begun(episode, run, bound, view)),
@@ -41,6 +44,9 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
                 Runs::Whole => found.all.extend(whole(episode, run, bound, view)),
             }
         }
+        let mut of_newest = found.all.iter().skip(found_before);
+        let is_result = |run: &Run<'_>| !run.closed && of_newest.any(|way| way.open || !aggregate::asked(episode));
+        found.doubt |= !newest.is_none_or(is_result);
     }
     let silent = |series: &Series| {
         let newest = windowed(episode, series, view).last().map(|newest| newest.at);
@@ -48,9 +54,11 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
     };
     if aggregate::asked(episode) && heard_of(&episode.variable, view, silent) {
         found.unknown = Some("no sample for too long".into());
+        found.doubt = true;
     }
     if !heard_of(&episode.variable, view, |series| !windowed(episode, series, view).is_empty()) {
         found.unknown = Some("nothing was ever measured".into());
+        found.doubt = true;
     }
     found
 }

@@ -1,21 +1,43 @@
-//! Statistics of a run (rule 11): two passes over all samples, unweighted; the variance is the population's.
+//! Statistics of a run (rule 11): two passes over all samples, unweighted or by how long each value held; the variance is
+//! the population's.
 
+use crate::aggregate::Inside;
 use crate::condition::{Episode, Statistic, Trend};
 use crate::history::Sample;
 use crate::value::{Value, numbers};
 
 /// Do all tests of statistics hold? A value that is no finite number has no statistics.
-pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
+pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
     episode.stats.iter().all(|(statistic, relation, bound)| {
-        of(*statistic, &counted(episode, samples)).is_some_and(|value| numbers(*relation, value, *bound))
+        value_of(*statistic, episode, inside).is_some_and(|value| numbers(*relation, value, *bound))
     })
 }
 
 /// Does any test of a statistic that has a value fail?
-pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
+pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     episode.stats.iter().any(|(statistic, relation, bound)| {
-        of(*statistic, &counted(episode, samples)).is_some_and(|value| !numbers(*relation, value, *bound))
+        value_of(*statistic, episode, inside).is_some_and(|value| !numbers(*relation, value, *bound))
     })
+}
+
+fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<f64> {
+    let counted = counted(episode, &inside.samples);
+    match statistic {
+        // Of no number inside nothing is known, though one from before may hold.
+        _ if counted.is_empty() => None,
+        Statistic::TimeWeightedMean => weighted(&inside.held).map(|(mean, _)| mean),
+        Statistic::TimeWeightedVariance => weighted(&inside.held).map(|(_, variance)| variance),
+        Statistic::TimeWeightedDeviation => weighted(&inside.held).map(|(_, variance)| variance.sqrt()),
+        _ => of(statistic, &counted),
+    }
+}
+
+/// Mean and variance of values by how long they held, in seconds; none where nothing held for any time.
+fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let seconds: f64 = held.iter().map(|(_, seconds)| seconds).sum();
+    let mean = held.iter().map(|(value, seconds)| value * seconds).sum::<f64>() / seconds;
+    let squares = held.iter().map(|(value, seconds)| (value - mean) * (value - mean) * seconds);
+    (seconds > 0.0).then(|| (mean, squares.sum::<f64>() / seconds))
 }
 
 /// The numbers of the statistics. Where samples are only counted, one that is no number at all counts too.
@@ -63,6 +85,9 @@ pub(crate) fn of(statistic: Statistic, values: &[f64]) -> Option<f64> {
         Statistic::Difference => most - least,
         Statistic::Variance => variance,
         Statistic::StandardDeviation => variance.sqrt(),
+        Statistic::TimeWeightedMean | Statistic::TimeWeightedVariance | Statistic::TimeWeightedDeviation => {
+            return None;
+        }
     })
 }
 

@@ -1,24 +1,25 @@
 //! Trends of a run (rule 12).
 
+use crate::aggregate::Inside;
 use crate::condition::{Episode, Relation, Trend};
 use crate::history::Sample;
 use crate::statistics::{finite, infinite, only_counts};
 use crate::value::{Value, numbers};
 
 /// Do all tests of trends hold?
-pub(crate) fn hold(episode: &Episode, samples: &[Sample]) -> bool {
+pub(crate) fn hold(episode: &Episode, inside: &Inside) -> bool {
     episode
         .trend
         .iter()
-        .all(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), samples) == Some(true))
+        .all(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), &inside.samples) == Some(true))
 }
 
 /// Does any test of a trend that has a value fail?
-pub(crate) fn fail(episode: &Episode, samples: &[Sample]) -> bool {
+pub(crate) fn fail(episode: &Episode, inside: &Inside) -> bool {
     episode
         .trend
         .iter()
-        .any(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), samples) == Some(false))
+        .any(|(trend, relation, bound)| judged(episode, (*trend, *relation, *bound), &inside.samples) == Some(false))
 }
 
 /// Fewer than two distinct instants show no trend.

@@ -95,11 +95,10 @@ pub fn first(question: &Question, until: Time) -> Option<Outcome> {
 pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
     let mut spans = Vec::new();
     spans_of(&question.condition, &mut spans);
-    spans.sort_unstable();
-    spans.dedup();
-    let sums: Vec<Span> = spans.iter().flat_map(|first| spans.iter().map(move |second| first + second)).collect();
-    spans.extend(sums);
-    spans.push(0);
+    let one = distinct(spans);
+    let mut spans: Vec<Span> = one.iter().flat_map(|first| one.iter().map(move |second| first + second)).collect();
+    spans.extend(one.iter().chain(&[0]));
+    let spans = distinct(spans);
     let mut begins: Vec<Time> = vec![question.created];
     for arrival in question.arrivals.iter().filter(|arrival| !matches!(arrival.what, What::Sample(_, _, None))) {
         begins.extend([arrival.at, arrival.arrives]);
@@ -114,10 +113,15 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
         let meets = lines.iter().flat_map(|line| crate::regression::foreseen(line, question, &past, at));
         begins.extend(meets.filter(|at| *at <= until));
     }
+    let begins = distinct(begins);
     let every = begins.iter().flat_map(|begin| spans.iter().flat_map(move |span| [begin + span, begin + span + 1]));
-    let mut all: BTreeSet<Time> = every.collect();
-    all.extend(question.arrivals.iter().map(|arrival| arrival.arrives));
-    all.retain(|at| (question.created..=until).contains(at));
+    let all = every.chain(question.arrivals.iter().map(|arrival| arrival.arrives));
+    all.filter(|at| (question.created..=until).contains(at)).collect()
+}
+
+fn distinct(mut all: Vec<i64>) -> Vec<i64> {
+    all.sort_unstable();
+    all.dedup();
     all
 }
 

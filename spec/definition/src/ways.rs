@@ -102,13 +102,14 @@ pub(crate) fn ways(condition: &Condition, view: View<'_>) -> Ways {
         ways.all.retain(|way| tests.iter().all(|test| passes(test, way)));
     }
     ways.all.sort_by_key(|way| way.known);
-    ways.doubt = if ways.all.is_empty() || !is_composite(condition) { ways.unknown.is_some() } else { ways.doubt };
+    ways.doubt = if ways.all.is_empty() || !knows_its_doubt(condition) { ways.unknown.is_some() } else { ways.doubt };
     ways
 }
 
-fn is_composite(condition: &Condition) -> bool {
-    use Kind::{Absent, Allen, And, InOrder, Not, Or};
-    matches!(condition.kind, And(..) | Or(_) | Not(_) | Absent(..) | InOrder(..) | Allen { .. })
+/// Does it say itself what is in doubt where there are ways?
+fn knows_its_doubt(condition: &Condition) -> bool {
+    use Kind::{Absent, Allen, And, Episode, InOrder, Not, Or};
+    matches!(condition.kind, Episode(_) | And(..) | Or(_) | Not(_) | Absent(..) | InOrder(..) | Allen { .. })
 }
 
 fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
