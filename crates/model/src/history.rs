@@ -64,6 +64,9 @@ pub struct History {
     pub replaced_count: u64,
     /// Samples that were not a number.
     pub missing_count: u64,
+    /// The first arrival numbers of instants whose sample was replaced.
+    #[serde(with = "crate::pairs")]
+    first_arrivals: BTreeMap<Time, u64>,
     /// The newest instant of a sample that is no longer kept.
     pub forgotten_until: Option<Time>,
     /// Samples that conditions or logs ask for have been dropped, because there were more than the limit.
@@ -176,6 +179,15 @@ impl History {
         self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
     }
 
+    /// When the variable was first heard of at the instant of `sample`: the arrival number of the first sample of its
+    /// instant, which is its own unless it replaced another.
+    pub fn first_arrival(&self, sample: &Sample) -> u64 {
+        if self.first_arrivals.is_empty() {
+            return sample.sequence;
+        }
+        self.first_arrivals.get(&sample.at).copied().unwrap_or(sample.sequence)
+    }
+
     /// Puts a sample in, within the lateness that was last asked for; at most `samples_max` are kept.
     pub fn record(&mut self, sample: Sample, samples_max: usize) -> Recorded {
         if matches!(&sample.value, Value::Real(real) if real.is_nan())
@@ -204,6 +216,7 @@ impl History {
             }
             // What came too late replaces nothing either: it would depend on what is still kept.
             if newest - sample.at <= self.retention.lateness {
+                self.first_arrivals.entry(kept.at).or_insert(kept.sequence);
                 *kept = sample;
                 self.replaced_count = self.replaced_count.saturating_add(1);
                 return Recorded::Replaced;
@@ -266,6 +279,9 @@ impl History {
     }
 
     fn forget(&mut self, at: Time) {
+        while self.first_arrivals.first_key_value().is_some_and(|(first, _)| *first <= at) {
+            self.first_arrivals.pop_first();
+        }
         self.forgotten_until = Some(self.forgotten_until.map_or(at, |before| before.max(at)));
     }
 }

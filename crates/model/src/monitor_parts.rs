@@ -69,6 +69,9 @@ pub struct AbsentPart {
     pub since: Time,
     /// The data do not say whether the part holds.
     pub unknown: bool,
+    /// The part holds at instants (`:not`, `:function`, a line) and did so, or was in doubt, at the last look: absence begins
+    /// with the look at which it does not.
+    pub broken: bool,
     /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.

@@ -8,9 +8,10 @@ use std::collections::BTreeSet;
 /// refusal must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
-/// Forms that the executive accepts and that are not compared. The list may only become shorter. It is not decided from
-/// which instants on `:absent` of something is over that holds at instants only: `:not`, `:function`, a line.
-pub const NOT_COMPARED: &[&str] = &[":absent of an instant"];
+/// Forms that the executive accepts and that are not compared, because what they mean cannot be said without what happened
+/// when. What a function said beside other parts is not known any more when one of them comes late; a relation of lines
+/// is told when it holds, and lines move. The list may only become shorter.
+pub const NOT_COMPARED: &[&str] = &[":absent of a relation of lines", ":absent of a function beside what came late"];
 
 /// The first of `list` that the question has; each stands for all features that begin so.
 pub fn one_of(question: &Question, list: &[&'static str]) -> Option<&'static str> {
@@ -45,6 +46,9 @@ pub fn features(question: &Question) -> BTreeSet<String> {
             found.insert("late".into());
         }
     }
+    if found.contains("late") && absent_beside_function(&question.condition) {
+        found.insert(":absent of a function beside what came late".into());
+    }
     if !question.lateness.is_empty() {
         found.insert(":lateness".into());
     }
@@ -61,6 +65,36 @@ fn at_instants(condition: &Condition) -> bool {
         }
         Kind::Absent(part, _) => at_instants(part),
         _ => false,
+    }
+}
+
+fn relates_lines(condition: &Condition) -> bool {
+    match &condition.kind {
+        Kind::Allen { parts, .. } => parts.iter().any(at_instants),
+        _ => parts(condition).iter().any(relates_lines),
+    }
+}
+
+/// Is there an `:absent` of a function and something else?
+fn absent_beside_function(condition: &Condition) -> bool {
+    if let Kind::Absent(part, _) = &condition.kind {
+        return has(part, &|leaf| matches!(leaf, Kind::Function(..)))
+            && has(part, &|leaf| !matches!(leaf, Kind::Function(..)));
+    }
+    parts(condition).iter().any(absent_beside_function)
+}
+
+/// Is there such a leaf within?
+fn has(condition: &Condition, wanted: &dyn Fn(&Kind) -> bool) -> bool {
+    let inner = parts(condition);
+    if inner.is_empty() { wanted(&condition.kind) } else { inner.iter().any(|part| has(part, wanted)) }
+}
+
+fn parts(condition: &Condition) -> &[Condition] {
+    match &condition.kind {
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => parts,
+        Kind::Not(part) | Kind::Absent(part, _) => std::slice::from_ref(&**part),
+        _ => &[],
     }
 }
 
@@ -127,6 +161,9 @@ fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
             if at_instants(part) {
                 add(":absent of an instant");
             }
+            if relates_lines(part) {
+                add(":absent of a relation of lines");
+            }
         }
         Kind::InOrder(_, tests) => add(if tests.is_empty() { ":in-order" } else { ":in-order with :constraint" }),
         Kind::Allen { relation, tolerance, .. } => {
@@ -141,11 +178,5 @@ fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
         Kind::Function(..) => add(":function"),
         Kind::TaskEnded(_) | Kind::TaskState(..) => add("task"),
     }
-    match &condition.kind {
-        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
-            parts.iter().for_each(|part| of_condition(part, found));
-        }
-        Kind::Not(part) | Kind::Absent(part, _) => of_condition(part, found),
-        _ => {}
-    }
+    parts(condition).iter().for_each(|part| of_condition(part, found));
 }

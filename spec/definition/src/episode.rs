@@ -33,7 +33,7 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
             let why = if run.closed { "no sample for too long" } else { "nobody knows how long already" };
             found.unknown = Some(why.into());
         }
-        // One that is what is asked for, and goes on, leaves nothing to know.
+        // One that is what is asked for, and goes on, leaves nothing to know; two samples of one say nothing of others.
         let mut found_before = found.all.len();
         for run in &runs {
             found_before = found.all.len();
@@ -45,7 +45,9 @@ pub(crate) fn ways(episode: &Episode, view: View<'_>) -> Ways {
             }
         }
         let mut of_newest = found.all.iter().skip(found_before);
-        let is_result = |run: &Run<'_>| !run.closed && of_newest.any(|way| way.open || !aggregate::asked(episode));
+        let whole = !episode.any && view.runs != Runs::Any;
+        let is_result =
+            |run: &Run<'_>| !run.closed && whole && of_newest.any(|way| way.open || !aggregate::asked(episode));
         found.doubt |= !newest.is_none_or(is_result);
     }
     let silent = |series: &Series| {

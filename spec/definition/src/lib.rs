@@ -4,6 +4,7 @@
 //! see `README.md`.
 #![allow(clippy::indexing_slicing, reason = "loops over samples run below their number")]
 
+mod absence;
 mod aggregate;
 mod allen;
 pub mod condition;

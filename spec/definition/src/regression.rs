@@ -98,7 +98,9 @@ fn says(measurement: &Measurement, options: &Regression, series: &Series, bound:
     if options.gap_max.is_some_and(|most| known - last.at > most) {
         return unmet();
     }
-    Saying::Meets(Way::over((first.at, last.at), known.max(view.created), bound.clone()))
+    // It is there as long as the line says so.
+    let way = Way::over((first.at, last.at), known.max(view.created), bound.clone());
+    Saying::Meets(Way { instant: true, ..way })
 }
 
 /// First and last instant that the tests leave.

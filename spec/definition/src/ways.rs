@@ -1,7 +1,7 @@
 //! All the ways in which a condition is true at an instant.
 
 use crate::condition::{Allen, Condition, Constraint, Edge, Kind, Relation, Span, Term, Test, Time};
-use crate::history::Past;
+use crate::history::{Past, known};
 use crate::value::{Bindings, Value, joined, numbers};
 use crate::verdict::Question;
 use std::collections::BTreeMap;
@@ -18,6 +18,8 @@ pub(crate) struct Way {
     pub(crate) open: bool,
     /// Up to when what it rests on persists beyond its evidence; none where nothing persists.
     pub(crate) lasts: Option<Time>,
+    /// It rests on what holds at this instant, and may not at the next.
+    pub(crate) instant: bool,
     /// When it would have been known had nothing come late: what orders ways.
     pub(crate) known: Time,
     pub(crate) bound: Bindings,
@@ -29,12 +31,25 @@ impl Way {
         Way::over((at, at), known, Bindings::new())
     }
 
+    /// It holds at this instant, and may not at the next.
+    fn now(view: View<'_>) -> Way {
+        Way { instant: true, ..Way::at(view.now, view.now) }
+    }
+
     pub(crate) fn over(interval: Interval, known: Time, bound: Bindings) -> Way {
-        Way { hull: Some(interval), open: false, lasts: None, known, bound, tags: BTreeMap::new() }
+        Way { hull: Some(interval), open: false, lasts: None, instant: false, known, bound, tags: BTreeMap::new() }
     }
 
     fn nothing(created: Time) -> Way {
-        Way { hull: None, open: false, lasts: None, known: created, bound: Bindings::new(), tags: BTreeMap::new() }
+        Way {
+            hull: None,
+            open: false,
+            lasts: None,
+            instant: false,
+            known: created,
+            bound: Bindings::new(),
+            tags: BTreeMap::new(),
+        }
     }
 
     /// Both, unless they disagree about a variable.
@@ -47,7 +62,8 @@ impl Way {
         tags.extend(next.tags.clone());
         let bound = joined(&self.bound, &next.bound)?;
         let lasts = self.lasts.into_iter().chain(next.lasts).min();
-        Some(Way { hull, open: self.open || next.open, lasts, known: self.known.max(next.known), bound, tags })
+        let (open, instant) = (self.open || next.open, self.instant || next.instant);
+        Some(Way { hull, open, lasts, instant, known: self.known.max(next.known), bound, tags })
     }
 }
 
@@ -120,7 +136,7 @@ fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
         Kind::And(parts, _) => all_of(parts, view),
         Kind::Or(parts) => one_of(parts, view),
         Kind::Not(part) => no_result(part, view),
-        Kind::Absent(part, span) => absent(part, *span, view),
+        Kind::Absent(part, span) => crate::absence::ways(part, *span, view),
         Kind::InOrder(parts, _) => {
             // Where delays are counted, an episode lies between any two samples of a run.
             let delayed = parts.iter().any(|part| matches!(part.kind, Kind::Delay(..)));
@@ -168,6 +184,7 @@ fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
         if !forbidding.is_empty() || way.hull.is_none() {
             way.known = view.now;
         }
+        way.instant |= !forbidding.is_empty();
         way.hull = way.hull.or(Some((view.now, view.now)));
     }
     found.doubt = truth.doubt;
@@ -233,80 +250,9 @@ fn no_result(part: &Condition, view: View<'_>) -> Ways {
     let part = ways(part, view);
     match part {
         Ways { all, .. } if !all.is_empty() => Ways::default(),
-        Ways { unknown: None, .. } => vec![Way::at(view.now, view.now)].into(),
+        Ways { unknown: None, .. } => vec![Way::now(view)].into(),
         Ways { unknown, doubt, .. } => Ways { all: Vec::new(), unknown, doubt },
     }
-}
-
-/// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was looked at
-/// stays so when nobody knows any more what comes after it.
-fn absent(part: &Condition, span: Span, view: View<'_>) -> Ways {
-    let present = quiet_spans(part, span, view);
-    if !present.found.all.is_empty() || (present.decided && !comes_to_light_later(part)) {
-        return present.found;
-    }
-    for now in crate::verdict::instants(view.question, view.now - 1).into_iter().rev() {
-        let past = view.past.up_to(now);
-        let then = quiet_spans(part, span, View { past: &past, now, ..view });
-        if !then.found.all.is_empty() {
-            return Ways { all: then.found.all, ..present.found };
-        }
-        if then.decided && !comes_to_light_later(part) {
-            break;
-        }
-    }
-    present.found
-}
-
-/// May evidence of the part be known only after it has begun? Then a span may have been quiet as far as was known.
-fn comes_to_light_later(part: &Condition) -> bool {
-    match &part.kind {
-        Kind::Measurement(_) | Kind::Event(..) | Kind::Delay(..) | Kind::Timestamp(..) => false,
-        Kind::Or(parts) => parts.iter().any(comes_to_light_later),
-        _ => true,
-    }
-}
-
-/// Spans without the part, if it is known where there was none.
-struct Quiet {
-    found: Ways,
-    decided: bool,
-}
-
-/// The spans without the part up to now. One begins with the creation, or after evidence of the part.
-fn quiet_spans(part: &Condition, span: Span, view: View<'_>) -> Quiet {
-    // The whole run of an episode counts, and a value as long as it persists: while they go on nothing is absent, and
-    // while nobody knows whether they do, nobody knows.
-    let against = ways(part, View { runs: Runs::Whole, ..view });
-    if against.all.iter().any(|way| way.open || way.lasts == Some(view.now)) {
-        return Quiet { found: Ways::default(), decided: false };
-    }
-    if against.doubt {
-        let unknown = against.unknown.or_else(|| Some("nobody knows whether it goes on".into()));
-        return Quiet { found: Ways { all: Vec::new(), unknown, doubt: true }, decided: false };
-    }
-    let evidence: Vec<Interval> = against.all.iter().filter_map(lasting).collect();
-    // A span begins with the creation, its instant included; after the end of evidence, its instant excluded; or at the
-    // instant at which a value persists no more.
-    let mut spans = vec![(view.created, view.created)];
-    for way in against.all.iter().filter(|way| lasting(way).is_some_and(|(_, end)| end >= view.created)) {
-        spans.extend(match (way.lasts, way.hull) {
-            (Some(lasts), Some((_, end))) if lasts > end => Some((lasts + 1, lasts + 1)),
-            (_, hull) => hull.map(|(_, end)| (end, end + 1)),
-        });
-    }
-    spans.sort_unstable();
-    spans.dedup();
-    let quiet = |first: Time, last: Time| !evidence.iter().any(|(start, end)| *end >= first && *start <= last);
-    let passed = spans.into_iter().filter(|(begin, first)| begin + span <= view.now && quiet(*first, begin + span));
-    let ways: Vec<Way> =
-        passed.map(|(begin, _)| Way::over((begin, begin + span), begin + span, Bindings::new())).collect();
-    Quiet { found: ways.into(), decided: true }
-}
-
-/// The evidence, and on as long as what it rests on persists.
-fn lasting(way: &Way) -> Option<Interval> {
-    way.hull.map(|(start, end)| (start, way.lasts.map_or(end, |lasts| lasts.max(end))))
 }
 
 /// `:in-order`: the end of one lies before the start of the next; a delay between says how far.
@@ -383,7 +329,9 @@ fn timestamp(from: Time, to: Option<Time>, view: View<'_>) -> Ways {
 
 /// `(:function (REL (current-value 'ATTRIBUTE 'OBJECT) NUMBER))`: holds at this instant.
 fn function((attribute, object): (&str, &str), relation: Relation, number: f64, view: View<'_>) -> Ways {
-    let series = view.past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
+    // What it said at an instant it said of what was known then; nobody can ask it again.
+    let past = known(&view.question.arrivals, &view.question.lateness, view.now);
+    let series = past.variables.iter().find(|each| each.attribute == attribute && each.object == object);
     let newest = series.and_then(|series| series.samples.last()).map(|sample| &sample.value);
     let holds = match (newest, relation) {
         (Some(Value::Number(newest)), _) => Some(numbers(relation, *newest, number)),
@@ -393,7 +341,7 @@ fn function((attribute, object): (&str, &str), relation: Relation, number: f64, 
         _ => None,
     };
     match holds {
-        Some(true) => vec![Way::at(view.now, view.now)].into(),
+        Some(true) => vec![Way::now(view)].into(),
         Some(false) => Ways::default(),
         None => Ways { unknown: Some("there is no number to compare".into()), ..Ways::default() },
     }

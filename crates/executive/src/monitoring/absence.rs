@@ -38,6 +38,7 @@ pub(super) fn create(
         length,
         since: start,
         unknown: false,
+        broken: false,
         told: None,
         seen: Vec::new(),
         found: Vec::new(),
@@ -50,8 +51,17 @@ pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.found.clear();
     part.seen.clear();
     part.since = site.window.start;
-    (part.unknown, part.told) = (false, None);
+    (part.unknown, part.broken, part.told) = (false, false, None);
     part.decides_at = Some(part.since + part.length);
+}
+
+/// Windows that reached `at`, when nothing was known of it, have not passed yet.
+pub(super) fn take_back(part: &mut AbsentPart, at: Time) {
+    let before = part.found.len();
+    part.found.retain(|window| window.interval.1 < at);
+    if part.found.len() < before {
+        part.told = None;
+    }
 }
 
 /// Nothing more is wanted of it.
@@ -69,12 +79,24 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     let extents = extents::take(&mut part.part, &mut asking);
     let passing = extents.passing.iter().map(|extent| &extent.result);
     let found: Vec<(Time, Time)> = extents.settled.iter().chain(passing).map(lasting).collect();
-    let lasts = |extent: &extents::Extent| extent.open || expires(&extent.result).is_some_and(|over| over > asking.now);
+    let at_instants = holds_at_instants(&part.part);
+    let lasts = |extent: &extents::Extent| {
+        extent.open
+            || expires(&extent.result).is_some_and(|over| over > asking.now)
+            || at_instants && rests_on_now(&part.part, &extent.result, asking.now)
+    };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
     // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
-    if quiet {
+    // Instants between looks are as the last look found: nothing changes unnoticed.
+    if quiet && part.broken {
+        part.since = part.since.max(asking.now);
+    }
+    part.broken = at_instants && !quiet;
+    if part.broken {
+        part.seen.clear();
+    } else if quiet {
         // It may be known only now that nothing was there before or between.
         let mut seen = std::mem::take(&mut part.seen);
         seen.extend(found);
@@ -93,6 +115,9 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
+    // Doubt breaks absence of what holds at instants: the instant at which it comes is looked at.
+    let silent = if at_instants { extents::silent_after(&part.part, asking.now) } else { None };
+    let waits = waits.chain(silent);
     part.decides_at = waits.chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
     for trouble in asking.troubles.0 {
         if !troubles.0.contains(&trouble) {
@@ -129,6 +154,35 @@ fn expires(result: &Satisfaction) -> Option<Time> {
         _ => None,
     });
     persisted.min()
+}
+
+/// Does the part hold at instants, so that a result may be gone at the next look?
+pub(super) fn holds_at_instants(part: &Part) -> bool {
+    match &part.kind {
+        PartKind::Not(_) | PartKind::Function(_) | PartKind::Regression(_) => true,
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().any(holds_at_instants)
+        }
+        // What these have found stays.
+        _ => false,
+    }
+}
+
+/// Was the result made of something that holds at this instant, and may not at the next?
+fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
+    result.evidence.iter().any(|evidence| match evidence {
+        Evidence::Absence { what, at } => *at == now && !is_window_without(part, what),
+        Evidence::Function { at, .. } => *at == now,
+        Evidence::Estimate(estimate) => estimate.estimator == Estimator::LinearRegression,
+        _ => false,
+    })
+}
+
+/// Is `what` the part of an `:absent` within, which stays absent?
+fn is_window_without(part: &Part, what: &str) -> bool {
+    let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
+    extents::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
+    is
 }
 
 /// Is there less remembered than the part's window asks for?

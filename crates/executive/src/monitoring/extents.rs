@@ -9,12 +9,12 @@
 
 use super::episode::TICK;
 use super::runs::{advance_run, with_newest};
-use super::{Asking, Site, Truth, cyclic, logic, persistence, site, statistics};
+use super::{Asking, Site, Truth, cyclic, logic, persistence, regression, site, statistics};
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Part, PartKind, Satisfaction};
 use apex_model::symbol::Symbol;
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
 /// A result that may still change.
@@ -137,6 +137,10 @@ fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
         PartKind::Statistical(leaf) => statistics::in_doubt(leaf, site(part), asking),
         PartKind::Persisted(leaf) => persistence::in_doubt(leaf, asking.now),
         PartKind::Cyclic(leaf) => cyclic::in_doubt(leaf, site(part), asking),
+        PartKind::Regression(leaf) => regression::in_doubt(leaf, site(part), asking),
+        PartKind::Function(leaf) => leaf.value.is_none(),
+        // Where its part is true it is false, whatever is in doubt within.
+        PartKind::Not(inner) => return asking.of_everything(|asking| logic::truth(inner, asking)) == Truth::Unknown,
         _ => false,
     };
     for_each_inner(part, &mut |inner| doubt |= is_in_doubt(inner, asking));
@@ -150,6 +154,28 @@ fn rests_on(evidence: &Evidence, open: &[(StateVariable, Time, Time)]) -> bool {
         }
         _ => false,
     }
+}
+
+/// The first instant after `now` at which some part within is in doubt because no sample has come for too long.
+pub(super) fn silent_after(part: &Part, now: Time) -> Option<Time> {
+    let after = |newest: Time, most: Duration| newest.0.checked_add(most.0).map(|last| Time(last) + TICK);
+    let mut first = match &part.kind {
+        PartKind::Episode(leaf) => {
+            leaf.runs.values().filter_map(|state| after(state.newest.at, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        PartKind::Statistical(leaf) => {
+            leaf.objects.values().filter_map(|state| after(state.newest.at, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        PartKind::Persisted(leaf) => {
+            leaf.objects.values().filter_map(|sample| after(sample.at, leaf.timeout)).filter(|at| *at > now).min()
+        }
+        PartKind::Regression(leaf) => {
+            leaf.objects.values().filter_map(|fit| after(fit.last()?.0, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        _ => None,
+    };
+    for_each_inner(part, &mut |inner| first = first.into_iter().chain(silent_after(inner, now)).min());
+    first
 }
 
 /// The runs of results that go on in all episodes of `part`.

@@ -295,7 +295,8 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             }
             leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
         }
-        (PartKind::Absent(leaf), _) if !absence::is_done(leaf, site) => {
+        // Also when nothing more is wanted: what comes late may take back what was found.
+        (PartKind::Absent(leaf), _) => {
             notice_part(&mut leaf.part, stimulus, surroundings, troubles);
             replay::look_at(part, stimulus, surroundings, troubles);
         }

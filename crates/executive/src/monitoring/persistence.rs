@@ -9,7 +9,7 @@
 
 use super::constraints::{prepare, satisfies_all, unit_of};
 use super::episode::TICK;
-use super::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use super::samples::{Seen, concerns, known_variable, object_holds, remembered, seen_of};
 use super::time_bounds::{TimeBounds, bounds, duration_of};
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings};
@@ -81,8 +81,7 @@ pub(super) fn begin_again(
         for (variable, history) in surroundings.histories().of_attribute(attribute) {
             let carried = history.before(site.window.start).filter(|_| concerns(known.as_ref(), attribute, variable));
             if let Some(sample) = carried {
-                let seen = Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence };
-                feed(part, site, seen, surroundings, troubles);
+                feed(part, site, seen_of(variable, history, sample), surroundings, troubles);
             }
         }
     }

@@ -399,6 +399,12 @@ pub(super) fn results(part: &RegressionPart, site: Site, asking: &mut Asking<'_>
     results
 }
 
+/// Is there no line to trust for some object?
+pub(super) fn in_doubt(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let silent = part.objects.values().all(|fit| fit.last().is_none());
+    silent || all(part, site, asking).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
+}
+
 /// Satisfied; unknown without a line to trust; else not satisfied. The instant at which a line will meet the
 /// constraint is waited for.
 pub(super) fn truth(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Truth {

@@ -79,6 +79,14 @@ pub(super) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Su
     forget(part, surroundings, troubles);
     let now = surroundings.now();
     let mut asked = Time::BEGINNING;
+    let start = part.window.start;
+    if start < now
+        && stimuli.first().is_none_or(|(first, ..)| start < *first)
+        && matches!(part.kind, PartKind::Absent(_))
+    {
+        look_then(part, start, surroundings, troubles);
+        asked = start;
+    }
     for group in stimuli.chunk_by(|(a, ..), (b, ..)| a == b) {
         let Some((at, ..)) = group.first() else { continue };
         let at = (*at).min(now);
@@ -108,22 +116,50 @@ pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &
     let past = *at < surroundings.now();
     let relates = match part.kind {
         PartKind::Allen(_) => past && !newest,
-        PartKind::Absent(_) => past,
+        PartKind::Absent(_) => past && !asks_functions(part),
         _ => false,
     };
     (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
 }
 
-/// Looks at an absence as it was when this sample was taken, where it comes late, is the newest of its variable all the
-/// same, and not enough is remembered to begin again.
+/// Looks at an absence as it was when this sample was taken, where it comes late, is the newest that is known all the same,
+/// and not enough is remembered to begin again. What passed up to then has passed; what passed since may not have.
 pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    if let Stimulus::Sample { newest: true, at, .. } = stimulus
-        && matches!(part.kind, PartKind::Absent(_))
+    if let Stimulus::Sample { at, variable, .. } = stimulus
         && *at < surroundings.now()
         && *at >= part.window.start
+        && let PartKind::Absent(leaf) = &part.kind
+        && watches(&leaf.part, variable)
+        && !asks_functions(&leaf.part)
+        && !knows_later(&leaf.part, *at, surroundings)
     {
+        if let PartKind::Absent(leaf) = &mut part.kind {
+            super::absence::take_back(leaf, *at);
+        }
         look_then(part, *at, surroundings, troubles);
     }
+}
+
+/// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
+fn asks_functions(part: &Part) -> bool {
+    let mut asks = matches!(part.kind, PartKind::Function(_));
+    extents::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
+    asks
+}
+
+/// Has the part seen samples of after `at`? Then it is not as it was.
+fn knows_later(part: &Part, at: Time, surroundings: &dyn Surroundings) -> bool {
+    let later = |history: &History| history.newest().is_some_and(|newest| newest.at > at);
+    let histories = surroundings.histories();
+    let mut knows = false;
+    collect_interests(part, &mut |interest| {
+        knows |= match interest {
+            Interest::Variable(variable) => histories.get(&variable).is_some_and(later),
+            Interest::Attribute(attribute) => histories.of_attribute(&attribute).any(|(_, history)| later(history)),
+            _ => false,
+        };
+    });
+    knows
 }
 
 /// The instant before `now` that decides about an absence and was not looked at: a sample that came late has made it.
@@ -190,11 +226,14 @@ fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings)
     let start = first_window(part);
     let histories = surroundings.histories();
     let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
+    // Who asks for what came after a number is told the numbers of what counts.
+    let windowed = part.window.after_sequence.is_some();
     let mut stimuli = Vec::new();
     let mut samples = |variable: &StateVariable, history: &History| {
         for sample in history.between(start, Time::END).filter(|sample| counts(sample.sequence)) {
             let (variable, value) = (variable.clone(), sample.value.clone());
-            let (at, sequence) = (sample.at, sample.sequence);
+            let sequence = if windowed { sample.sequence } else { history.first_arrival(sample) };
+            let at = sample.at;
             stimuli.push((at, sequence, Stimulus::Sample { variable, value, at, sequence, newest: true }));
         }
     };

@@ -14,7 +14,7 @@ use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, VariablePattern};
 use apex_model::event::StateVariable;
-use apex_model::history::History;
+use apex_model::history::{History, Sample};
 use apex_model::monitor::Window;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
@@ -107,6 +107,11 @@ pub(super) fn object_holds(
     all(constraints, &variable.object, Reading::Value(None), bindings, surroundings, site.place)
 }
 
+/// A remembered sample, heard of when its instant was: one that replaced another has its place.
+pub(super) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> Seen<'a> {
+    Seen { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
+}
+
 /// Samples within the window, in order of time and arrival, of all variables that may concern the part; and whether
 /// the window reaches before the oldest sample kept.
 pub(super) fn remembered<'a>(
@@ -123,7 +128,7 @@ pub(super) fn remembered<'a>(
             history
                 .between(site.window.start, Time::END)
                 .filter(|sample| site.window.contains(sample.at, sample.sequence))
-                .map(|sample| Seen { variable, value: &sample.value, at: sample.at, sequence: sample.sequence }),
+                .map(|sample| seen_of(variable, history, sample)),
         );
     };
     match known {
