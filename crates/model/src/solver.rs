@@ -23,6 +23,10 @@ pub trait Budget {
     fn exhausted(&self) -> bool;
     /// Units charged so far.
     fn used(&self) -> u64;
+    /// Units that are left; none where a clock decides. Whoever cools down wants to know for how long.
+    fn left(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// A budget of a fixed number of work units.
@@ -50,6 +54,9 @@ impl Budget for WorkBudget {
     }
     fn used(&self) -> u64 {
         self.used
+    }
+    fn left(&self) -> Option<u64> {
+        Some(self.allowed.saturating_sub(self.used))
     }
 }
 

@@ -17,16 +17,26 @@ mod travel;
 #[cfg(test)]
 pub(crate) mod examples;
 
-use apex_model::problem::{Plan, Problem};
+use apex_model::problem::{Plan, Problem, SingleVisitPlan};
 use apex_model::solver::{Environment, Solver};
+use std::collections::BTreeMap;
 
 /// The planner.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SingleVisit;
 
+/// The planner, begun from a plan made before the problem changed.
+#[derive(Clone, Debug)]
+pub struct Replan {
+    /// The plan that was flown until now.
+    pub previous: SingleVisitPlan,
+}
+
+const NAME: &str = "single-visit";
+
 impl Solver for SingleVisit {
     fn name(&self) -> &'static str {
-        "single-visit"
+        NAME
     }
 
     fn serves(&self, problem: &Problem) -> bool {
@@ -34,17 +44,63 @@ impl Solver for SingleVisit {
     }
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
-        let Problem::SingleVisit(problem) = problem else {
-            return Err("single-visit plans missions of single visits only.".to_string());
-        };
-        let mut schedule = schedule::Schedule::new(problem)?;
-        let troubles = explain::alone(&mut schedule);
-        if troubles.iter().all(Option::is_some) {
-            return Err(explain::nothing_feasible(problem, &troubles));
-        }
-        let best = search::run(&mut schedule, &troubles, environment);
-        plan::plan_of(&mut schedule, self.name(), &best, &troubles, explain::left_out).map(Plan::SingleVisit)
+        solve(problem, None, environment)
     }
+}
+
+impl Solver for Replan {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::SingleVisit(_))
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        solve(problem, Some(&self.previous), environment)
+    }
+}
+
+fn solve(
+    problem: &Problem,
+    previous: Option<&SingleVisitPlan>,
+    environment: &mut Environment<'_>,
+) -> Result<Plan, String> {
+    let Problem::SingleVisit(problem) = problem else {
+        return Err("single-visit plans missions of single visits only.".to_string());
+    };
+    let mut schedule = schedule::Schedule::new(problem)?;
+    let troubles = explain::alone(&mut schedule);
+    if troubles.iter().all(Option::is_some) {
+        return Err(explain::nothing_feasible(problem, &troubles));
+    }
+    let mut tell = |schedule: &mut schedule::Schedule<'_>, order, environment: &mut Environment<'_>| {
+        let best = search::longest_flown(schedule, order);
+        if let Some(plan) = plan::sketch(schedule, NAME, &best, &troubles) {
+            (environment.report)(&Plan::SingleVisit(plan));
+        }
+    };
+    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
+    let Some(found) = steady::run(&mut schedule, &usable, previous, environment, &mut tell) else {
+        let best = search::run(&mut schedule, &troubles, environment);
+        return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
+    };
+    let best = search::longest_flown(&mut schedule, found.order);
+    let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out_quickly)?;
+    if let Some(bound) = found.bound {
+        plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
+        plan.summary = plan::summary(problem, &plan);
+    }
+    let name = |target: usize| problem.targets.get(target).map(|target| target.name.as_str());
+    let reasons: BTreeMap<&str, String> =
+        found.reasons.into_iter().filter_map(|(target, reason)| Some((name(target)?, reason))).collect();
+    for left_out in &mut plan.left_out {
+        if let Some(reason) = reasons.get(left_out.target.as_str()) {
+            left_out.reason.clone_from(reason);
+        }
+    }
+    Ok(Plan::SingleVisit(plan))
 }
 
 #[cfg(test)]

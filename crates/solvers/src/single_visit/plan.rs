@@ -5,7 +5,7 @@ use super::schedule::{Choice, Judged, Schedule};
 use super::search::Candidate;
 use super::travel::Node;
 use apex_metrics::mission_score;
-use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan};
+use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 
 /// Finds the reasons of what is left out.
 type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &[Option<String>]) -> Vec<LeftOut>;
@@ -77,14 +77,7 @@ fn assembled(
         target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
     });
     let bound: f64 = bound.sum();
-    let summary = format!(
-        "{} of {} targets in {}; worth {benefits:.2} of at most {bound:.2}, costs {costs:.2}, score {:.2}.",
-        visits.len(),
-        problem.targets.len(),
-        explain::spoken(flight_s),
-        benefits - costs
-    );
-    SingleVisitPlan {
+    let mut plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
         return_route,
@@ -95,6 +88,22 @@ fn assembled(
         score: benefits - costs,
         benefits_bound: Some(bound),
         left_out,
-        summary,
-    }
+        summary: String::new(),
+    };
+    plan.summary = summary(problem, &plan);
+    plan
+}
+
+/// One line for people.
+pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> String {
+    format!(
+        "{} of {} targets in {}; worth {:.2} of at most {:.2}, costs {:.2}, score {:.2}.",
+        plan.visits.len(),
+        problem.targets.len(),
+        explain::spoken(plan.end_s - problem.start_s),
+        plan.benefits,
+        plan.benefits_bound.unwrap_or(plan.benefits),
+        plan.costs,
+        plan.score
+    )
 }

@@ -41,13 +41,9 @@ pub(super) fn run(
     troubles: &[Option<String>],
     environment: &mut Environment<'_>,
 ) -> Candidate {
-    let usable: Vec<usize> =
-        troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
-    if let Some(order) = super::steady::run(schedule, &usable, environment) {
-        return longest_flown(schedule, order);
-    }
     let seed = environment.seed;
     let report = &mut *environment.report;
+    let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
     let random = Generator::new(seed);
     let mut search =
         Search { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
@@ -87,7 +83,7 @@ pub(super) fn run(
 }
 
 /// `order` judged; should the judge find something too late after all, without what is last.
-fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
+pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
     let mut free = WorkBudget::new(u64::MAX);
     loop {
         match schedule.judge(&order, &mut free) {

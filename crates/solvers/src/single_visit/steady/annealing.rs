@@ -4,19 +4,36 @@ use super::network::Network;
 use super::recreate::Recreation;
 use super::route::Route;
 use super::ruin::ruin;
+use super::turn;
 use crate::random::Generator;
 use apex_model::solver::Budget;
 
 /// Places looked at for one unit of work, which is about a microsecond.
-const PLACES_PER_UNIT: u64 = 150;
-/// Work of an iteration whatever its size.
-const UNITS_PER_ITERATION: u64 = 1;
+const LOOKS_PER_UNIT: u64 = 170;
+/// Work of an iteration whatever it finds, in looks: its chance, and copies and timetables of so many stops.
+const LOOKS_PER_ITERATION: u64 = 60;
+const LOOKS_PER_STOP: u64 = 2;
+/// All of the time counts as much as this share of a mean visit, so that of equal routes the shorter is kept.
+const THRIFT: f64 = 0.3;
+/// Iterations at one temperature.
+const STEP: u64 = 32;
+/// In problems of more nodes only what is near to what was taken out is put back.
+pub(super) const ALL_MISSING_MAX: usize = 160;
+/// Runs that are turned round for each ruin, with few targets and with many.
+const TURNS: u32 = 1;
+const TURNS_OF_MANY: u32 = 6;
+/// Neighbours of each visit taken out that are tried.
+const TRIED_NEAR: usize = 8;
 
 /// A search in progress.
 pub(super) struct Annealing<'n> {
     network: &'n Network,
     chance: Generator,
     recreation: Recreation,
+    /// Looks that are not charged yet.
+    looked: u64,
+    gone: Vec<u32>,
+    missing: Vec<u32>,
     /// How easily each node is reached: one over the mean way to its nearest neighbours.
     ease: Vec<f64>,
     /// What a tick of flight counts beside its cost, so that of equal routes the shorter is kept.
@@ -26,7 +43,8 @@ pub(super) struct Annealing<'n> {
 /// How long a round is and how it cools.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Round {
-    pub(super) iterations: u64,
+    /// Units of work.
+    pub(super) units: u64,
     /// Temperatures in units of value.
     pub(super) hot: f64,
     pub(super) cold: f64,
@@ -36,10 +54,18 @@ impl<'n> Annealing<'n> {
     pub(super) fn new(network: &'n Network, seed: u64) -> Annealing<'n> {
         let ease = (0..network.nodes.len() as u32).map(|node| ease(network, node)).collect();
         let values: f64 = network.nodes.iter().map(|node| node.value).sum();
-        // All of the time is worth a tenth of a mean visit.
         let mean = values / network.visits().len().max(1) as f64;
-        let thrift = 0.3 * mean / f64::from(network.limit().max(1));
-        Annealing { network, chance: Generator::new(seed), recreation: Recreation::default(), ease, thrift }
+        let thrift = THRIFT * mean / f64::from(network.limit().max(1));
+        Annealing {
+            network,
+            chance: Generator::new(seed),
+            recreation: Recreation::default(),
+            looked: 0,
+            gone: Vec::new(),
+            missing: Vec::new(),
+            ease,
+            thrift,
+        }
     }
 
     /// Benefits minus costs.
@@ -54,37 +80,83 @@ impl<'n> Annealing<'n> {
     /// A route by insertion alone.
     pub(super) fn first(&mut self, budget: &mut dyn Budget) -> Route {
         let mut route = Route::new(self.network);
-        self.fill(&mut route, budget);
+        self.fill_all(&mut route, budget);
         route
     }
 
-    /// Inserts what fits.
-    pub(super) fn fill(&mut self, route: &mut Route, budget: &mut dyn Budget) {
-        let missing = self.network.visits();
-        let looked = self.recreation.run(self.network, route, missing, &self.ease, &mut self.chance);
-        budget.charge(UNITS_PER_ITERATION + looked / PLACES_PER_UNIT);
+    /// Inserts of all missing nodes what fits.
+    pub(super) fn fill_all(&mut self, route: &mut Route, budget: &mut dyn Budget) {
+        self.missing.clear();
+        self.missing.extend(self.network.visits());
+        self.fill(route, budget);
+    }
+
+    /// Inserts of the missing nodes what fits.
+    fn fill(&mut self, route: &mut Route, budget: &mut dyn Budget) {
+        let looked = self.recreation.run(self.network, route, &self.missing, &self.ease, &mut self.chance);
+        self.looked += looked + LOOKS_PER_ITERATION + LOOKS_PER_STOP * route.stops.len() as u64;
+        budget.charge(self.looked / LOOKS_PER_UNIT);
+        self.looked %= LOOKS_PER_UNIT;
+    }
+
+    /// What may be put back after some were taken out.
+    fn choose_missing(&mut self, route: &Route) {
+        self.missing.clear();
+        let visits = self.network.visits();
+        if visits.len() <= ALL_MISSING_MAX {
+            for node in visits {
+                if !route.sees(self.network, node) && (self.chance.below(2) == 0 || self.gone.contains(&node)) {
+                    self.missing.push(node);
+                }
+            }
+            return;
+        }
+        for node in &self.gone {
+            let near = self.network.near.get(*node as usize).into_iter().flatten().take(TRIED_NEAR);
+            self.missing.extend([*node].into_iter().chain(near.copied()));
+        }
+        for _ in 0..2 {
+            self.missing.push(visits.start + self.chance.below(visits.len()) as u32);
+        }
+        self.missing.retain(|node| !route.sees(self.network, *node));
+        self.missing.sort_unstable();
+        self.missing.dedup();
     }
 
     /// One round from `start`: the best route that it saw.
     pub(super) fn round(&mut self, start: &Route, round: Round, budget: &mut dyn Budget) -> Route {
         let mut current = start.clone();
         let mut best = start.clone();
+        let mut next = start.clone();
         let (mut now, mut highest) = (self.energy(&current), self.energy(&best));
-        let cooling = libm::pow(round.cold / round.hot, 1.0 / round.iterations.max(1) as f64);
+        let begin = budget.used();
         let mut heat = round.hot;
-        for _ in 0..round.iterations {
-            if budget.exhausted() {
-                break;
+        let turns = if self.network.visits().len() <= ALL_MISSING_MAX { TURNS } else { TURNS_OF_MANY };
+        for iteration in 0_u64.. {
+            if iteration % STEP == 0 {
+                let share = (budget.used() - begin) as f64 / round.units.max(1) as f64;
+                if share >= 1.0 || budget.exhausted() {
+                    break;
+                }
+                heat = round.hot * libm::pow(round.cold / round.hot, share);
             }
-            heat *= cooling;
-            let mut next = current.clone();
-            ruin(self.network, &mut next, &mut self.chance);
+            for _ in 0..turns {
+                let accept = heat * libm::log(self.chance.unit().max(1e-12));
+                let price = self.thrift;
+                turn::try_one(self.network, &mut current, price, accept, &mut self.chance);
+                now = self.energy(&current);
+            }
+            next.clone_from(&current);
+            ruin(self.network, &mut next, &mut self.gone, &mut self.chance);
+            self.choose_missing(&next);
             self.fill(&mut next, budget);
             let energy = self.energy(&next);
             if energy > now + heat * libm::log(self.chance.unit().max(1e-12)) {
-                (current, now) = (next, energy);
+                std::mem::swap(&mut current, &mut next);
+                now = energy;
                 if now > highest {
-                    (best, highest) = (current.clone(), now);
+                    best.clone_from(&current);
+                    highest = now;
                 }
             }
         }

@@ -1,52 +1,118 @@
-//! The search where ways take the same time at every departure: rounds of ruin and recreation over a timetable.
+//! The search where ways take the same time at every departure: ruin and recreation over a timetable, with cooling.
 //!
 //! Whether a visit fits between two others, and when the route then ends, is told by three numbers a stop; so an insertion
-//! is priced in a step, however long the route. Rounds of cooling follow each other, each longer than the one before and
-//! from the best route so far or from a new one.
+//! is priced in a step, however long the route. Where the budget is known one cooling takes all of it but what the bound
+//! needs; else rounds follow each other, each longer than the one before.
 //! Bound: none but the budget; equal seed and budget give an equal route.
 
 mod annealing;
+mod bound;
 mod network;
+mod reasons;
 mod recreate;
+mod repair;
 mod route;
 mod ruin;
+mod turn;
 
 #[cfg(test)]
 mod tests;
 
 use super::schedule::{Choice, Schedule};
 use annealing::{Annealing, Round};
-use apex_model::solver::Environment;
+use apex_model::problem::SingleVisitPlan;
+use apex_model::solver::{Budget, Environment};
 use network::Network;
 use route::Route;
 
-/// Iterations of the first round; each has half as many again as the one before.
-const ROUND_ITERATIONS: u64 = 3_000;
+/// Units of the first round where nobody knows how long the search may take; each has half as many again as the one before.
+const ROUND_UNITS: u64 = 60_000;
 /// Rounds in a row without gain after which the search ends.
 const STALE_ROUNDS_MAX: u32 = 30;
+/// Temperatures at the beginning and the end, in mean values of a target: of a new plan, of one with many targets, and of
+/// one that was good before a change.
+const FRESH: (f64, f64) = (2.0, 0.05);
+const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
+const CHANGED: (f64, f64) = (0.1, 0.02);
+/// Share of the budget that the bound may take, and what it takes at most.
+const BOUND_SHARE: f64 = 0.15;
+const BOUND_UNITS_MAX: u64 = 3_000_000;
 
-/// The best order found within the budget; none where the problem needs the general search.
-///
-/// `tell` hears of each better order.
-pub(super) fn run(schedule: &Schedule<'_>, usable: &[usize], environment: &mut Environment<'_>) -> Option<Vec<Choice>> {
-    let network = Network::new(schedule, usable)?;
+/// What the search found.
+pub(super) struct Found {
+    /// The visits in order.
+    pub(super) order: Vec<Choice>,
+    /// No route is worth more, where that was found out.
+    pub(super) bound: Option<f64>,
+    /// For targets that are left out, why.
+    pub(super) reasons: Vec<(usize, String)>,
+}
+
+/// Hears of the first order.
+pub(super) type Tell<'t> = dyn FnMut(&mut Schedule<'_>, Vec<Choice>, &mut Environment<'_>) + 't;
+
+/// The best order found within the budget; none where the problem needs the general search. Begins from what `previous`
+/// visits, where there is such a plan.
+pub(super) fn run(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    previous: Option<&SingleVisitPlan>,
+    environment: &mut Environment<'_>,
+    tell: &mut Tell<'_>,
+) -> Option<Found> {
+    let mut network = Network::new(schedule, usable)?;
+    let visits = previous.map(|plan| repair::visits(&network, schedule.problem, plan)).unwrap_or_default();
+    let mut first = Route::of(&network, &visits);
+    repair::mend(&network, &mut first);
+    Annealing::new(&network, environment.seed).fill_all(&mut first, environment.budget);
+    tell(schedule, choices(&network, &first), environment);
+    network.find_neighbours();
     let budget = &mut *environment.budget;
-    let mut annealing = Annealing::new(&network, environment.seed);
-    let mut best = annealing.first(budget);
+    let bound_units = match budget.left() {
+        Some(left) => ((BOUND_SHARE * left as f64) as u64).min(BOUND_UNITS_MAX),
+        None => ROUND_UNITS,
+    };
+    let heat = match previous {
+        Some(_) => CHANGED,
+        None if network.visits().len() > annealing::ALL_MISSING_MAX => FRESH_OF_MANY,
+        None => FRESH,
+    };
+    let best = search(&network, first, (environment.seed, heat, bound_units), budget);
+    // The knapsack alone looks at every leg twice.
+    let pays = bound_units as usize > network.nodes.len() * network.nodes.len() / 100;
+    let bound = pays.then(|| bound::highest_value(&network, best.value, bound_units, budget));
+    Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
+}
+
+/// Cools down from `first` until only what the bound needs is left of the budget.
+fn search(
+    network: &Network,
+    first: Route,
+    (seed, heat, spare): (u64, (f64, f64), u64),
+    budget: &mut dyn Budget,
+) -> Route {
+    let mut annealing = Annealing::new(network, seed);
     let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len().max(1) as f64;
-    let (mut iterations, mut stale) = (ROUND_ITERATIONS, 0);
+    let (hot, cold) = (heat.0 * mean, heat.1 * mean);
+    let mut best = first;
+    // A search for ever would never cool: it ends by itself like one by the clock.
+    let known = budget.left().map(|left| left.saturating_sub(spare)).filter(|units| *units < u64::MAX >> 8);
+    if let Some(units) = known {
+        let found = annealing.round(&best, Round { units, hot, cold }, budget);
+        return if annealing.score(&found) > annealing.score(&best) { found } else { best };
+    }
+    let (mut units, mut stale) = (ROUND_UNITS, 0);
     while stale < STALE_ROUNDS_MAX && !budget.exhausted() {
         stale += 1;
         let start = if stale % 3 == 2 { annealing.first(budget) } else { best.clone() };
-        let round = Round { iterations, hot: 0.5 * mean, cold: 0.01 * mean };
-        let found = annealing.round(&start, round, budget);
+        let found = annealing.round(&start, Round { units, hot, cold }, budget);
         if annealing.score(&found) > annealing.score(&best) + 1e-9 {
             stale = 0;
             best = found;
         }
-        iterations += iterations / 2;
+        units += units / 2;
     }
-    Some(choices(&network, &best))
+    best
 }
 
 fn choices(network: &Network, route: &Route) -> Vec<Choice> {

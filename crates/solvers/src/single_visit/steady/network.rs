@@ -39,8 +39,11 @@ pub(super) struct Network {
     pub(super) nodes: Vec<Node>,
     pub(super) targets: usize,
     legs: Vec<i32>,
-    /// For each node those that are quickly reached from it or that quickly reach it, nearest first.
+    /// For each node those that are quickly reached from it or that quickly reach it, nearest first; empty until they are
+    /// found.
     pub(super) near: Vec<Vec<u32>>,
+    /// Length of a tick.
+    pub(super) tick_s: f64,
     /// What each tick of flight costs.
     pub(super) cost_per_tick: f64,
 }
@@ -79,9 +82,9 @@ impl Network {
         }
         let legs = legs(problem, travel, &nodes, tick_s);
         let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
-        let mut network = Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), cost_per_tick };
+        let mut network =
+            Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };
         network.tighten();
-        network.near = network.neighbours();
         Some(network)
     }
 
@@ -118,7 +121,8 @@ impl Network {
         }
     }
 
-    fn neighbours(&self) -> Vec<Vec<u32>> {
+    /// Finds every node's neighbours: what is improved needs them, what is only repaired does not.
+    pub(super) fn find_neighbours(&mut self) {
         let of = |node: u32| {
             let mut all: Vec<(i32, u32)> = self
                 .visits()
@@ -132,7 +136,7 @@ impl Network {
             all.sort_unstable();
             all.into_iter().map(|(_, other)| other).collect()
         };
-        (0..self.nodes.len() as u32).map(of).collect()
+        self.near = (0..self.nodes.len() as u32).map(of).collect();
     }
 }
 
@@ -153,8 +157,12 @@ fn tick_s(span_s: f64) -> Option<f64> {
     Some(tick_s)
 }
 
+/// Rounded up. A million legs are rounded before there is a plan: no library function is called for it.
+#[inline(always)]
 fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
-    libm::ceil((time_s / tick_s).min(f64::from(NO_WAY)) - SAME_TICKS) as i32
+    let ticks = (time_s / tick_s).min(f64::from(NO_WAY)) - SAME_TICKS;
+    let below = ticks as i32;
+    below + i32::from(f64::from(below) < ticks)
 }
 
 fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {

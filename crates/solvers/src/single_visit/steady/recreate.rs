@@ -4,6 +4,12 @@ use super::network::{Network, Node};
 use super::route::{Place, Route};
 use crate::random::Generator;
 
+/// In routes of more stops only places beside a node's neighbours are looked at.
+const SCANNED_MAX: usize = 60;
+
+/// What a delay of the next stop counts against longer legs.
+const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
+
 /// How missing nodes are ordered for insertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
@@ -29,7 +35,7 @@ impl Recreation {
         &mut self,
         network: &Network,
         route: &mut Route,
-        missing: impl Iterator<Item = u32>,
+        missing: &[u32],
         ease: &[f64],
         chance: &mut Generator,
     ) -> u64 {
@@ -41,7 +47,7 @@ impl Recreation {
         };
         let blur = 0.2 + 0.6 * chance.unit();
         self.keys.clear();
-        for node in missing {
+        for node in missing.iter().copied() {
             let noise = 1.0 + blur * (chance.unit() - 0.5);
             let data = network.node(node);
             let key = match order {
@@ -55,47 +61,66 @@ impl Recreation {
         self.keys.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
         // Some places are overlooked, so that not always the same is found.
         let blind = if chance.below(4) == 0 { 0 } else { 3 };
+        let weight = SHIFT_WEIGHTS.get(chance.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
         let mut looked = 0;
         for index in 0..self.keys.len() {
             let Some((_, node)) = self.keys.get(index).copied() else { break };
             if route.sees(network, node) {
                 continue;
             }
-            looked += route.stops.len() as u64;
-            if let Some(place) = best_place(network, route, node, blind, chance) {
+            let (place, looks) = best_place(network, route, node, (blind, weight), chance);
+            looked += looks;
+            if let Some(place) = place {
                 route.insert(network, node, place.after);
+                looked += route.stops.len() as u64;
             }
         }
         looked
     }
 }
 
-/// The place where `node` takes least; none where it fits nowhere, or costs more than it is worth.
+/// The place where `node` takes least, none where it fits nowhere or costs more than it is worth; and places looked at.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,
     node: u32,
-    blind: usize,
+    (blind, weight): (usize, i64),
     chance: &mut Generator,
-) -> Option<Place> {
+) -> (Option<Place>, u64) {
+    let mut looks = 8;
     let Node { open, close, value, .. } = network.node(node);
-    let skip = if blind > 0 { chance.below(100) } else { usize::MAX };
     let mut best: Option<(i64, Place)> = None;
-    for after in 0..route.stops.len() - 1 {
-        let Some(before) = route.stops.get(after) else { break };
-        if before.begin > close {
-            break;
+    let mut look = |after: usize| {
+        looks += 1;
+        if let Some(place) = route.place(network, node, open, close, after) {
+            let price = weight * i64::from(place.shift) + i64::from(place.longer);
+            if best.is_none_or(|(least, _)| price < least) {
+                best = Some((price, place));
+            }
         }
-        if after % 33 == skip && blind > 0 {
-            continue;
+    };
+    if route.stops.len() > SCANNED_MAX && !network.near.is_empty() {
+        look(0);
+        look(route.stops.len() - 2);
+        for other in network.near.get(node as usize).into_iter().flatten() {
+            if let Some(index) = route.index(*other) {
+                look(index - 1);
+                look(index);
+            }
         }
-        let Some(place) = route.place(network, node, open, close, after) else { continue };
-        let price = 2 * i64::from(place.shift) + i64::from(place.longer);
-        if best.is_none_or(|(least, _)| price < least) {
-            best = Some((price, place));
+    } else {
+        let skip = if blind > 0 { chance.below(100) } else { usize::MAX };
+        // Before this place what follows would be too late, whatever the way.
+        let first = route.stops.partition_point(|stop| stop.latest < open).saturating_sub(1);
+        for (after, before) in route.stops.iter().enumerate().skip(first) {
+            if before.begin > close {
+                break;
+            }
+            if blind == 0 || after % 33 != skip {
+                look(after);
+            }
         }
     }
-    let place = best.map(|(_, place)| place)?;
-    let cost = network.cost_per_tick * f64::from(place.end - route.end());
-    (value > cost).then_some(place)
+    let pays = |place: &Place| value > network.cost_per_tick * f64::from(place.end - route.end());
+    (best.map(|(_, place)| place).filter(pays), looks)
 }

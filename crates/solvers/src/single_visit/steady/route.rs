@@ -25,6 +25,8 @@ pub(super) struct Route {
     pub(super) stops: Vec<Stop>,
     /// For each target: is it visited?
     pub(super) seen: Vec<bool>,
+    /// For each node where it stands, while it is in the route.
+    places: Vec<u32>,
     pub(super) value: f64,
 }
 
@@ -51,7 +53,12 @@ impl Route {
     pub(super) fn of(network: &Network, visits: &[u32]) -> Route {
         let stop = |node| Stop { node, begin: 0, latest: 0, rest: 0, waits: 0 };
         let nodes = [START].into_iter().chain(visits.iter().copied()).chain([END]);
-        let mut route = Route { stops: nodes.map(stop).collect(), seen: vec![false; network.targets], value: 0.0 };
+        let mut route = Route {
+            stops: nodes.map(stop).collect(),
+            seen: vec![false; network.targets],
+            places: vec![0; network.nodes.len()],
+            value: 0.0,
+        };
         for node in visits {
             route.mark(network, *node, true);
         }
@@ -82,7 +89,6 @@ impl Route {
     }
 
     /// Is every visit in time?
-    #[cfg(test)]
     pub(super) fn is_feasible(&self) -> bool {
         self.stops.iter().all(|stop| stop.begin <= stop.latest)
     }
@@ -99,6 +105,44 @@ impl Route {
     #[inline(always)]
     pub(super) fn sees(&self, network: &Network, node: u32) -> bool {
         self.seen.get(network.node(node).target as usize).copied().unwrap_or(true)
+    }
+
+    /// Where `node` stands; none where it is not in the route.
+    #[inline(always)]
+    pub(super) fn index(&self, node: u32) -> Option<usize> {
+        let index = self.places.get(node as usize).copied()? as usize;
+        self.stops.get(index).filter(|stop| stop.node == node).map(|_| index)
+    }
+
+    /// When the route would end with the stops `from..until` turned round, and how much longer its legs would be; none
+    /// where something would be too late.
+    pub(super) fn turned(&self, network: &Network, from: usize, until: usize) -> Option<(i32, i32)> {
+        let (before, next) = (self.stops.get(from.checked_sub(1)?)?, self.stops.get(until)?);
+        let (mut here, mut begin, mut legs) = (before.node, before.begin, 0);
+        for stop in self.stops.get(from..until)?.iter().rev() {
+            let leg = network.leg(here, stop.node);
+            let node = network.node(stop.node);
+            begin = (begin + leg).max(node.open);
+            if begin > node.close {
+                return None;
+            }
+            (here, legs) = (stop.node, legs + leg);
+        }
+        let leg = network.leg(here, next.node);
+        let arrive = (begin + leg).max(network.node(next.node).open);
+        if arrive > next.latest {
+            return None;
+        }
+        Some(((arrive + next.rest).max(next.waits), legs + leg - (before.rest - next.rest)))
+    }
+
+    /// Turns the stops `from..until` round.
+    pub(super) fn turn(&mut self, network: &Network, from: usize, until: usize) {
+        if let Some(part) = self.stops.get_mut(from..until) {
+            part.reverse();
+        }
+        self.forward(network, from);
+        self.backward(network, until.saturating_sub(1));
     }
 
     /// What `node` would take between stop `after` and the next; none where it does not fit.
@@ -161,7 +205,10 @@ impl Route {
             Some(before) => *before,
             None => return,
         };
-        for stop in self.stops.iter_mut().skip(at) {
+        for (index, stop) in self.stops.iter_mut().enumerate().skip(at) {
+            if let Some(place) = self.places.get_mut(stop.node as usize) {
+                *place = index as u32;
+            }
             let arrive = before.begin + network.leg(before.node, stop.node);
             stop.begin = arrive.max(network.node(stop.node).open).min(NO_WAY);
             before = *stop;

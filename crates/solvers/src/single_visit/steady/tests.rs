@@ -79,7 +79,7 @@ proptest! {
             let visits: Vec<u32> = route.visits().collect();
             prop_assert!(route.is_feasible());
             prop_assert_eq!(Some(route.end()), naive_end(&network, &visits));
-            prop_assert_eq!(&route, &Route::of(&network, &visits));
+            prop_assert_eq!(&route.stops, &Route::of(&network, &visits).stops);
         }
     }
 }
@@ -117,8 +117,11 @@ proptest! {
     #[test]
     fn small_problems_are_solved_to_the_optimum_and_never_claim_a_bound_below_it(seed in 0..10_000u64) {
         let problem = small(seed, 8);
-        let best = highest(&network(&problem), &mut Vec::new());
+        let network = network(&problem);
+        let best = highest(&network, &mut Vec::new());
         prop_assume!(best > 0.0);
+        let bound = bound::highest_value(&network, 0.0, 20_000, &mut WorkBudget::new(1 << 40));
+        prop_assert!(bound >= best - 1e-9, "{bound} of {best}");
         let plan = solved(&problem, 3_000, seed);
         prop_assert!((plan.benefits - best).abs() < 1e-9, "{} of {best}", plan.benefits);
         prop_assert!(plan.benefits_bound.unwrap() >= best - 1e-9);
@@ -147,4 +150,38 @@ fn the_checker_refuses_a_leg_that_is_too_quick_and_a_return_too_late() {
     assert!(told(&|plan| plan.visits[1].depart_s -= 1.0).contains("before the visit before has ended"));
     assert!(told(&|plan| plan.end_s -= 1.0).contains("is back after"));
     assert!(told(&|plan| plan.visits[0].begin_s += 1e4).contains("outside its time windows"));
+}
+
+#[test]
+fn a_plan_is_mended_after_a_change_and_told_before_it_is_improved() {
+    let text = generate::oplib(120, 0.4, 3);
+    let problem = formats::read("op", &text).unwrap().problem;
+    let before = solved(&problem, 30_000, 1);
+    let mut changed = problem.clone();
+    // A target gives nothing any more, and the flight must end sooner.
+    let gone = changed.targets.iter().position(|target| target.name == before.visits[3].target).unwrap();
+    changed.targets[gone].value = 0.0;
+    changed.end_s = Some(0.9 * changed.end_s.unwrap());
+    let asked = Problem::SingleVisit(changed);
+    let mut told = Vec::new();
+    let mut budget = WorkBudget::new(20_000);
+    let mut report = |plan: &Plan| told.push(plan.clone());
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report };
+    let after = super::super::Replan { previous: before.clone() }.solve(&asked, &mut environment).unwrap();
+    for plan in [&told[0], &after] {
+        assert_eq!(crate::checker::violations(&asked, plan), Vec::<String>::new());
+    }
+    let score = |plan: &Plan| match plan {
+        Plan::SingleVisit(plan) => plan.score,
+        Plan::Surveillance(_) => 0.0,
+    };
+    assert!(score(&after) >= score(&told[0]) && score(&told[0]) > 0.75 * before.score, "{}", score(&told[0]));
+}
+
+#[test]
+fn a_bound_proves_the_best_plan_where_windows_are_narrow() {
+    let problem =
+        formats::read("c", &generate::windows(Family::Solomon(Places::Clustered, Day::Short), 1)).unwrap().problem;
+    let plan = solved(&problem, 400_000, 1);
+    assert_eq!(plan.benefits_bound, Some(plan.benefits), "{}", plan.summary);
 }

@@ -1,0 +1,80 @@
+//! What no route can be worth more than: walks that may see a target again, with a price on every visit.
+//!
+//! Routes are relaxed to walks through time: a walk may come back to a target, though not at once from the next, and times
+//! are rounded down to the bucket they lie in. A price on each target, to be paid at every visit and given back once, keeps
+//! walks from coming back: whatever the prices, `prices + best walk` bounds every route (a Lagrange relaxation), and prices
+//! are moved towards what the best walk visits too often. Where walks would take too long, a knapsack of the shortest legs
+//! is all there is. Bound: O(rounds x nodes squared x buckets), within the units given.
+
+mod knapsack;
+mod walks;
+
+use super::network::Network;
+use apex_model::solver::Budget;
+use walks::Walks;
+
+/// Rounds of prices.
+const ROUNDS_MAX: u32 = 300;
+/// Rounds without a better bound after which steps are halved.
+const PATIENCE: u32 = 6;
+/// Share by which a bound is lifted, so that rounding cannot put it below the truth.
+const ROUNDING: f64 = 1e-9;
+/// Steps of a walk that are looked at for one unit of work.
+const STEPS_PER_UNIT: u64 = 120;
+
+/// The least bound found within `units`. `reached` is what some route is worth.
+pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget: &mut dyn Budget) -> f64 {
+    let mut best = knapsack::bound(network);
+    if whole(network, best) <= reached {
+        return whole(network, best).max(reached);
+    }
+    let Some(mut walks) = Walks::new(network, units.saturating_mul(STEPS_PER_UNIT) / 40) else {
+        return whole(network, best).max(reached);
+    };
+    let until = budget.used().saturating_add(units);
+    let mut prices = vec![0.0; network.targets];
+    let (mut share, mut stale) = (1.0, 0);
+    for _ in 0..ROUNDS_MAX {
+        if budget.used() >= until || budget.exhausted() {
+            break;
+        }
+        let (value, steps) = walks.best(network, &prices);
+        budget.charge(1 + steps / STEPS_PER_UNIT);
+        let bound = value + prices.iter().sum::<f64>();
+        if bound < best - 1e-6 * best.abs() {
+            (best, stale) = (bound, 0);
+            if whole(network, best) <= reached {
+                break;
+            }
+        } else {
+            stale += 1;
+            if stale >= PATIENCE {
+                (share, stale) = (0.5 * share, 0);
+            }
+        }
+        if !step(&mut prices, walks.counts(), share * (bound - reached).max(0.0)) {
+            break;
+        }
+    }
+    whole(network, best).max(reached)
+}
+
+/// Moves prices along what a walk visits too often or not at all; false where there is nowhere to go.
+fn step(prices: &mut [f64], counts: &[u32], gap: f64) -> bool {
+    let over = |price: f64, count: u32| if count == 0 && price <= 0.0 { 0.0 } else { f64::from(count) - 1.0 };
+    let norm: f64 = prices.iter().zip(counts).map(|(price, count)| over(*price, *count) * over(*price, *count)).sum();
+    if norm <= 0.0 || gap <= 0.0 {
+        return false;
+    }
+    for (price, count) in prices.iter_mut().zip(counts) {
+        *price = (*price + gap / norm * over(*price, *count)).max(0.0);
+    }
+    true
+}
+
+/// Where all values are whole numbers, so is what a route is worth.
+fn whole(network: &Network, bound: f64) -> f64 {
+    let lifted = bound + ROUNDING * (1.0 + bound.abs());
+    let values = || network.nodes.iter().map(|node| node.value);
+    if values().all(|value| value == libm::floor(value) && value < 1e9) { libm::floor(lifted) } else { lifted }
+}
