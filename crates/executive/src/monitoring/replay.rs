@@ -122,21 +122,19 @@ pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &
     (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
 }
 
-/// Looks at an absence as it was when this sample was taken, where it comes late, is the newest that is known all the same,
-/// and not enough is remembered to begin again. What passed up to then has passed; what passed since may not have.
+/// Looks at an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
+/// is remembered to begin again. What passed up to then has passed; what passed since may not have.
 pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    if let Stimulus::Sample { at, variable, .. } = stimulus
-        && *at < surroundings.now()
-        && *at >= part.window.start
-        && let PartKind::Absent(leaf) = &part.kind
-        && watches(&leaf.part, variable)
-        && !asks_functions(&leaf.part)
-        && !knows_later(&leaf.part, *at, surroundings)
-    {
-        if let PartKind::Absent(leaf) = &mut part.kind {
-            super::absence::take_back(leaf, *at);
-        }
-        look_then(part, *at, surroundings, troubles);
+    let Stimulus::Sample { at, variable, .. } = stimulus else { return };
+    let PartKind::Absent(leaf) = &mut part.kind else { return };
+    let late = *at < surroundings.now() && *at >= part.window.start;
+    if !late || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
+        return;
+    }
+    super::absence::take_back(leaf, *at);
+    let known = newest_known(&leaf.part, surroundings).map_or(*at, |newest| newest.max(*at));
+    if known < surroundings.now() {
+        look_then(part, known, surroundings, troubles);
     }
 }
 
@@ -147,19 +145,22 @@ fn asks_functions(part: &Part) -> bool {
     asks
 }
 
-/// Has the part seen samples of after `at`? Then it is not as it was.
-fn knows_later(part: &Part, at: Time, surroundings: &dyn Surroundings) -> bool {
-    let later = |history: &History| history.newest().is_some_and(|newest| newest.at > at);
+/// The instant of the newest sample that the part watches.
+fn newest_known(part: &Part, surroundings: &dyn Surroundings) -> Option<Time> {
     let histories = surroundings.histories();
-    let mut knows = false;
+    let newest = |history: &History| history.newest().map(|newest| newest.at);
+    let mut known = None;
     collect_interests(part, &mut |interest| {
-        knows |= match interest {
-            Interest::Variable(variable) => histories.get(&variable).is_some_and(later),
-            Interest::Attribute(attribute) => histories.of_attribute(&attribute).any(|(_, history)| later(history)),
-            _ => false,
+        let seen = match interest {
+            Interest::Variable(variable) => histories.get(&variable).and_then(newest),
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(&attribute).filter_map(|(_, history)| newest(history)).max()
+            }
+            _ => None,
         };
+        known = known.max(seen);
     });
-    knows
+    known
 }
 
 /// The instant before `now` that decides about an absence and was not looked at: a sample that came late has made it.

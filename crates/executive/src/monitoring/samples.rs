@@ -124,10 +124,10 @@ pub(super) fn remembered<'a>(
     let mut blind = false;
     let mut collect = |variable: &'a StateVariable, history: &'a History| {
         blind |= !history.covers(site.window.start);
+        let kept = history.between(site.window.start, Time::END);
+        seen.reserve(kept.size_hint().0);
         seen.extend(
-            history
-                .between(site.window.start, Time::END)
-                .filter(|sample| site.window.contains(sample.at, sample.sequence))
+            kept.filter(|sample| site.window.contains(sample.at, sample.sequence))
                 .map(|sample| seen_of(variable, history, sample)),
         );
     };
@@ -141,6 +141,9 @@ pub(super) fn remembered<'a>(
             surroundings.histories().of_attribute(attribute).for_each(|(variable, history)| collect(variable, history))
         }
     }
-    seen.sort_by_key(|sample| (sample.at, sample.sequence));
+    // One variable's samples are in order.
+    if known.is_none() {
+        seen.sort_by_key(|sample| (sample.at, sample.sequence));
+    }
     (seen, blind)
 }

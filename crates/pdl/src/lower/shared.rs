@@ -159,15 +159,31 @@ impl Lowering {
             let (stray, options) = groups(options);
             lowering.no_stray(stray)?;
             lowering.check_groups(&options, &["frequency-limit", "time-limit", "count-limit"], "`log`")?;
-            let frequency = lowering.optional(&options, "frequency-limit", Lowering::literal_duration)?;
-            let time = lowering.optional(&options, "time-limit", Lowering::literal_duration)?;
+            let frequency = lowering.optional(&options, "frequency-limit", Lowering::log_span)?;
+            let time = lowering.optional(&options, "time-limit", Lowering::log_span)?;
             let count = lowering.optional(&options, "count-limit", |lowering, datum| match datum.kind {
-                DatumKind::Integer(count) if count >= 0 => u64::try_from(count).ok(),
-                _ => lowering.refuse(Diagnostic::error(codes::MALFORMED, datum.span, "a count is a whole number")),
+                DatumKind::Integer(count) if count > 0 => u64::try_from(count).ok(),
+                _ => {
+                    let message = "a count limit is a whole number of samples, 1 or more";
+                    let diagnostic = Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message)
+                        .help("leave it out to keep all, or write how many: `:count-limit 5000`");
+                    lowering.refuse(diagnostic)
+                }
             })?;
             let variable = lowering.template(variable)?;
             Some(LogPolicy { variable, frequency_limit: frequency, time_limit: time, count_limit: count })
         })
+    }
+
+    /// A limit of a log in time: more than nothing.
+    fn log_span(&mut self, datum: &Datum) -> Option<Duration> {
+        let span = self.literal_duration(datum)?;
+        if span > Duration::ZERO {
+            return Some(span);
+        }
+        let message = format!("a limit of {span} leaves nothing to keep, or limits nothing");
+        let help = "leave it out, or write a duration above zero: `:frequency-limit 1s`, `:time-limit P10M`";
+        self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message).help(help))
     }
 
     /// A duration that is known at load time; a frequency stands for its interval.

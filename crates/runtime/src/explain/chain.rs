@@ -119,8 +119,10 @@ impl<'a> Chain<'a> {
                     link.causes.push(Link::seen(*at, format!("{} was measured", evidence.text())));
                     None
                 }
-                Evidence::Run { end, .. } => {
-                    link.causes.push(Link::seen(*end, format!("{} were measured", evidence.text())));
+                Evidence::Run { variable, start, end, samples } => {
+                    let gap = self.log.largest_gap(variable, (*start, *end), *samples, row.at)?;
+                    let apart = gap.map(|gap| format!(", at most {gap} apart")).unwrap_or_default();
+                    link.causes.push(Link::seen(*end, format!("{} were measured{apart}", evidence.text())));
                     None
                 }
                 Evidence::Instant { at, .. } => {

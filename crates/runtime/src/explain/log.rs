@@ -3,9 +3,10 @@
 use crate::error::RecordError;
 use crate::record::RecordReader;
 use apex_model::effect::Effect;
+use apex_model::event::StateVariable;
 use apex_model::source::SourceFile;
 use apex_model::task::TaskId;
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use rusqlite::{Params, params};
 
 const COLUMNS: &str = "id, t_ns, kind, task, subject, text, place, body";
@@ -124,6 +125,24 @@ impl Log<'_> {
         let condition =
             "batch IN (SELECT id FROM batch WHERE t_ns = ?1) AND kind = 'inform' AND subject = ?2 ORDER BY id";
         self.first(condition, params![at.0, form])
+    }
+
+    /// The largest time between two of the `samples` of a run, as they were recorded by the instant at which it was known; none for one sample, and where
+    /// other instants than the run's own stand in the record: some came too late, or were no numbers.
+    pub(super) fn largest_gap(
+        &self,
+        variable: &StateVariable,
+        run: (Time, Time),
+        samples: u64,
+        known_at: Time,
+    ) -> Result<Option<Duration>, RecordError> {
+        let found = self.reader.samples_arrived(variable, run, known_at)?;
+        let mut instants: Vec<Time> = found.iter().map(|sample| sample.at).collect();
+        instants.sort_unstable();
+        instants.dedup();
+        let all = u64::try_from(instants.len()).is_ok_and(|found| found == samples);
+        let spacings = instants.iter().zip(instants.iter().skip(1)).map(|(before, after)| *after - *before);
+        Ok(spacings.max().filter(|_| all))
     }
 
     /// The line of the program at `file:line:column`.

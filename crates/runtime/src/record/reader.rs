@@ -241,8 +241,18 @@ impl RecordReader {
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn samples(&self, variable: &StateVariable, from: Time, to: Time) -> Result<Vec<Sample>, RecordError> {
+        self.samples_arrived(variable, (from, to), Time::END)
+    }
+
+    /// As [`RecordReader::samples`], of those that had arrived by `arrived`.
+    pub(crate) fn samples_arrived(
+        &self,
+        variable: &StateVariable,
+        (from, to): (Time, Time),
+        arrived: Time,
+    ) -> Result<Vec<Sample>, RecordError> {
         let mut samples = Vec::new();
-        for step in self.steps_between(from, Time::END)?.without_effects() {
+        for step in self.steps_between(from, arrived)?.without_effects() {
             for event in step?.batch.events {
                 if let EventKind::Measurement(measured, value) = event.kind
                     && measured == *variable
