@@ -27,9 +27,11 @@ pub fn run(options: &PlanOptions) -> Outcome {
         return Err(Trouble::user("only a mission's plan can be a PDL procedure").help("leave `--pdl` out"));
     }
     let before_s = cpu_s();
-    let solved = solve(problem, options.solver.as_deref(), budget, seed)
+    let mut solved = solve(problem, options.solver.as_deref(), budget, seed)
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
     let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
+    // In flight the quick bound must do; here somebody has asked how good the plan is.
+    apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     if options.json {
         let tour = benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
         let (value, bound) = value_and_bound(&solved.plan, tour);
