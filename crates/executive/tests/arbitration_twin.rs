@@ -83,6 +83,7 @@ fn what_the_displaced_held_besides_is_free_at_once() {
         priority,
         rank: None,
         cost: None,
+        expected: None,
     };
     let nodes = vec![
         node([1, 0, 0, 4], None),
@@ -103,7 +104,7 @@ fn what_the_displaced_held_besides_is_free_at_once() {
 fn who_lent_a_priority_takes_it_away_by_leaving() {
     let node = |needs, waits, priority, rank| {
         let cost = Some(1.0);
-        Node { parent: None, is_group: false, ranked: false, waits, needs, priority, rank, cost }
+        Node { parent: None, is_group: false, ranked: false, waits, needs, priority, rank, cost, expected: None }
     };
     let nodes = vec![
         node([0, 1, 0, 0], true, Some(3.0), None),
@@ -121,12 +122,22 @@ fn who_lent_a_priority_takes_it_away_by_leaving() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn the_arbiter_agrees_with_its_twin(world in worlds(0.2)) {
+    fn the_arbiter_agrees_with_its_twin(world in worlds(0.2, 0.1)) {
         agree(&world)?;
     }
 
     #[test]
-    fn where_ranks_contradict_priorities_too(world in worlds(0.7)) {
+    fn where_ranks_contradict_priorities_too(world in worlds(0.7, 0.1)) {
+        agree(&world)?;
+    }
+
+    #[test]
+    fn where_tasks_say_how_long_they_take(world in worlds(0.2, 0.9)) {
+        agree(&world)?;
+    }
+
+    #[test]
+    fn where_ranks_and_expected_durations_meet(world in worlds(0.7, 0.8)) {
         agree(&world)?;
     }
 }

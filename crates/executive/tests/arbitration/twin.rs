@@ -1,4 +1,4 @@
-//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013 and 0023, one by one, with every set
+//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023 and 0031, one by one, with every set
 //! of holders tried. It shares nothing with the executive.
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
@@ -13,6 +13,12 @@ pub enum State {
     Interrupted,
 }
 
+/// A task that was refused, and when it can begin at the earliest, if that is known.
+struct Awaited {
+    task: usize,
+    earliest: Option<i64>,
+}
+
 /// All that the rules look at.
 pub struct Twin {
     nodes: Vec<Node>,
@@ -22,6 +28,8 @@ pub struct Twin {
     born: Vec<u32>,
     /// When the last change of state was.
     since: Vec<u32>,
+    /// How long it was ongoing before that.
+    worked: Vec<u32>,
     /// What is left of each need: parts of a reservation that descendants used up are gone.
     needs: Vec<[f64; 4]>,
     pub totals: [f64; 4],
@@ -43,6 +51,7 @@ impl Twin {
             suspended: vec![false; count],
             born: vec![0; count],
             since: vec![0; count],
+            worked: vec![0; count],
             needs,
             totals: RESOURCES.map(|(_, total)| total),
             now: 0,
@@ -87,6 +96,9 @@ impl Twin {
     }
 
     fn change(&mut self, task: usize, state: State) {
+        if self.states[task] == State::Ongoing {
+            self.worked[task] += self.now - self.since[task];
+        }
         self.states[task] = state;
         self.since[task] = self.now;
     }
@@ -96,6 +108,7 @@ impl Twin {
             self.births += 1;
             self.born[child] = self.births;
             self.suspended[child] = false;
+            self.worked[child] = 0;
             let (go, stop) = match &self.present {
                 Some(Moment::Changes(go, stop)) => (go.contains(&child), stop.contains(&child)),
                 Some(Moment::Hold(task)) => {
@@ -269,7 +282,7 @@ impl Twin {
     fn arbitrate(&self, claimants: &[usize]) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
         let mut remaining = claimants.to_vec();
         let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();
-        let (mut granted, mut awaited) = (Vec::new(), Vec::new());
+        let (mut granted, mut awaited): (Vec<usize>, Vec<Awaited>) = (Vec::new(), Vec::new());
         let (mut displaced, mut impossible) = (Vec::new(), Vec::new());
         let order = self.order(claimants.iter().chain(&held).copied().collect());
         let first = |remaining: &[usize]| order.iter().copied().find(|task| remaining.contains(task));
@@ -297,7 +310,8 @@ impl Twin {
             let enough = |set: &u32| {
                 let gone = members(*set);
                 let stays: Vec<usize> = held.iter().copied().filter(|each| !gone.contains(each)).collect();
-                self.fits(best, &[&stays, &granted], &awaited)
+                let counts = self.counts(best, &awaited, *set == 0);
+                (0..4).all(|which| self.fits(best, which, &[&stays[..], &granted, &counts].concat()))
             };
             match sets.into_iter().find(enough) {
                 Some(set) => {
@@ -308,7 +322,13 @@ impl Twin {
                     }
                     granted.push(best);
                 }
-                None => awaited.push(best),
+                None => {
+                    let gone = weakest_first;
+                    let stays: Vec<usize> = held.iter().copied().filter(|each| !gone.contains(each)).collect();
+                    let counts = self.counts(best, &awaited, gone.is_empty());
+                    let earliest = self.earliest(best, &[stays, granted.clone()].concat(), &counts, &awaited);
+                    awaited.push(Awaited { task: best, earliest });
+                }
             }
         }
         (granted, displaced, impossible)
@@ -367,15 +387,45 @@ impl Twin {
         ordered
     }
 
-    /// Is there room for all that the task needs, or does it stay within what its family has?
-    fn fits(&self, task: usize, users: &[&[usize]], awaited: &[usize]) -> bool {
-        let mut uses: Vec<usize> = users.concat();
-        uses.extend(awaited.iter().filter(|each| !self.related(task, **each)));
-        (0..4).all(|which| {
-            let before = self.used(&uses, which);
-            let after = self.used(&[uses.clone(), vec![task]].concat(), which);
-            self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
-        })
+    /// Who was refused before `task` and keeps its place, but for relatives and, where nobody has to yield, for those who
+    /// cannot begin before `task` is done.
+    fn counts(&self, task: usize, awaited: &[Awaited], fills_gaps: bool) -> Vec<usize> {
+        let done = self.nodes[task].expected.map(|expected| i64::from(self.now + expected));
+        let in_gap = |each: &Awaited| fills_gaps && done.zip(each.earliest).is_some_and(|(done, begin)| done <= begin);
+        awaited.iter().filter(|each| !self.related(task, each.task) && !in_gap(each)).map(|each| each.task).collect()
+    }
+
+    /// When a refused task can begin at the earliest: when the first of those is done who are in its way for what it lacks
+    /// first, if all of them say when.
+    fn earliest(&self, task: usize, working: &[usize], counts: &[usize], awaited: &[Awaited]) -> Option<i64> {
+        let uses = [working, counts].concat();
+        let which = (0..4).find(|which| !self.fits(task, *which, &uses))?;
+        let strangers: Vec<usize> =
+            uses.iter().copied().filter(|each| self.needs[*each][which] > 0.0 && !self.related(task, *each)).collect();
+        let all = self.used(&uses, which);
+        let matters = |each: &usize| {
+            let others: Vec<usize> = uses.iter().copied().filter(|other| other != each).collect();
+            self.used(&others, which) + 1e-9 < all
+        };
+        let some: Vec<usize> = strangers.iter().copied().filter(matters).collect();
+        let rivals = if some.is_empty() { strangers } else { some };
+        let done = |rival: usize| match awaited.iter().find(|each| each.task == rival) {
+            Some(waits) => waits.earliest,
+            None => {
+                let now = if self.states[rival] == State::Ongoing { self.now - self.since[rival] } else { 0 };
+                let worked = i64::from(self.worked[rival] + now);
+                Some(i64::from(self.now) + i64::from(self.nodes[rival].expected?) - worked)
+            }
+        };
+        let ends: Option<Vec<i64>> = rivals.into_iter().map(done).collect();
+        ends?.into_iter().min()
+    }
+
+    /// Is there room for what the task needs of this resource, or does it stay within what its family has?
+    fn fits(&self, task: usize, which: usize, uses: &[usize]) -> bool {
+        let before = self.used(uses, which);
+        let after = self.used(&[uses, &[task]].concat(), which);
+        self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
     }
 
     /// How much is used: a task and what is below it do not compete, strangers add up.

@@ -22,6 +22,8 @@ pub struct Node {
     pub priority: Option<f64>,
     pub rank: Option<i32>,
     pub cost: Option<f64>,
+    /// How many seconds it says that it takes, whatever it does.
+    pub expected: Option<u32>,
 }
 
 /// What comes at one instant.
@@ -46,7 +48,7 @@ impl std::fmt::Debug for World {
     }
 }
 
-fn node(index: usize, ranked_share: f64) -> impl Strategy<Value = Node> {
+fn node(index: usize, ranked_share: f64, expected_share: f64) -> impl Strategy<Value = Node> {
     let parent = prop::option::weighted(0.7, 0..index.max(1));
     let priority = prop::option::weighted(0.6, prop::sample::select(vec![0.0, 0.1, 1.0, 1.1, 2.0, 3.0]));
     let cost = prop::option::weighted(0.3, prop::sample::select(vec![0.0, 1.0, 2.0]));
@@ -66,8 +68,10 @@ fn node(index: usize, ranked_share: f64) -> impl Strategy<Value = Node> {
         [0, 0, 0, 0],
     ]);
     let rank = prop::option::weighted(ranked_share, 1..4_i32);
-    (parent, any::<bool>(), prop::bool::weighted(0.2), prop::bool::weighted(0.6), needs, priority, rank, cost).prop_map(
-        move |(parent, is_group, ranked, waits, needs, priority, rank, cost)| Node {
+    let expected = prop::option::weighted(expected_share, prop::sample::select(vec![0, 1, 2, 3, 5, 8, 13]));
+    let kind = (any::<bool>(), prop::bool::weighted(0.2), prop::bool::weighted(0.6));
+    (parent, kind, needs, priority, rank, cost, expected).prop_map(
+        move |(parent, (is_group, ranked, waits), needs, priority, rank, cost, expected)| Node {
             parent: parent.filter(|parent| *parent < index),
             is_group,
             ranked,
@@ -76,14 +80,16 @@ fn node(index: usize, ranked_share: f64) -> impl Strategy<Value = Node> {
             priority,
             rank,
             cost,
+            expected,
         },
     )
 }
 
-/// A random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities.
-pub fn worlds(ranked_share: f64) -> impl Strategy<Value = World> {
+/// A random world of up to nine tasks; `ranked_share` of them have ranks, which can contradict priorities, and
+/// `expected_share` an expected duration.
+pub fn worlds(ranked_share: f64, expected_share: f64) -> impl Strategy<Value = World> {
     (2..10_usize).prop_flat_map(move |count| {
-        let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share)).collect();
+        let nodes: Vec<_> = (0..count).map(|index| node(index, ranked_share, expected_share)).collect();
         let some = move || prop::collection::vec(0..count, 0..5);
         let moment = prop_oneof![
             6 => (some(), prop::collection::vec(0..count, 0..2)).prop_map(|(go, stop)| Moment::Changes(go, stop)),
@@ -116,7 +122,11 @@ impl World {
             if node.is_group {
                 let kind = if node.ranked { " :ranked" } else { "" };
                 let steps = self.steps(Some(index));
-                text.push_str(&format!("(procedure{kind} (index (work {index})){profile}{steps})\n"));
+                let expected = expected(node);
+                text.push_str(&format!("(procedure{kind} (index (work {index})){profile}{expected}{steps})\n"));
+            } else if node.expected.is_some() {
+                let expected = expected(node);
+                text.push_str(&format!("(procedure (index (work {index})){profile}{expected} (step inner (rest)))\n"));
             } else {
                 text.push_str(&format!(
                     "(primitive (index (work {index})){profile} (on-start (command (work {index}))))\n"
@@ -148,6 +158,10 @@ fn step(index: usize, node: &Node) -> String {
         text.push_str(&format!(" (interrupt-cost {cost})"));
     }
     text + ")"
+}
+
+fn expected(node: &Node) -> String {
+    node.expected.map(|seconds| format!(" (expected-duration {seconds}s)")).unwrap_or_default()
 }
 
 fn profile(node: &Node) -> String {
