@@ -140,9 +140,12 @@ impl Work {
     pub(crate) fn end_instant(&mut self) {
         if self.is_done() {
             self.evidence.clear();
-            self.freed.clear();
-            self.resumed.clear();
-            self.resuming.clear();
+            // Emptying a tree that is empty is not free, and this is done at every instant.
+            if !self.freed.is_empty() || !self.resumed.is_empty() || !self.resuming.is_empty() {
+                self.freed.clear();
+                self.resumed.clear();
+                self.resuming.clear();
+            }
         } else {
             *self = Work::default();
         }

@@ -49,8 +49,8 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
         ..Agent::default()
     };
     agent.histories.limit(&agent.limits);
-    monitoring::prepare(&mut agent.histories, &library);
     agent.attach(library, host);
+    monitoring::prepare(&mut agent.histories, &agent.library, Some(&agent.index));
     // No task: the checker lets nothing into a constant that would ask for one.
     let nobody = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let values = constants::compute(&agent.library, &nobody)?;

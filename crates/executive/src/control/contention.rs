@@ -52,7 +52,10 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     look_again(cycle);
     let dirty = std::mem::take(&mut cycle.work.dirty);
     let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty, &fresh) };
-    result.granted.extend(free);
+    match result.granted.is_empty() {
+        true => result.granted = free,
+        false => result.granted.extend(free),
+    }
     // Ancestors stop before their descendants, as in a suspension.
     result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
     // Interrupted tasks come first, leaves before their ancestors; then new ones in written order.
@@ -135,7 +138,10 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         }
         watch_crossing(cycle, refusal);
     }
-    cycle.work.resumed.clear();
+    // Emptying what is empty is not free.
+    if !cycle.work.resumed.is_empty() {
+        cycle.work.resumed.clear();
+    }
 }
 
 /// An amount of a resource for people: whole units of a capacity, a quantity of a depletable.

@@ -42,7 +42,9 @@ pub(crate) fn enable(cycle: &mut Cycle<'_>) {
         }
     }
     cycle.work.evidence.clear();
-    cycle.work.freed.clear();
+    if !cycle.work.freed.is_empty() {
+        cycle.work.freed.clear();
+    }
     // A task whose suspension came true while it was pending does not begin.
     fire_all(cycle);
 }

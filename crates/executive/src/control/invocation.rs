@@ -13,7 +13,8 @@ use apex_model::task::{TaskId, TaskState};
 
 /// The act phase.
 pub(crate) fn act(cycle: &mut Cycle<'_>) {
-    for id in std::mem::take(&mut cycle.work.resuming) {
+    let resuming = if cycle.work.resuming.is_empty() { None } else { Some(std::mem::take(&mut cycle.work.resuming)) };
+    for id in resuming.into_iter().flatten() {
         if cycle.state(id) == TaskState::Ongoing {
             go_on(cycle, id);
         }

@@ -18,7 +18,7 @@ use apex_model::condition::{
 };
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::history::Histories;
-use apex_model::index::ProcedureIndex;
+use apex_model::index::{LibraryIndex, ProcedureIndex};
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{
@@ -28,10 +28,13 @@ use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use std::sync::Arc;
 
-/// Prepares `histories` for `library`: how far back its conditions and queries look.
-pub(crate) fn prepare(histories: &mut Histories, library: &Library) {
-    obey(histories, demands(library));
+/// Prepares `histories` for `library`: how far back its conditions and queries look. `index` is that of the library, if known.
+pub(crate) fn prepare(histories: &mut Histories, library: &Library, index: Option<&LibraryIndex>) {
+    let mut survey = Survey { library, index, wordless: true, demands: Vec::new() };
+    survey.everything();
+    obey(histories, survey.demands);
 }
 
 fn obey(histories: &mut Histories, demands: Vec<Demand>) {
@@ -58,29 +61,14 @@ pub(crate) fn lateness(declaration: &StateVariableDeclaration) -> Option<Duratio
 
 /// What each clause of `library` needs of the past, in the order of definitions.
 pub(crate) fn demands(library: &Library) -> Vec<Demand> {
-    let mut survey = Survey { library, demands: Vec::new() };
-    for (attribute, declaration) in &library.state_variables {
-        if let Some(late) = lateness(declaration) {
-            let text = format!("(state-variable ({attribute} ..) :lateness {late})");
-            survey.demand(
-                Subject::Attribute(attribute.clone()),
-                Reach::Unbounded,
-                Why::Lateness,
-                text,
-                declaration.place,
-            );
-        }
-    }
-    library.procedures.iter().for_each(|procedure| survey.procedure(procedure));
-    library.primitives.iter().for_each(|primitive| survey.primitive(primitive));
-    library.indexicals.values().for_each(|expr| survey.expr(expr));
-    library.functions.values().for_each(|function| survey.exprs(&function.body));
+    let mut survey = Survey { library, index: None, wordless: false, demands: Vec::new() };
+    survey.everything();
     survey.demands
 }
 
 /// Prepares `histories` for one more condition.
 pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, condition: &Condition) {
-    let mut survey = Survey { library, demands: Vec::new() };
+    let mut survey = Survey { library, index: None, wordless: true, demands: Vec::new() };
     survey.condition(condition);
     obey(histories, survey.demands);
 }
@@ -88,16 +76,51 @@ pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, co
 /// Walks through definitions and notes what looks back.
 struct Survey<'a> {
     library: &'a Library,
+    /// What is known of the procedures, where it is known already.
+    index: Option<&'a LibraryIndex>,
+    /// Nobody reads the texts of the demands.
+    wordless: bool,
     demands: Vec<Demand>,
 }
 
 impl Survey<'_> {
-    fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: String, place: Place) {
+    /// Everything that the library defines, in order.
+    fn everything(&mut self) {
+        let library = self.library;
+        for (attribute, declaration) in &library.state_variables {
+            if let Some(late) = lateness(declaration) {
+                let text = || format!("(state-variable ({attribute} ..) :lateness {late})");
+                self.demand(
+                    Subject::Attribute(attribute.clone()),
+                    Reach::Unbounded,
+                    Why::Lateness,
+                    text,
+                    declaration.place,
+                );
+            }
+        }
+        for (number, procedure) in library.procedures.iter().enumerate() {
+            self.procedure(number, procedure);
+        }
+        library.primitives.iter().for_each(|primitive| self.primitive(primitive));
+        library.indexicals.values().for_each(|expr| self.expr(expr));
+        library.functions.values().for_each(|function| self.exprs(&function.body));
+    }
+
+    fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: impl Fn() -> String, place: Place) {
+        let text = if self.wordless { String::new() } else { text() };
         self.demands.push(Demand { subject, reach, why, text, place });
     }
 
     /// The reach of constraints on time, which without an earliest time written out has no bound.
-    fn times(&mut self, subject: Subject, constraints: &[Constraint], why: Why, text: String, place: Place) {
+    fn times(
+        &mut self,
+        subject: Subject,
+        constraints: &[Constraint],
+        why: Why,
+        text: impl Fn() -> String,
+        place: Place,
+    ) {
         match reach::of_constraints(constraints, self.library) {
             Some(span) => self.demand(subject, Reach::Span(span), Why::Window, text, place),
             None => self.demand(subject, Reach::Unbounded, why, text, place),
@@ -114,11 +137,11 @@ impl Survey<'_> {
             Template::Hole(_) | Template::Splice(_) => None,
         };
         let reach = Reach::Log { time: policy.time_limit, count: policy.count_limit };
-        let text = format!("(log {})", words::template(&policy.variable));
+        let text = || format!("(log {})", words::template(&policy.variable));
         self.demand(head.map_or(Subject::EveryAttribute, Subject::Attribute), reach, Why::Log, text, place);
     }
 
-    fn procedure(&mut self, procedure: &Procedure) {
+    fn procedure(&mut self, number: usize, procedure: &Procedure) {
         self.pattern(&procedure.index);
         self.all(procedure.expected_duration.iter().chain(&procedure.interrupt_cost));
         self.transitions(&procedure.transitions);
@@ -129,7 +152,8 @@ impl Survey<'_> {
         });
         procedure.log.iter().for_each(|policy| self.log(policy, procedure.place));
         procedure.steps.iter().for_each(|step| self.step(step));
-        let index = ProcedureIndex::new(procedure);
+        let known = self.index.and_then(|index| index.procedures.get(number)).map(Arc::clone);
+        let index = known.unwrap_or_else(|| Arc::new(ProcedureIndex::new(procedure)));
         for (step, known) in procedure.steps.iter().zip(&index.steps) {
             if !known.condition_awaits.is_empty() {
                 step.waitfor.iter().for_each(|condition| self.since_creation(condition));
@@ -142,17 +166,17 @@ impl Survey<'_> {
     fn since_creation(&mut self, condition: &Condition) {
         match &condition.kind {
             ConditionKind::Event { pattern, timing } => {
-                let text = words::event(pattern, timing);
+                let text = || words::event(pattern, timing);
                 self.demand(Subject::Messages, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Measurement(measurement) => {
                 let subject = Subject::Attribute(measurement.variable.attribute.clone());
-                let text = words::measurement(measurement);
+                let text = || words::measurement(measurement);
                 self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Episode(episode) => {
                 let subject = Subject::Attribute(episode.variable.attribute.clone());
-                let text = words::episode(episode);
+                let text = || words::episode(episode);
                 self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::And(parts, _)
@@ -231,7 +255,7 @@ impl Survey<'_> {
     fn measurement(&mut self, measurement: &MeasurementCondition, place: Place) {
         if !measurement.timestamp.is_empty() {
             let subject = Subject::Attribute(measurement.variable.attribute.clone());
-            let text = words::measurement(measurement);
+            let text = || words::measurement(measurement);
             self.times(subject, &measurement.timestamp, Why::AnyTime, text, place);
         }
         self.pattern(&measurement.variable.object);
@@ -244,7 +268,7 @@ impl Survey<'_> {
                 // A fit interval that is stated may begin before the task.
                 if let Some((_, start)) = options.iter().find(|(name, _)| name.is("start")) {
                     let subject = Subject::Attribute(measurement.variable.attribute.clone());
-                    let text = words::measurement(measurement);
+                    let text = || words::measurement(measurement);
                     match reach::before_now(start, self.library) {
                         Some(span) => {
                             self.demand(subject, Reach::Span(span), Why::Window, text, place);
@@ -261,7 +285,7 @@ impl Survey<'_> {
     fn episode(&mut self, episode: &EpisodeCondition, place: Place) {
         if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
             let subject = Subject::Attribute(episode.variable.attribute.clone());
-            let text = words::episode(episode);
+            let text = || words::episode(episode);
             // A run is judged by its own start, which may lie before every limit.
             self.demand(subject, Reach::Unbounded, Why::EpisodeTimes, text, place);
         }
@@ -276,7 +300,7 @@ impl Survey<'_> {
         // The values of the whole run are asked about.
         if episode.trend.iter().any(|(name, _)| name.is("custom")) {
             let subject = Subject::Attribute(episode.variable.attribute.clone());
-            self.demand(subject, Reach::Unbounded, Why::Values, words::episode(episode), place);
+            self.demand(subject, Reach::Unbounded, Why::Values, || words::episode(episode), place);
         }
         episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
     }
@@ -288,7 +312,7 @@ impl Survey<'_> {
             ConditionKind::Event { pattern, timing } => {
                 if !timing.start.is_empty() || !timing.end.is_empty() {
                     let limits: Vec<Constraint> = timing.start.iter().chain(&timing.end).cloned().collect();
-                    let text = words::event(pattern, timing);
+                    let text = || words::event(pattern, timing);
                     self.times(Subject::Messages, &limits, Why::EventTimes, text, condition.place);
                 }
                 self.pattern(pattern);
@@ -315,7 +339,7 @@ impl Survey<'_> {
             ConditionKind::Function(expr) => self.expr(expr),
             ConditionKind::Cyclic { variable, options } => {
                 let subject = Subject::Attribute(variable.attribute.clone());
-                let text = format!("(:cyclic ({} ..))", variable.attribute);
+                let text = || format!("(:cyclic ({} ..))", variable.attribute);
                 self.demand(subject, Reach::Unbounded, Why::Cycles, text, condition.place);
                 options.iter().for_each(|(_, constraints)| self.constraints(constraints));
             }
@@ -375,10 +399,10 @@ impl Survey<'_> {
     fn expr(&mut self, expr: &Expr) {
         match &expr.kind {
             ExprKind::Call { function, arguments } => {
-                self.query(function, arguments, words::expression(expr), expr.place);
+                self.query(function, arguments, expr);
                 self.exprs(arguments);
             }
-            ExprKind::FunctionName(function) => self.query(function, &[], words::expression(expr), expr.place),
+            ExprKind::FunctionName(function) => self.query(function, &[], expr),
             ExprKind::If(test, then, otherwise) => self.all([&**test, &**then].into_iter().chain(otherwise.as_deref())),
             ExprKind::Cond(clauses) => clauses.iter().for_each(|(test, forms)| {
                 self.expr(test);
@@ -408,10 +432,11 @@ impl Survey<'_> {
     }
 
     /// A query of a history looks back as far as its window; as far as possible when that is not written out.
-    fn query(&mut self, function: &Symbol, arguments: &[Expr], text: String, place: Place) {
+    fn query(&mut self, function: &Symbol, arguments: &[Expr], whole: &Expr) {
         if !QUERIES.contains(&function.folded()) {
             return;
         }
+        let (text, place) = (|| words::expression(whole), whole.place);
         let asked = match (function.folded(), arguments) {
             ("most-recent-svvalue", [_, _]) => Some(Duration::ZERO),
             ("most-recent-svvalue", [_, _, _, prior_to]) => reach::before_now(prior_to, self.library),

@@ -95,7 +95,7 @@ impl MonitorSession {
     pub fn new(library: Arc<Library>, host: HostFunctions) -> Result<MonitorSession, String> {
         crate::all_registered(&library, &host)?;
         let mut histories = Histories::default();
-        monitoring::prepare(&mut histories, &library);
+        monitoring::prepare(&mut histories, &library, None);
         let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
         let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
         let mut world = World {

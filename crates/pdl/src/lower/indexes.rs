@@ -43,12 +43,14 @@ impl Lowering {
     }
 
     fn report_ties(&mut self, group: &[&Served]) {
-        for (number, one) in group.iter().enumerate() {
-            for other in group.iter().take(number) {
-                let tie = specificity(&one.pattern) == specificity(&other.pattern);
+        let known: Vec<_> = group.iter().map(|each| (specificity(&each.pattern), shape(&each.pattern))).collect();
+        for (number, (one, (specific, shape))) in group.iter().zip(&known).enumerate() {
+            for (other, (other_specific, other_shape)) in group.iter().zip(&known).take(number) {
+                if specific != other_specific || !overlap(&one.pattern, &other.pattern) {
+                    continue;
+                }
                 // That the later one is never chosen is told by itself.
-                let hidden = covers(&other.pattern, &one.pattern) || shape(&other.pattern) == shape(&one.pattern);
-                if !tie || hidden || !overlap(&one.pattern, &other.pattern) {
+                if covers(&other.pattern, &one.pattern) || other_shape == shape {
                     continue;
                 }
                 let (text, earlier) = (pattern_text(&one.pattern), pattern_text(&other.pattern));

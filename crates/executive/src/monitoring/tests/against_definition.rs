@@ -277,7 +277,7 @@ proptest! {
             place: Place::default(),
         };
         view.library.state_variables.insert(Symbol::new("a"), declaration);
-        prepare(&mut view.histories, &view.library);
+        prepare(&mut view.histories, &view.library, None);
         let mut world = World::in_view(&condition(wanted.condition()), view);
         for (_, at, value) in arrivals {
             world.sample("a", "uav", Value::Integer(value), at);

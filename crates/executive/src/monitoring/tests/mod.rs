@@ -238,7 +238,7 @@ fn late_view(attribute: &str, lateness: i64) -> View {
         place: Place::default(),
     };
     view.library.state_variables.insert(Symbol::new(attribute), declaration);
-    prepare(&mut view.histories, &view.library);
+    prepare(&mut view.histories, &view.library, None);
     view
 }
 

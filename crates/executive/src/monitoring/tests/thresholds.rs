@@ -99,7 +99,7 @@ proptest! {
         samples in samples(),
     ) {
         let mut view = View { now: Time(3), library: library(), ..View::default() };
-        prepare(&mut view.histories, &view.library);
+        prepare(&mut view.histories, &view.library, None);
         let mut interests = Interests::default();
         let mut pairs = Vec::new();
         for (condition, start, after_sequence) in &wanted {
