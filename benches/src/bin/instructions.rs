@@ -1,8 +1,9 @@
 //! Does one kind of work again and again, for a profiler to count: instructions do not depend on who else uses the machine.
 //!
-//! `valgrind --tool=callgrind --toggle-collect='*Driven*step*' --toggle-collect='*Driven*begin*' instructions ROW COUNT TIMES`,
-//! ROW being `event`, `again`, `hand-off`, `load`, or a shape of plan (`flat nested sequence chain concurrent ranked`). What is
-//! counted are the steps alone, without what sets them up.
+//! `valgrind --tool=callgrind --toggle-collect=apex_benches::Driven::step instructions ROW COUNT TIMES`, ROW being `event`,
+//! `again`, `hand-off`, or a shape of plan (`flat nested sequence chain concurrent ranked`), whose lives are counted by
+//! `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it tells the least time
+//! of each piece of work: that of windows of a hundred steps, or the processor time of a whole life or load.
 #![allow(clippy::print_stdout, reason = "the count is what the program is for")]
 
 use apex_benches::{Driven, WATCHERS, agent, command_in, level, library, programs};
@@ -11,6 +12,8 @@ use apex_model::event::EventKind;
 use apex_model::value::Value;
 use std::hint::black_box;
 use std::process::ExitCode;
+use std::sync::LazyLock;
+use std::time::Instant;
 
 /// Competitors for one resource; an alarm outranks them all.
 const COMPETITORS: &str = "
@@ -46,18 +49,20 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    println!("{row} {count}: {steps} effects in {times} times");
+    println!("{row} {count}: {:.0} ns at least, {} effects", steps.least_ns, steps.effects);
     ExitCode::SUCCESS
 }
 
 /// A sample each that satisfies one of `count` waiting tasks, up to its command; and the answer.
-fn events(text: &str, count: usize, times: usize) -> usize {
+fn events(text: &str, count: usize, times: usize) -> Meter {
     let mut driven = Driven::new(&library(text));
-    let mut done = 0;
+    let mut done = Meter::default();
     for number in 0..times.min(count) {
         let batch = driven.batch(level((number * 7_919 % count) as i64, 11));
+        let start = Instant::now();
         let effects = driven.step(black_box(&batch));
-        done += effects.len();
+        done.step(start, effects.len());
+        done.end_of_one();
         if let Some(command) = command_in(&effects) {
             let batch = driven.batch(acknowledged(command));
             driven.answer(&batch);
@@ -67,29 +72,93 @@ fn events(text: &str, count: usize, times: usize) -> usize {
 }
 
 /// Interruption and resumption.
-fn hand_offs(count: usize, times: usize) -> usize {
+fn hand_offs(count: usize, times: usize) -> Meter {
     let mut driven = Driven::new(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
-    let mut done = 0;
+    let mut done = Meter::default();
     for _ in 0..times {
         let alarm = driven.batch(EventKind::Occurrence(Value::list([Value::symbol("alarm")])));
+        let start = Instant::now();
         let effects = driven.step(black_box(&alarm));
-        done += effects.len();
+        done.step(start, effects.len());
         if let Some(command) = command_in(&effects) {
             let batch = driven.batch(acknowledged(command));
-            done += driven.step(black_box(&batch)).len();
+            let start = Instant::now();
+            let effects = driven.step(black_box(&batch));
+            done.step(start, effects.len());
         }
+        done.end_of_one();
     }
     done
 }
 
-/// The lives of all tasks of a plan.
-fn lives(text: &str, times: usize) -> usize {
+/// The lives of all tasks of a plan, together.
+fn lives(text: &str, times: usize) -> Meter {
     let library = library(text);
-    (0..times).map(|_| Driven::ready(&library).begin().1.len()).sum()
+    let mut done = Meter::default();
+    for _ in 0..times {
+        let driven = Driven::ready(&library);
+        let start = (Instant::now(), worked_ns());
+        let (_driven, effects) = driven.begin();
+        done.piece(start);
+        done.effects += effects.len();
+    }
+    done
 }
 
-fn loads(text: &str, times: usize) -> usize {
-    (0..times).map(|_| agent(&library(black_box(text))).tasks.len() + 1).sum()
+fn loads(text: &str, times: usize) -> Meter {
+    let mut done = Meter::default();
+    for _ in 0..times {
+        let start = (Instant::now(), worked_ns());
+        black_box(agent(&library(black_box(text))));
+        done.piece(start);
+    }
+    done
+}
+
+/// Steps whose time is added up in windows, so short that most are not interrupted.
+struct Meter {
+    effects: usize,
+    least_ns: f64,
+    window_ns: f64,
+    window_count: usize,
+}
+
+impl Default for Meter {
+    fn default() -> Meter {
+        Meter { effects: 0, least_ns: f64::INFINITY, window_ns: 0.0, window_count: 0 }
+    }
+}
+
+impl Meter {
+    fn step(&mut self, start: Instant, effects: usize) {
+        self.window_ns += start.elapsed().as_nanos() as f64;
+        self.effects += effects;
+    }
+
+    /// One long piece of work. The system counts work in steps of some milliseconds: right for long pieces only.
+    fn piece(&mut self, (start, worked): (Instant, f64)) {
+        const LONG_NS: f64 = 3e7;
+        let passed = start.elapsed().as_nanos() as f64;
+        let worked = worked_ns() - worked;
+        self.least_ns = self.least_ns.min(if passed > LONG_NS { worked } else { passed });
+    }
+
+    fn end_of_one(&mut self) {
+        const WINDOW: usize = 100;
+        self.window_count += 1;
+        if self.window_count == WINDOW {
+            self.least_ns = self.least_ns.min(self.window_ns / WINDOW as f64);
+            (self.window_ns, self.window_count) = (0.0, 0);
+        }
+    }
+}
+
+/// Processor time of this thread; where the system does not count it, the time that passes.
+fn worked_ns() -> f64 {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let worked = stat.and_then(|stat| stat.split(' ').next()?.parse().ok());
+    worked.unwrap_or_else(|| START.elapsed().as_nanos() as f64)
 }
 
 fn acknowledged(command: CommandId) -> EventKind {

@@ -71,9 +71,9 @@ const BARS: &[Bar] = &[
         800.0,
         None,
     ),
-    bar("load 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
-    bar("load 100,000 steps", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
-    bar("load 100,000 steps", ["load", "many procedures", "100000"], 0.5e9, None),
+    bar("load one sequence of 100,000 steps", ["load", "one sequence", "100000"], 0.5e9, None),
+    bar("load one chain of 100,000 waitfors", ["load", "one chain of waitfors", "100000"], 0.5e9, None),
+    bar("load 25,000 procedures of 4 steps", ["load", "many procedures", "100000"], 0.5e9, None),
 ];
 
 /// (group, function) -> count -> median in nanoseconds, per element where the row says elements.
