@@ -10,6 +10,7 @@
 use super::Stimulus;
 use super::constraints::unit_of;
 use crate::expression::arithmetic::{described, duration, with_unit};
+use crate::memory::{Demand, Reach, Subject};
 use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
 use apex_model::history::{Histories, Occurrence, Recorded, Sample};
@@ -75,6 +76,23 @@ pub(crate) fn record_sample(
                 variable.attribute
             );
             Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded), overflows }
+        }
+    }
+}
+
+/// Keeps as much as is demanded.
+pub(super) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
+    for demand in demands {
+        let lookback = match demand.reach {
+            Reach::Span(span) => span,
+            Reach::Unbounded => Duration::MAX,
+            // A log is opened by its procedure, for as long as that is at work.
+            Reach::Log { .. } => continue,
+        };
+        match &demand.subject {
+            Subject::Attribute(attribute) => histories.require_lookback(attribute, lookback),
+            Subject::EveryAttribute => histories.require_lookback_of_all(lookback),
+            Subject::Messages => histories.require_event_lookback(lookback),
         }
     }
 }

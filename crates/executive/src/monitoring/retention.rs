@@ -7,6 +7,7 @@
 //! PDL: `:timestamp`, `:timing`, `value-at`, `mean-over`, .., `:lateness`.
 //! Paper: section IV, policies on logged data quantity.
 
+use super::histories::obey;
 use super::reach;
 use crate::control::selection::head;
 use crate::explanation::words;
@@ -15,6 +16,7 @@ use crate::expression::history_queries::QUERIES;
 use crate::memory::{Demand, Reach, Subject, Why};
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
+    VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::history::Histories;
@@ -35,22 +37,6 @@ pub(crate) fn prepare(histories: &mut Histories, library: &Library, index: Optio
     let mut survey = Survey { library, index, wordless: true, demands: Vec::new() };
     survey.everything();
     obey(histories, survey.demands);
-}
-
-fn obey(histories: &mut Histories, demands: Vec<Demand>) {
-    for demand in demands {
-        let lookback = match demand.reach {
-            Reach::Span(span) => span,
-            Reach::Unbounded => Duration::MAX,
-            // A log is opened by its procedure, for as long as that is at work.
-            Reach::Log { .. } => continue,
-        };
-        match &demand.subject {
-            Subject::Attribute(attribute) => histories.require_lookback(attribute, lookback),
-            Subject::EveryAttribute => histories.require_lookback_of_all(lookback),
-            Subject::Messages => histories.require_event_lookback(lookback),
-        }
-    }
 }
 
 /// How late samples of the variable may come.
@@ -112,6 +98,11 @@ impl Survey<'_> {
         self.demands.push(Demand { subject, reach, why, text, place });
     }
 
+    /// All samples of the attribute.
+    fn whole(&mut self, variable: &VariablePattern, why: Why, text: impl Fn() -> String, place: Place) {
+        self.demand(Subject::Attribute(variable.attribute.clone()), Reach::Unbounded, why, text, place);
+    }
+
     /// The reach of constraints on time, which without an earliest time written out has no bound.
     fn times(
         &mut self,
@@ -170,14 +161,11 @@ impl Survey<'_> {
                 self.demand(Subject::Messages, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Measurement(measurement) => {
-                let subject = Subject::Attribute(measurement.variable.attribute.clone());
                 let text = || words::measurement(measurement);
-                self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
+                self.whole(&measurement.variable, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Episode(episode) => {
-                let subject = Subject::Attribute(episode.variable.attribute.clone());
-                let text = || words::episode(episode);
-                self.demand(subject, Reach::Unbounded, Why::SinceCreation, text, condition.place);
+                self.whole(&episode.variable, Why::SinceCreation, || words::episode(episode), condition.place);
             }
             ConditionKind::And(parts, _)
             | ConditionKind::Or(parts, _)
@@ -270,9 +258,7 @@ impl Survey<'_> {
                     let subject = Subject::Attribute(measurement.variable.attribute.clone());
                     let text = || words::measurement(measurement);
                     match reach::before_now(start, self.library) {
-                        Some(span) => {
-                            self.demand(subject, Reach::Span(span), Why::Window, text, place);
-                        }
+                        Some(span) => self.demand(subject, Reach::Span(span), Why::Window, text, place),
                         None => self.demand(subject, Reach::Unbounded, Why::FitInterval, text, place),
                     }
                 }
@@ -284,10 +270,8 @@ impl Survey<'_> {
 
     fn episode(&mut self, episode: &EpisodeCondition, place: Place) {
         if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
-            let subject = Subject::Attribute(episode.variable.attribute.clone());
-            let text = || words::episode(episode);
             // A run is judged by its own start, which may lie before every limit.
-            self.demand(subject, Reach::Unbounded, Why::EpisodeTimes, text, place);
+            self.whole(&episode.variable, Why::EpisodeTimes, || words::episode(episode), place);
         }
         if let Quality::MaximumGap(gap) = &episode.quality {
             self.expr(gap);
@@ -299,8 +283,7 @@ impl Survey<'_> {
         self.timing(&episode.timing);
         // The values of the whole run are asked about.
         if episode.trend.iter().any(|(name, _)| name.is("custom")) {
-            let subject = Subject::Attribute(episode.variable.attribute.clone());
-            self.demand(subject, Reach::Unbounded, Why::Values, || words::episode(episode), place);
+            self.whole(&episode.variable, Why::Values, || words::episode(episode), place);
         }
         episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
     }
@@ -338,9 +321,8 @@ impl Survey<'_> {
             }
             ConditionKind::Function(expr) => self.expr(expr),
             ConditionKind::Cyclic { variable, options } => {
-                let subject = Subject::Attribute(variable.attribute.clone());
                 let text = || format!("(:cyclic ({} ..))", variable.attribute);
-                self.demand(subject, Reach::Unbounded, Why::Cycles, text, condition.place);
+                self.whole(variable, Why::Cycles, text, condition.place);
                 options.iter().for_each(|(_, constraints)| self.constraints(constraints));
             }
         }
@@ -454,10 +436,10 @@ impl Survey<'_> {
             Some(ExprKind::Constant(Value::Symbol(attribute))) => {
                 self.demand(Subject::Attribute(attribute.clone()), reach, why, text, place);
             }
-            _ if reach == Reach::Unbounded => {
-                self.demand(Subject::EveryAttribute, reach, Why::QueryVariable, text, place)
+            _ => {
+                let why = if reach == Reach::Unbounded { Why::QueryVariable } else { why };
+                self.demand(Subject::EveryAttribute, reach, why, text, place);
             }
-            _ => self.demand(Subject::EveryAttribute, reach, why, text, place),
         }
     }
 }
