@@ -58,6 +58,14 @@ bench: .venv/.peers ## Measure latency, throughput and load time; peers beside i
 	.venv/bin/python benches/peers/monitoring_peers.py $(TARGET)/monitoring-traces > $(TARGET)/monitoring-peers.json
 	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- report $(TARGET)/monitoring-peers.json
 
+bench-orienteering: .venv/.peers ## Plan orienteering beside PyVRP and OR-Tools at equal processor time: about ten minutes of processor time.
+	rm -rf $(TARGET)/orienteering
+	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- problems $(TARGET)/orienteering
+	.venv/bin/python benches/peers/orienteering_peers.py $(TARGET)/orienteering pyvrp 1 10 > $(TARGET)/orienteering/pyvrp.json
+	.venv/bin/python benches/peers/orienteering_peers.py $(TARGET)/orienteering ortools 1 10 > $(TARGET)/orienteering/ortools.json
+	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- ours 1 10 40 > $(TARGET)/orienteering/ours.json
+	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- report $(TARGET)/orienteering
+
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
 
@@ -77,6 +85,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
 	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- soak 100000000
 	$(MAKE) bench
+	$(MAKE) bench-orienteering
 
 web: web/dist/index.html ## Build the web page.
 

@@ -1,0 +1,176 @@
+//! How good plans of orienteering are, beside peers, at equal processor time.
+//!
+//! `problems FOLDER` writes problems of our own as files for the peers; `ours SECONDS..` plans them and prints JSON; `report FOLDER`
+//! sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side. Gaps are to the best plan that anybody found, ours
+//! of a long run among them: proven optima exist for the narrow windows only.
+#![allow(clippy::print_stdout, reason = "the table is what the program is for")]
+#![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
+
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::solver::{Environment, Solver, WorkBudget};
+use apex_solvers::formats::{self, generate};
+use apex_solvers::single_visit::{Replan, SingleVisit};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// Of the 76 problems with windows every so-many-th is measured.
+const EVERY: usize = 10;
+/// Units of work of a second.
+const UNITS_PER_S: u64 = 1_000_000;
+/// Peers count in hundredths.
+const HUNDREDTHS: f64 = 100.0;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["problems", folder] => problems(Path::new(folder)),
+        ["ours", spans @ ..] => println!("{}", ours(spans)),
+        ["report", folder] => report(Path::new(folder)),
+        _ => tell_usage(),
+    }
+}
+
+fn tell_usage() {
+    println!("orienteering problems FOLDER | ours SECONDS.. | report FOLDER");
+}
+
+/// The problems that are measured: name and problem.
+fn suite() -> Vec<(String, SingleVisitProblem)> {
+    let windows = generate::windows_suite().into_iter().step_by(EVERY);
+    let texts = windows.chain([("op1000".to_string(), generate::oplib(1_001, 0.5, 1))]);
+    texts.map(|(name, text)| (name.clone(), formats::read(&name, &text).expect("our own text").problem)).collect()
+}
+
+fn problems(folder: &Path) {
+    std::fs::create_dir_all(folder).expect("the folder is made");
+    for (name, problem) in suite() {
+        let whole = |time_s: f64| (time_s * HUNDREDTHS).floor() as i64;
+        let near = |time_s: f64| (time_s * HUNDREDTHS).round() as i64;
+        let travel = problem.travel.as_ref().expect("given times");
+        let out: Vec<i64> = std::iter::once(0.0).chain(travel.from_start_s.iter().copied()).map(near).collect();
+        let mut legs = vec![out];
+        for (home_s, row) in travel.to_base_s.iter().zip(&travel.between_s) {
+            legs.push(std::iter::once(*home_s).chain(row.iter().copied()).map(near).collect());
+        }
+        let limit = whole(problem.end_s.expect("an end"));
+        let targets: Vec<Value> = problem
+            .targets
+            .iter()
+            .map(|target| {
+                let window = target.windows.first();
+                json!({
+                    "profit": target.value as i64,
+                    "service": near(target.manoeuvres.first().map_or(0.0, |manoeuvre| manoeuvre.duration_s)),
+                    "opens": window.map_or(0, |window| near(window.from_s)),
+                    "closes": window.map_or(limit, |window| whole(window.until_s)),
+                })
+            })
+            .collect();
+        let text = json!({ "limit": limit, "targets": targets, "legs": legs }).to_string();
+        std::fs::write(folder.join(format!("{name}.json")), text).expect("the problem is written");
+    }
+}
+
+/// Time that this thread has spent on a processor.
+fn cpu_s() -> f64 {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
+}
+
+fn planned(solver: &dyn Solver, problem: &SingleVisitProblem, units: u64) -> (SingleVisitPlan, f64, f64) {
+    let problem = Problem::SingleVisit(problem.clone());
+    let mut budget = WorkBudget::new(units);
+    let begin_s = cpu_s();
+    let mut first_s = f64::NAN;
+    let mut report = |_: &Plan| first_s = if first_s.is_nan() { cpu_s() - begin_s } else { first_s };
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report };
+    let plan = solver.solve(&problem, &mut environment).expect("a plan");
+    let whole_s = cpu_s() - begin_s;
+    apex_solvers::checker::accept(&problem, &plan).expect("a plan that the checker accepts");
+    match plan {
+        Plan::SingleVisit(plan) => (plan, whole_s, first_s),
+        Plan::Surveillance(_) => another_plan(),
+    }
+}
+
+#[expect(clippy::panic, reason = "a planner that answers another question must stop the measurement")]
+fn another_plan() -> ! {
+    panic!("a single-visit problem has a single-visit plan")
+}
+
+fn ours(spans: &[&str]) -> Value {
+    let mut all = Map::new();
+    for (name, problem) in suite() {
+        let mut rows = Map::new();
+        for seconds in spans {
+            let units = UNITS_PER_S * seconds.parse::<u64>().expect("whole seconds");
+            let (plan, cpu_s, _) = planned(&SingleVisit, &problem, units);
+            rows.insert(
+                (*seconds).into(),
+                json!({"value": plan.benefits, "cpu_s": cpu_s, "bound": plan.benefits_bound}),
+            );
+        }
+        all.insert(name, Value::Object(rows));
+    }
+    all.insert("replan".into(), replan());
+    Value::Object(all)
+}
+
+/// A thousand targets, one of which is worth nothing any more, and a flight that must end 2 % sooner.
+fn replan() -> Value {
+    let mut problem = formats::read("op", &generate::oplib(1_001, 0.5, 2)).expect("our own text").problem;
+    let (before, _, _) = planned(&SingleVisit, &problem, 10_000_000);
+    let gone = before.visits.get(100).map(|visit| visit.target.clone());
+    for target in problem.targets.iter_mut().filter(|target| Some(&target.name) == gone.as_ref()) {
+        target.value = 0.0;
+    }
+    problem.end_s = problem.end_s.map(|end_s| 0.98 * end_s);
+    let (long, _, _) = planned(&SingleVisit, &problem, 10_000_000);
+    let solver = Replan { previous: before };
+    let (quick, quick_s, first_s) = planned(&solver, &problem, 35_000);
+    json!({
+        "first_feasible_ms": 1e3 * first_s, "quick_ms": 1e3 * quick_s, "quick": quick.benefits,
+        "long": long.benefits, "loss_percent": 100.0 * (1.0 - quick.benefits / long.benefits),
+    })
+}
+
+fn report(folder: &Path) {
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap_or_else(|_| "{}".into());
+        serde_json::from_str::<Value>(&text).expect("JSON")
+    };
+    let (ours, pyvrp, ortools) = (read("ours.json"), read("pyvrp.json"), read("ortools.json"));
+    let columns = ["apex 1", "apex 10", "pyvrp 1", "pyvrp 10", "ortools 1", "ortools 10"];
+    println!("| problem | best | bound | {} |\n|---|---|---|{}", columns.join(" | "), "---|".repeat(columns.len()));
+    let mut gaps: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
+    for (name, rows) in ours.as_object().into_iter().flatten().filter(|(name, _)| *name != "replan") {
+        let of = |column: &str| {
+            let (who, seconds) = column.split_once(' ')?;
+            let (file, place) = match who {
+                "apex" => (&ours, format!("/{name}/{seconds}/value")),
+                "pyvrp" => (&pyvrp, format!("/{name}/{seconds}")),
+                _ => (&ortools, format!("/{name}/{seconds}")),
+            };
+            file.pointer(&place)?.as_f64()
+        };
+        let values: Vec<Option<f64>> = columns.iter().map(|column| of(column)).collect();
+        let own = |what: &str| {
+            let rows = rows.as_object().into_iter().flatten();
+            rows.filter_map(|(_, row)| row.get(what)?.as_f64()).collect::<Vec<f64>>()
+        };
+        let best = values.iter().flatten().copied().chain(own("value")).fold(0.0, f64::max);
+        let bound = own("bound").into_iter().fold(f64::INFINITY, f64::min);
+        let mut line = format!("| {name} | {best} | {bound} |");
+        for (value, gaps) in values.iter().zip(&mut gaps) {
+            let gap = value.map(|value| 100.0 * (1.0 - value / best));
+            line += &gap.map_or(" - |".into(), |gap| format!(" {gap:.2} % |"));
+            gaps.extend(gap.filter(|_| name != "op1000"));
+        }
+        println!("{line}");
+    }
+    let mean = |gaps: &Vec<f64>| format!(" {:.2} % |", gaps.iter().sum::<f64>() / gaps.len().max(1) as f64);
+    let worst = |gaps: &Vec<f64>| format!(" {:.2} % |", gaps.iter().copied().fold(0.0, f64::max));
+    println!("| mean with windows | | |{}", gaps.iter().map(mean).collect::<String>());
+    println!("| worst with windows | | |{}", gaps.iter().map(worst).collect::<String>());
+    println!("\nreplanning after a change, 1,000 targets: {}", ours.get("replan").unwrap_or(&Value::Null));
+}
