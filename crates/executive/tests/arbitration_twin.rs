@@ -119,6 +119,40 @@ fn who_lent_a_priority_takes_it_away_by_leaving() {
     assert_eq!(twin.states, [State::Ongoing, State::Interrupted, State::Absent]);
 }
 
+/// Fuel is used up at the instant at which t3 loses the camera: t4 below it can never begin, and what handles that waits for t3.
+#[test]
+fn what_handles_a_failure_waits_for_a_parent_that_stops() {
+    let node = |parent, is_group, waits, needs, priority| Node {
+        parent,
+        is_group,
+        ranked: false,
+        waits,
+        needs,
+        priority,
+        rank: None,
+        cost: None,
+        expected: None,
+    };
+    let nodes = vec![
+        node(None, false, true, [1, 0, 0, 0], Some(1.0)),
+        node(None, false, false, [0, 0, 0, 6], None),
+        node(None, true, false, [1, 0, 0, 4], None),
+        node(Some(2), false, false, [0, 0, 0, 6], None),
+    ];
+    let moments = vec![
+        Moment::Changes(vec![0], vec![1]),
+        Moment::Changes(Vec::new(), Vec::new()),
+        Moment::Changes(Vec::new(), vec![0]),
+    ];
+    let world = World { nodes, moments };
+    agree(&world).unwrap();
+    let mut twin = Twin::new(&world);
+    twin.happen(&world.moments[0]);
+    assert_eq!(twin.states, [State::Ongoing, State::Absent, State::Interrupted, State::Enabled]);
+    world.moments.iter().skip(1).for_each(|moment| twin.happen(moment));
+    assert_eq!(twin.states, [State::Absent; 4]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
     #[test]

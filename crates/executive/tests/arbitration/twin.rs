@@ -209,7 +209,10 @@ impl Twin {
             self.change(task, State::Interrupted);
         }
         for task in impossible {
-            self.end(task, true);
+            // What handles its failure does not begin below a task that stops working: it is looked at again when that goes on.
+            if self.nodes[task].parent.is_none_or(|parent| self.states[parent] == State::Ongoing) {
+                self.end(task, true);
+            }
         }
         let mut begin = Vec::new();
         for task in granted {
