@@ -75,7 +75,7 @@ properties: ## Run the property tests with ROUNDS=20 seeds of their own; a failu
 	  PROPTEST_RNG_SEED=$$seed cargo test --locked --quiet $(CI_PROFILE) $(PROPERTIES); \
 	done
 
-nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, measurements.
+nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) properties
@@ -84,6 +84,9 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
 	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
 	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- soak 100000000
+	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 10ms,30ms,100ms,1s
+	$(APEX) profile compare $(TARGET)/profile-subset.txt
+	$(APEX) profile compare --regret --missions 1
 	$(MAKE) bench
 	$(MAKE) bench-orienteering
 

@@ -1,4 +1,4 @@
-//! The `apex` command: check, run, fly, replay, explain, plan, serve.
+//! The `apex` command: check, run, fly, replay, explain, plan, profile, serve.
 
 #![expect(unreachable_pub, reason = "a binary has no public face; `pub` says that another module uses it")]
 
@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Monitor(options) => commands::monitor::run(&options),
         Command::Export(options) => commands::export::run(&options),
         Command::Plan(options) => commands::plan::run(&options),
+        Command::Profile(command) => commands::profile::run(&command),
         Command::Serve(options) => commands::serve::run(&options),
     };
     match outcome {

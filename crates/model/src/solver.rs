@@ -4,6 +4,24 @@
 //! plan so far. It answers with a [`Plan`], which an independent checker validates before the executive sees it.
 
 use crate::problem::{Plan, Problem};
+use crate::time::Duration;
+
+/// Time that one unit of a solver's work stands for: in flights, in budgets and in the profile table.
+///
+/// Measured on one core of a loaded server: the planners of surveillance take 0.05 to 0.12 microseconds a unit, alike to a
+/// factor of two (`docs/reference/profile-table.md`; `apex profile build` measures it again), the planner of single visits on
+/// given travel times about one. So a unit is a bound that a flight computer of a tenth of that speed still keeps.
+pub const WORK_UNIT: Duration = Duration(1_000);
+
+/// Work units in `time`; at least one.
+pub fn units_in(time: Duration) -> u64 {
+    u64::try_from(time.0 / WORK_UNIT.0).unwrap_or(0).max(1)
+}
+
+/// Time that `units` of work stand for.
+pub fn time_of(units: u64) -> Duration {
+    Duration(WORK_UNIT.0.saturating_mul(i64::try_from(units).unwrap_or(i64::MAX)))
+}
 
 /// What a solver may use.
 pub struct Environment<'a> {

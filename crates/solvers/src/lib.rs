@@ -9,6 +9,7 @@ pub mod checker;
 pub mod features;
 pub mod formats;
 pub mod nearest_neighbour;
+pub mod profile;
 pub mod random;
 pub mod single_visit;
 pub mod surveillance;

@@ -8,6 +8,7 @@ pub mod format;
 pub mod monitor;
 pub mod plan;
 mod plan_question;
+pub mod profile;
 pub mod replay;
 pub mod run;
 pub mod serve;

@@ -7,7 +7,7 @@ use apex_model::effect::SolveRequest;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
 use apex_model::problem::{Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
-use apex_model::solver::{Environment, WorkBudget};
+use apex_model::solver::{Environment, WorkBudget, time_of, units_in};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
@@ -18,8 +18,6 @@ use std::sync::Arc;
 
 /// Deliberation time where neither the mission nor the request says one.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
-/// Simulated time charged for one unit of a solver's work.
-const WORK_UNIT: Duration = Duration(1_000);
 
 /// Height above ground from which a site is looked at.
 const VISIT_HEIGHT_M: f64 = 60.0;
@@ -69,7 +67,7 @@ impl Deliberator for MissionDeliberator {
             Ok(solved) => {
                 self.made += 1;
                 self.tell_targets(&solved.plan, at);
-                let charged = Duration(WORK_UNIT.0.saturating_mul(i64::try_from(solved.work).unwrap_or(i64::MAX)));
+                let charged = time_of(solved.work);
                 let result = translate(&solved, &request.goal, self.made, &self.mission);
                 SolverAnswer { result: Ok(result), charged: charged.min(budget) }
             }
@@ -107,7 +105,8 @@ impl MissionDeliberator {
 /// # Errors
 /// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
 pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64) -> Result<Deliberation, NoPlan> {
-    let selection = apex_solvers::table::select(&problem);
+    let allowed = units_in(budget);
+    let selection = apex_solvers::table::select_within(&problem, allowed);
     let (name, reason) = match wanted {
         Some(name) => (name.to_string(), "asked for by name".to_string()),
         None => (selection.solver, selection.reason),
@@ -120,7 +119,7 @@ pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64
     if !solver.serves(&problem) {
         return Err(NoPlan::Fault(format!("the solver `{name}` does not plan for this kind of problem")));
     }
-    let mut work = WorkBudget::new(u64::try_from(budget.0 / WORK_UNIT.0).unwrap_or(0).max(1));
+    let mut work = WorkBudget::new(allowed);
     let mut report = |_: &Plan| {};
     let mut environment = Environment { seed, budget: &mut work, report: &mut report };
     validate(&problem).map_err(NoPlan::Fault)?;

@@ -88,12 +88,12 @@ impl<'s, 'p> Timetable<'s, 'p> {
 
     /// Work of pricing one change.
     pub(super) fn units_of_a_price(&self) -> u64 {
-        1 + self.marks.len() as u64 / 16
+        3 + self.marks.len() as u64 / 8
     }
 
     /// Work of carrying one change out.
     pub(super) fn units_of_a_change(&self) -> u64 {
-        4 + (self.word.len() + self.marks.len() * self.marks.len()) as u64 / 64
+        12 + (self.word.len() + self.marks.len() * self.marks.len()) as u64 / 24
     }
 
     /// Carries a change out.

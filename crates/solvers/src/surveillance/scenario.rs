@@ -1,6 +1,6 @@
 //! Flying a word (a sequence of targets) or a cycle over a surveillance problem: times, expected cost, plan.
 //!
-//! Bound: O(visits) per evaluation, at most [`VISITS_MAX`]. One unit of work is one visit.
+//! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use apex_metrics::eci;
 use apex_model::problem::{LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, UNREACHABLE_S};
@@ -8,6 +8,9 @@ use apex_model::solver::Budget;
 
 /// Visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
+
+/// Visits that are flown in one unit of work (`apex_model::solver::WORK_UNIT`).
+const VISITS_PER_UNIT: u64 = 2;
 
 /// A visit by the target's index.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +96,7 @@ impl<'a> Scenario<'a> {
     pub fn cost(&self, word: impl IntoIterator<Item = usize>, budget: &mut dyn Budget) -> f64 {
         let targets = &self.problem.targets;
         let mut last_s: Vec<f64> = targets.iter().map(|target| -target.initial_age_s).collect();
-        let (mut total, mut visits) = (0.0, 1);
+        let (mut total, mut visits) = (0.0, 1_u64);
         self.fly(word, |stop| {
             visits += 1;
             if let (Some(target), Some(last_s)) = (targets.get(stop.target), last_s.get_mut(stop.target)) {
@@ -101,7 +104,7 @@ impl<'a> Scenario<'a> {
                 *last_s = stop.end_s;
             }
         });
-        budget.charge(visits);
+        budget.charge(visits.div_ceil(VISITS_PER_UNIT));
         let open = targets.iter().zip(&last_s);
         total + open.map(|(target, last_s)| eci::interval_cost(target, *last_s, self.problem.horizon_s)).sum::<f64>()
     }

@@ -6,6 +6,7 @@
 //! cannot drift unseen. The generator of the original is lost; this one is defined in `docs/reference/test-missions.md`.
 
 mod generate;
+mod hash;
 
 use crate::features::Space;
 use std::fmt;
@@ -93,6 +94,7 @@ impl Spread {
 /// Every way to lie.
 const SPACES: [Space; 3] = [Space::TwoClusters, Space::Globular, Space::Uniform];
 
+/// The word of a way to lie, in names of cells.
 fn space_word(space: Space) -> &'static str {
     match space {
         Space::TwoClusters => "two-cluster",
@@ -127,6 +129,20 @@ impl Cell {
             ((scale + rate + count) % 3 == cost && (scale + 2 * rate + count) % 3 == space).then_some(cell)
         };
         Cell::all().into_iter().enumerate().filter_map(kept).collect()
+    }
+}
+
+impl Cell {
+    /// Its words, by the names of the classifiers that read them.
+    pub fn words(&self) -> [(&'static str, String); 5] {
+        let Cell { scale, rate, cost, count, space } = self;
+        [
+            ("scale", scale.word().to_string()),
+            ("rate", rate.word().to_string()),
+            ("cost", cost.word().to_string()),
+            ("count", count.to_string()),
+            ("space", space_word(*space).to_string()),
+        ]
     }
 }
 

@@ -1,0 +1,144 @@
+//! `apex profile build` and `update`: measuring, and writing files as a whole or not at all.
+
+use super::measuring::{self, cpu_s};
+use super::{planners, read, units};
+use crate::options::{ProfileBuildOptions, ProfileUpdateOptions, ProfileWorkOptions};
+use crate::output;
+use crate::replacing;
+use crate::trouble::{Outcome, Trouble};
+use apex_model::solver::Solver;
+use apex_solvers::profile::{MISSIONS_MAX, Planner, Profile, conclusion, measure};
+use apex_solvers::test_missions::Cell;
+use std::path::Path;
+
+/// Budgets of one profile at most.
+const BUDGETS_MAX: usize = 32;
+
+/// Measures all planners anew.
+pub(super) fn build(options: &ProfileBuildOptions) -> Outcome {
+    let cells = cells(&options.cells)?;
+    let budgets = rising(&options.budgets)?;
+    if options.missions == 0 || options.missions > MISSIONS_MAX {
+        return Err(Trouble::user(format!("{} missions of each cell cannot be measured", options.missions))
+            .help(format!("write a number from 1 to {MISSIONS_MAX}; 50 is what the published table has")));
+    }
+    let planners = planners(&options.planners)?;
+    let before = refuse_other(&options.profile)?;
+    let mut profile = Profile::empty(&cells, options.missions, &budgets);
+    for planner in &planners {
+        measure(&mut profile, planner.as_ref(), &options.work)?;
+    }
+    write(&options.profile, before.as_deref(), &profile.to_string())?;
+    write_table(options.table.as_deref(), &profile)
+}
+
+/// Measures some planners of a profile.
+pub(super) fn update(options: &ProfileUpdateOptions) -> Outcome {
+    let mut profile = read(Some(&options.profile))?;
+    let before = profile.to_string();
+    let planners = planners(&options.planners)?;
+    if let Some(why) = profile.outdated() {
+        return Err(Trouble::user(format!("{} cannot be updated", options.profile.display()))
+            .because(why)
+            .help("planners are compared on the same missions: measure all of them again with `apex profile build`"));
+    }
+    for planner in &planners {
+        measure(&mut profile, planner.as_ref(), &options.work)?;
+    }
+    let after = profile.to_string();
+    if after != before {
+        let known = crate::trouble::read_text(&options.profile)?;
+        replacing::replace(&options.profile, &known, &after)?;
+    }
+    write_table(options.table.as_deref(), &profile)
+}
+
+/// Measures one planner on every mission and says what its work took.
+fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOptions) -> Outcome {
+    let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
+    let before_s = cpu_s();
+    let measured = measuring::each(work, planner.name(), profile.rows.len() * missions, |task| {
+        let row = profile.rows.get(task / missions).ok_or("there is no such cell")?;
+        measure::mission(&row.cell, (task % missions) as u64, planner, &profile.budgets)
+    })?;
+    let used: u64 = measured.iter().map(|one| one.used).sum();
+    if let Some(cpu_s) = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s) {
+        let unit_ns = 1e9 * cpu_s / used.max(1) as f64;
+        let name = planner.name();
+        output::complain(format_args!(
+            "{name}: {used} units of work in {cpu_s:.1} CPU seconds, {unit_ns:.0} ns a unit"
+        ));
+    }
+    let of_cell = |missions: &[measure::Measured]| {
+        let budget = |at: usize| missions.iter().filter_map(|one| one.costs.get(at).copied()).collect::<Vec<f64>>();
+        (0..profile.budgets.len()).map(budget).collect::<Vec<_>>()
+    };
+    let costs = measured.chunks(missions).map(of_cell).collect();
+    let version = env!("CARGO_PKG_VERSION").to_string();
+    profile.put(Planner { name: planner.name().to_string(), version }, costs);
+    Ok(())
+}
+
+fn cells(names: &[String]) -> Outcome<Vec<Cell>> {
+    let mut cells: Vec<Cell> = Vec::new();
+    for name in names {
+        let named = match name.as_str() {
+            "all" => Cell::all(),
+            "subset" => Cell::subset(),
+            name => vec![name.parse().map_err(|why| {
+                Trouble::user(format!("there is no cell {name}"))
+                    .because(why)
+                    .help("docs/reference/test-missions.md names the cells; `all` and `subset` are known too")
+            })?],
+        };
+        for cell in named {
+            if cells.contains(&cell) {
+                return Err(Trouble::user(format!("the cell {cell} is named twice")).help("name each cell once"));
+            }
+            cells.push(cell);
+        }
+    }
+    Ok(cells)
+}
+
+fn rising(texts: &[String]) -> Outcome<Vec<u64>> {
+    let budgets: Vec<u64> = texts.iter().map(|text| units(text, "--budgets")).collect::<Outcome<_>>()?;
+    if budgets.is_empty() || budgets.len() > BUDGETS_MAX || !budgets.is_sorted_by(|a, b| a < b) {
+        return Err(Trouble::user(format!("the budgets {} do not rise", texts.join(", ")))
+            .help(format!("write one to {BUDGETS_MAX} times, each longer than the one before")));
+    }
+    Ok(budgets)
+}
+
+/// The text of an older profile that may be written over; anything else is left alone, before anything is measured.
+fn refuse_other(path: &Path) -> Outcome<Option<String>> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = crate::trouble::read_text(path)?;
+    if text.parse::<Profile>().is_ok() || text.trim().is_empty() {
+        return Ok(Some(text));
+    }
+    Err(Trouble::user(format!("{} is no profile, and is not written over", path.display()))
+        .help("name another file, or remove this one"))
+}
+
+/// Writes a file as a whole; `before` is what an older one held.
+fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
+    if let Some(before) = before {
+        return replacing::replace(path, before, text);
+    }
+    std::fs::write(path, text).map_err(|error| {
+        Trouble::failure(format!("cannot write {}", path.display())).because(error).help("name another place for it")
+    })
+}
+
+fn write_table(path: Option<&Path>, profile: &Profile) -> Outcome {
+    let Some(path) = path else { return Ok(()) };
+    let before = if path.exists() { Some(crate::trouble::read_text(path)?) } else { None };
+    if before.as_deref().is_some_and(|text| conclusion::read(text).is_err()) {
+        return Err(Trouble::user(format!("{} is no profile table, and is not written over", path.display()))
+            .help("name another file, or remove this one"));
+    }
+    write(path, before.as_deref(), &conclusion::written(profile))
+}

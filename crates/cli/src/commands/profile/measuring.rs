@@ -1,0 +1,83 @@
+//! Running independent tasks on several threads: results come in the order of the tasks, whatever the threads do.
+
+use crate::options::ProfileWorkOptions;
+use crate::trouble::{Outcome, Trouble};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::channel;
+
+/// Threads at most.
+const THREADS_MAX: usize = 1024;
+
+/// Does `task` for each number below `count`. A bar titled `title` goes along on standard error.
+///
+/// # Errors
+/// That of the first task (by number) that failed; no further ones are begun then.
+pub(super) fn each<T: Send>(
+    options: &ProfileWorkOptions,
+    title: &str,
+    count: usize,
+    task: impl Fn(usize) -> Result<T, String> + Sync,
+) -> Outcome<Vec<T>> {
+    let threads = threads(options)?.min(count.max(1));
+    let bar = bar(options, title, count);
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let mut results: Vec<Option<Result<T, String>>> = (0..count).map(|_| None).collect();
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        for _ in 0..threads {
+            let (sender, next, failed, task) = (sender.clone(), &next, &failed, &task);
+            scope.spawn(move || {
+                while !failed.load(Ordering::Relaxed) {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= count {
+                        break;
+                    }
+                    let result = task(number);
+                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                    if sender.send((number, result)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (number, result) in receiver {
+            if let Some(slot) = results.get_mut(number) {
+                *slot = Some(result);
+            }
+            bar.inc(1);
+        }
+    });
+    bar.finish_and_clear();
+    // Tasks begin in order: none before the first failure was left out.
+    let done: Result<Vec<T>, String> = results.into_iter().flatten().collect();
+    done.map_err(|why| Trouble::failure("the measurement was given up").because(why).help("this is a planner's fault"))
+}
+
+fn threads(options: &ProfileWorkOptions) -> Outcome<usize> {
+    match options.threads {
+        None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
+        Some(threads) if (1..=THREADS_MAX).contains(&threads) => Ok(threads),
+        Some(threads) => Err(Trouble::user(format!("{threads} threads cannot be used"))
+            .help(format!("write a number from 1 to {THREADS_MAX}"))),
+    }
+}
+
+fn bar(options: &ProfileWorkOptions, title: &str, count: usize) -> ProgressBar {
+    let bar = if options.no_progress { ProgressBar::hidden() } else { ProgressBar::new(count as u64) };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}  (real {elapsed}, left {eta})") {
+        bar.set_style(style);
+    }
+    bar.set_message(title.to_string());
+    bar
+}
+
+/// CPU time of this process; none where the system does not tell.
+pub(super) fn cpu_s() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // After the name in brackets: state is the third field, user and system time are the 14th and 15th, in hundredths.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let ticks: Vec<f64> = fields.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse().ok()).collect();
+    (ticks.len() == 2).then(|| ticks.iter().sum::<f64>() / 100.0)
+}

@@ -1,0 +1,91 @@
+//! `apex profile`: which planner is best where, measured on test missions.
+
+mod build;
+mod compare;
+mod measuring;
+mod regret;
+mod show;
+
+use crate::options::ProfileCommand;
+use crate::sources::parse_time;
+use crate::trouble::{Outcome, Trouble, read_text};
+use apex_model::problem::Problem;
+use apex_model::solver::{Solver, units_in};
+use apex_model::time::{Duration, Time};
+use apex_solvers::features::Space;
+use apex_solvers::profile::{Profile, SHIPPED, budget_words};
+use apex_solvers::test_missions::{Cell, Scale, Spread};
+use std::path::Path;
+
+/// Longest time for deliberation that is measured: a day.
+const BUDGET_MAX: Duration = Duration(86_400_000_000_000);
+
+/// Runs one of its commands.
+pub fn run(command: &ProfileCommand) -> Outcome {
+    match command {
+        ProfileCommand::Build(options) => build::build(options),
+        ProfileCommand::Update(options) => build::update(options),
+        ProfileCommand::Show(options) => show::run(options),
+        ProfileCommand::Compare(options) if options.regret => regret::run(options),
+        ProfileCommand::Compare(options) => compare::run(options),
+    }
+}
+
+/// The profile in `path`, or the one that ships.
+fn read(path: Option<&Path>) -> Outcome<Profile> {
+    let (name, text) = match path {
+        Some(path) => (path.display().to_string(), read_text(path)?),
+        None => ("the profile that ships".to_string(), SHIPPED.to_string()),
+    };
+    text.parse().map_err(|trouble: apex_solvers::formats::FormatTrouble| {
+        let place = format!("{name}:{}:{}", trouble.line, trouble.column);
+        Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
+            .because(trouble.reason)
+            .help(trouble.help)
+    })
+}
+
+/// The planners of these names, each once.
+fn planners(names: &[String]) -> Outcome<Vec<Box<dyn Solver>>> {
+    let any = Cell { scale: Scale::Small, rate: Spread::Fixed, cost: Spread::Fixed, count: 4, space: Space::Uniform };
+    let problem = Problem::Surveillance(any.mission(0));
+    let serving = || apex_solvers::solvers().into_iter().filter(|solver| solver.serves(&problem));
+    let mut found: Vec<Box<dyn Solver>> = Vec::with_capacity(names.len());
+    for name in names {
+        if found.iter().any(|known| known.name() == name) {
+            return Err(Trouble::user(format!("the planner {name} is named twice")).help("name each planner once"));
+        }
+        let solver = serving().find(|solver| solver.name() == name);
+        found.push(solver.ok_or_else(|| {
+            let known: Vec<&str> = serving().map(|solver| solver.name()).collect();
+            Trouble::user(format!("there is no planner of surveillance `{name}`"))
+                .help(format!("known are {}", known.join(", ")))
+        })?);
+    }
+    Ok(found)
+}
+
+/// A budget in work units.
+fn units(text: &str, option: &str) -> Outcome<u64> {
+    let time = parse_time(text, option)? - Time::ZERO;
+    if time <= Duration::ZERO || time > BUDGET_MAX {
+        return Err(Trouble::user(format!("`{option} {text}` is no time to plan in"))
+            .help("write times above 0 and up to a day, for example `10ms`"));
+    }
+    Ok(units_in(time))
+}
+
+/// The indices of the wanted budgets in a profile; all where none is wanted.
+fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> Outcome<Vec<usize>> {
+    if wanted.is_empty() {
+        return Ok((0..profile.budgets.len()).collect());
+    }
+    let known: Vec<String> = profile.budgets.iter().map(|units| budget_words(*units)).collect();
+    let place = |text: &&str| {
+        let wanted = units(text, option)?;
+        profile.budgets.iter().position(|units| *units == wanted).ok_or_else(|| {
+            Trouble::user(format!("{text} was not measured")).help(format!("this profile has {}", known.join(", ")))
+        })
+    };
+    wanted.iter().map(place).collect()
+}

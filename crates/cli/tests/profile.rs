@@ -1,0 +1,104 @@
+//! `apex profile`: measured, completed, shown, compared; and what mistakes look like.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+
+mod common;
+
+use common::Desk;
+
+const CELLS: &str = "large-fixed-fixed-4-uniform,small-clustered-clustered-8-two-cluster";
+
+/// Measures two cells, six missions each.
+fn measured(desk: &Desk, file: &str, planners: &str, threads: &str) {
+    let arguments = ["profile", "build", file, "--cells", CELLS, "--missions", "6", "--budgets", "1ms,10ms"];
+    let rest = ["--planners", planners, "--threads", threads, "--table", "table.csv", "--no-progress"];
+    desk.apex(&[arguments.as_slice(), &rest].concat()).well();
+}
+
+#[test]
+fn a_profile_is_the_same_for_any_number_of_threads_and_any_way_to_it() {
+    let desk = Desk::new();
+    measured(&desk, "one.txt", "two-opt,wam,anytime", "1");
+    measured(&desk, "many.txt", "two-opt,wam,anytime", "3");
+    assert_eq!(desk.read("one.txt"), desk.read("many.txt"));
+    measured(&desk, "less.txt", "two-opt,wam", "2");
+    desk.apex(&["profile", "update", "less.txt", "--planners", "anytime,two-opt", "--no-progress"]).well();
+    assert_eq!(desk.read("less.txt"), desk.read("one.txt"));
+    assert!(desk.read("table.csv").contains("large-fixed-fixed-4-uniform,10000,"));
+}
+
+#[test]
+fn a_profile_is_shown_and_compared() {
+    let desk = Desk::new();
+    measured(&desk, "a.txt", "nearest-neighbour,two-opt,wam", "2");
+    desk.apex(&["profile", "show", "a.txt"]).well().told(&[
+        "2 cells, 6 missions each",
+        "best planner at 10 ms",
+        "  large",
+    ]);
+    desk.apex(&["profile", "show", "a.txt", "--cell", "large-fixed-fixed-4-uniform", "--budget", "10ms"])
+        .well()
+        .told(&["large-fixed-fixed-4-uniform at 10 ms", "% more (from ", "p = "]);
+    let lines = desk.apex(&["profile", "show", "a.txt", "--json"]).well().json_lines();
+    assert_eq!((lines.len(), lines[0]["cell"].as_str()), (4, Some("large-fixed-fixed-4-uniform")));
+    desk.apex(&["profile", "show", "a.txt", "--svg", "a.svg"]).well();
+    assert_eq!(desk.read("a.svg").matches("<title>").count(), 4);
+    desk.apex(&["profile", "show", "a.txt", "--svg", "b.svg", "--figure-4"]).well();
+    assert_eq!(desk.read("b.svg").matches("<title>").count(), 243 + 2);
+    desk.apex(&["profile", "compare", "a.txt", "a.txt"]).well().told(&["at 10 ms: the same planner in 2 of 2 cells"]);
+    desk.apex(&["profile", "compare", "a.txt"]).well().told(&[
+        "Figure 4 (rows)",
+        "of 1 cells",
+        "in 1 the figure's best is a person",
+    ]);
+}
+
+#[test]
+fn the_shipped_profile_is_compared_with_figure_4() {
+    let desk = Desk::new();
+    let json = &desk.apex(&["profile", "compare", "--json"]).well().json_lines()[0];
+    assert_eq!((json["comparable"].as_u64(), json["human"].as_u64()), (Some(219), Some(24)));
+    let count =
+        |row: usize| json["counts"][row].as_array().unwrap().iter().map(|one| one.as_u64().unwrap()).sum::<u64>();
+    assert_eq!([0, 1, 2, 3].map(count), [24, 73, 130, 16]);
+}
+
+#[test]
+fn regret_is_measured_on_other_counts() {
+    let desk = Desk::new();
+    let arguments =
+        ["profile", "compare", "--regret", "--counts", "6", "--missions", "1", "--budgets", "2ms", "--no-progress"];
+    desk.apex(&arguments).well().told(&["6 targets at 2 ms, 81 missions: regret ", "always the same one: "]);
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_measured() {
+    let desk = Desk::new();
+    let build = |more: &[&str]| desk.apex(&[&["profile", "build", "new.txt"], more].concat());
+    build(&["--planners", "three-opt"])
+        .complained(2, &["no planner of surveillance `three-opt`", "known are nearest-neighbour"]);
+    build(&["--planners", "single-visit"]).complained(2, &["no planner of surveillance `single-visit`"]);
+    build(&["--planners", "wam,wam"]).complained(2, &["wam is named twice"]);
+    build(&["--cells", "huge-fixed-fixed-4-uniform"])
+        .complained(2, &["no cell huge-fixed", "large, medium or small", "test-missions.md"]);
+    build(&["--cells", "subset,subset"]).complained(2, &["is named twice"]);
+    build(&["--budgets", "10ms,1ms"]).complained(2, &["do not rise"]);
+    build(&["--budgets", "0s"]).complained(2, &["no time to plan in"]);
+    build(&["--budgets", "soon"]).complained(2, &["is no time"]);
+    build(&["--missions", "0"]).complained(2, &["0 missions of each cell"]);
+    build(&["--cells", "subset", "--missions", "1", "--threads", "0"]).complained(2, &["0 threads"]);
+    desk.write("new.txt", "my notes");
+    build(&[]).complained(2, &["new.txt is no profile, and is not written over"]);
+    assert_eq!(desk.read("new.txt"), "my notes");
+    desk.apex(&["profile", "show", "new.txt"])
+        .complained(2, &["new.txt:1:1: this is no profile", "my notes", "help: "]);
+    desk.apex(&["profile", "show", "nowhere.txt"]).complained(2, &["cannot read nowhere.txt"]);
+    desk.apex(&["profile", "show", "--budget", "7ms"]).complained(2, &["7ms was not measured", "this profile has"]);
+    desk.apex(&["profile", "show", "--cell", "small-fixed-fixed-5-uniform"]).complained(2, &["was not measured"]);
+    desk.apex(&["profile", "compare", "--regret", "--counts", "0"]).complained(2, &["no missions of 0 targets"]);
+    measured(&desk, "a.txt", "wam", "1");
+    desk.change("a.txt", "generator 1", "generator 2");
+    desk.apex(&["profile", "update", "a.txt", "--planners", "wam"])
+        .complained(2, &["a.txt cannot be updated", "version 2 of the generator", "apex profile build"]);
+    desk.apex(&["profile", "compare", "a.txt"]).complained(2, &["does not answer", "two-opt or wam was not measured"]);
+}
