@@ -1,5 +1,12 @@
 //! The command line as clap sees it.
 
+mod profile;
+
+pub use profile::{
+    ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileShowOptions, ProfileUpdateOptions,
+    ProfileWorkOptions,
+};
+
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -325,131 +332,6 @@ pub struct PlanOptions {
     #[arg(long)]
     pub pdl: bool,
     /// Print as JSON.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// The commands of `apex profile`.
-#[derive(Subcommand)]
-pub enum ProfileCommand {
-    /// Measure planners on the missions of cells, and write the profile.
-    Build(ProfileBuildOptions),
-    /// Measure some planners again, or new ones, and put them into a profile.
-    Update(ProfileUpdateOptions),
-    /// Print which planner is best where, or draw it.
-    Show(ProfileShowOptions),
-    /// Compare two profiles, a profile with the paper's Figure 4, or the choices of selection with the best planners.
-    Compare(ProfileCompareOptions),
-}
-
-/// `apex profile build`
-#[derive(Args)]
-pub struct ProfileBuildOptions {
-    /// The profile to write.
-    pub profile: PathBuf,
-    /// Cells such as `small-fixed-fixed-8-uniform`, or `all` (243, the default) or `subset` (27).
-    #[arg(long, value_delimiter = ',', value_name = "CELL,..", default_value = "all")]
-    pub cells: Vec<String>,
-    /// Missions of each cell.
-    #[arg(long, value_name = "NUMBER", default_value_t = 50)]
-    pub missions: u64,
-    /// Times for deliberation, rising; a millisecond is 1,000 units of work.
-    #[arg(long, value_delimiter = ',', value_name = "TIME,..", default_value = "10ms,30ms,100ms")]
-    pub budgets: Vec<String>,
-    /// Planners.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "NAME,..",
-        default_value = "nearest-neighbour,two-opt,wam,anytime"
-    )]
-    pub planners: Vec<String>,
-    /// Also write what selection needs of it, as CSV.
-    #[arg(long, value_name = "FILE")]
-    pub table: Option<PathBuf>,
-    /// How it is measured.
-    #[command(flatten)]
-    pub work: ProfileWorkOptions,
-}
-
-/// `apex profile update`
-#[derive(Args)]
-pub struct ProfileUpdateOptions {
-    /// The profile to change.
-    pub profile: PathBuf,
-    /// Planners to measure again, or to add; without any, only the table is written again.
-    #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
-    pub planners: Vec<String>,
-    /// Also write what selection needs of it, as CSV.
-    #[arg(long, value_name = "FILE")]
-    pub table: Option<PathBuf>,
-    /// How it is measured.
-    #[command(flatten)]
-    pub work: ProfileWorkOptions,
-}
-
-/// How planners are measured.
-#[derive(Args)]
-pub struct ProfileWorkOptions {
-    /// Missions at a time; the result is the same for any. Default is one for each core.
-    #[arg(long, value_name = "NUMBER")]
-    pub threads: Option<usize>,
-    /// No progress bar.
-    #[arg(long)]
-    pub no_progress: bool,
-}
-
-/// `apex profile show`
-#[derive(Args)]
-pub struct ProfileShowOptions {
-    /// The profile; default is the one that ships.
-    pub profile: Option<PathBuf>,
-    /// Only this time for deliberation.
-    #[arg(long, value_name = "TIME")]
-    pub budget: Option<String>,
-    /// Only this cell, with every planner.
-    #[arg(long, value_name = "CELL")]
-    pub cell: Option<String>,
-    /// Draw heat maps instead, as SVG.
-    #[arg(long, value_name = "FILE", conflicts_with = "cell")]
-    pub svg: Option<PathBuf>,
-    /// Draw the paper's Figure 4 and our answer to its question.
-    #[arg(long, requires = "svg")]
-    pub figure_4: bool,
-    /// Print as JSON lines.
-    #[arg(long, conflicts_with = "svg")]
-    pub json: bool,
-}
-
-/// `apex profile compare`
-#[derive(Args)]
-pub struct ProfileCompareOptions {
-    /// The profile; default is the one that ships.
-    pub profile: Option<PathBuf>,
-    /// The profile to compare with; default is the paper's Figure 4.
-    pub with: Option<PathBuf>,
-    /// Run selection on missions that no profile has seen, and tell what its choices cost more than the best planner's.
-    #[arg(long, conflicts_with_all = ["profile", "with"])]
-    pub regret: bool,
-    /// Counts of targets on which regret is measured.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "NUMBER,..",
-        default_value = "4,6,8,12,16,24",
-        requires = "regret"
-    )]
-    pub counts: Vec<usize>,
-    /// Missions of each cell on which regret is measured.
-    #[arg(long, value_name = "NUMBER", default_value_t = 2, requires = "regret")]
-    pub missions: u64,
-    /// The time for deliberation that is compared; default is every one of the profile.
-    #[arg(long, value_delimiter = ',', value_name = "TIME,..")]
-    pub budgets: Vec<String>,
-    /// How it is measured.
-    #[command(flatten)]
-    pub work: ProfileWorkOptions,
-    /// Print as JSON lines.
     #[arg(long)]
     pub json: bool,
 }

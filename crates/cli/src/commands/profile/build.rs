@@ -62,7 +62,8 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
         measure::mission(&row.cell, (task % missions) as u64, planner, &profile.budgets)
     })?;
     let used: u64 = measured.iter().map(|one| one.used).sum();
-    if let Some(cpu_s) = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s) {
+    let spent_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
+    if let Some(cpu_s) = spent_s.filter(|_| !work.no_progress) {
         let unit_ns = 1e9 * cpu_s / used.max(1) as f64;
         let name = planner.name();
         output::complain(format_args!(
