@@ -18,6 +18,7 @@ use apex_model::effect::DecisionKind;
 use apex_model::quantity::Dimension;
 use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
 use std::collections::BTreeMap;
@@ -209,6 +210,14 @@ fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
     cycle.decide(Some(loss.loser), kind, because);
 }
 
+/// When one of those who count for the refused task may come to be above one in its way.
+fn next_crossing(agent: &Agent, refusal: &Refusal, contests: Vec<(TaskId, Option<TaskId>)>, now: Time) -> Option<Time> {
+    let challengers: Vec<Curve<'_>> = refusal.stands_for.iter().map(|id| Curve::new(agent, *id, now)).collect();
+    let defender = |(rival, holder): (TaskId, Option<TaskId>)| Defender::new(agent, rival, holder, now);
+    let defenders: Vec<Defender<'_>> = contests.into_iter().map(defender).collect();
+    crossing::next_look(agent, &challengers, &defenders, now)
+}
+
 /// Asks to be woken when the priorities of the task and of those in its way may cross.
 fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     let loser = refusal.loss.loser;
@@ -217,6 +226,7 @@ fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
     for rival in &refusal.rivals {
         let holds = rival.holds || cycle.state(rival.task) == TaskState::Ongoing;
+        concerned.push(rival.task);
         concerned.extend(rival.stands_for.iter());
         if competition::rank_order(cycle.agent, loser, rival.task, cycle.now).is_none() {
             contests.extend(rival.stands_for.iter().map(|other| (*other, holds.then_some(rival.task))));
@@ -227,10 +237,8 @@ fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
     concerned.sort_unstable();
     concerned.dedup();
     let agent: &Agent = cycle.agent;
-    let challengers: Vec<Curve<'_>> = refusal.stands_for.iter().map(|id| Curve::new(agent, *id, cycle.now)).collect();
-    let defender = |(rival, holder): (TaskId, Option<TaskId>)| Defender::new(agent, rival, holder, cycle.now);
-    let defenders: Vec<Defender<'_>> = contests.into_iter().map(defender).collect();
-    let at = crossing::next_look(agent, &challengers, &defenders, cycle.now);
+    let moving = !contests.is_empty() && concerned.iter().any(|each| priority::moves(agent, *each));
+    let at = moving.then(|| next_crossing(agent, refusal, contests, cycle.now)).flatten();
     if concerned.iter().any(|each| priority::reads_inputs(cycle.agent, *each)) {
         cycle.agent.unsteady.insert(loser);
     }
