@@ -64,8 +64,9 @@ impl Agent<'_> {
             let field = self.contend(&orphans);
             // Steps of a task that stops working do not begin, so they do not compete.
             let stops = |id: usize| field.displaced.iter().any(|loss| loss.loser == id) && !field.granted.contains(&id);
-            let orphan =
-                |id: &&usize| self.tasks[**id].state == State::Enabled && self.tasks[**id].parent.is_some_and(stops);
+            // Who needs nothing does not compete: whether it begins is seen when it is known who stops.
+            let competes = |id: usize| self.tasks[id].state == State::Enabled && !self.tasks[id].needs().is_empty();
+            let orphan = |id: &&usize| competes(**id) && self.tasks[**id].parent.is_some_and(stops);
             let more: Vec<usize> = field.granted.iter().filter(orphan).copied().collect();
             if more.is_empty() {
                 return self.commit(field);
