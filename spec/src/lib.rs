@@ -8,6 +8,7 @@ pub mod coverage;
 pub mod data_file;
 pub mod diff;
 pub mod explained;
+pub mod late;
 pub mod outside;
 pub mod page;
 pub mod projection;

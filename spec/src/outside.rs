@@ -1,5 +1,6 @@
 //! What stands around a page's agent: a vehicle that answers commands, and a planner, both as the page's options say.
 
+use crate::late::take_due;
 use crate::scenario::read_time;
 use apex_model::effect::{CommandId, SolveRequest};
 use apex_model::event::{EventKind, PlannedProcedure};
@@ -77,18 +78,21 @@ impl PlannerManner {
 pub struct PageVehicle {
     manner: VehicleManner,
     answers: Vec<(CommandId, Input)>,
+    /// What it heard of, and when it will pass it on, in that order.
+    late: Vec<(Time, Input)>,
 }
 
 impl PageVehicle {
-    /// A vehicle of this manner.
-    pub fn new(manner: VehicleManner) -> PageVehicle {
-        PageVehicle { manner, answers: Vec::new() }
+    /// A vehicle of this manner, whose link holds back `late`, each until its instant, in order of these.
+    pub fn new(manner: VehicleManner, late: Vec<(Time, Input)>) -> PageVehicle {
+        PageVehicle { manner, answers: Vec::new(), late }
     }
 }
 
 impl Vehicle for PageVehicle {
     fn next_report(&self) -> Option<Time> {
-        self.answers.iter().map(|(_, input)| input.at).min()
+        let late = self.late.first().map(|(came, _)| *came);
+        self.answers.iter().map(|(_, input)| input.at).chain(late).min()
     }
 
     fn advance(&mut self, to: Time, inputs: &mut Vec<Input>) -> Result<(), String> {
@@ -96,6 +100,7 @@ impl Vehicle for PageVehicle {
         self.answers = later;
         let due: Vec<(CommandId, Input)> = due;
         inputs.extend(due.into_iter().map(|(_, input)| input));
+        inputs.extend(take_due(&mut self.late, to));
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! One program with its inputs, checked and run without a vehicle.
 
+use crate::late;
 use crate::outside::{PagePlanner, PageVehicle, PlannerManner, VehicleManner};
 use crate::projection::Teller;
 use crate::reasons::Asker;
@@ -8,7 +9,6 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, Checked, HostSignature, Requirement, SourceText};
 use apex_runtime::error::RunError;
-use apex_runtime::input_lines::read_inputs;
 use apex_runtime::mission_loop::{EndReason, FlyOptions, RunEnd, fly_all};
 use apex_runtime::ports::Observer;
 use apex_runtime::record::Program;
@@ -87,15 +87,13 @@ pub fn run_observed(
     observers: &mut [&mut dyn Observer],
 ) -> Result<Result<RunEnd, RunError>, String> {
     let Options { until, vehicle, planner, .. } = read_options(&scenario.options)?;
-    let inputs =
-        read_inputs("inputs", &scenario.inputs, &|text| apex_pdl::read_value(text).map_err(|e| format!("{e:?}")))
-            .map_err(|error| error.to_string())?;
+    let late::Inputs { prompt: inputs, late } = late::read(&scenario.inputs)?;
     let (library, _, host) = program.clone();
     let crew = library.crew();
     let mut agents =
         crew.iter().map(|each| load(Arc::clone(&library), each, host.clone())).collect::<Result<Vec<_>, _>>()?;
     let options = FlyOptions { until, inputs, ..FlyOptions::default() };
-    let (mut vehicle, mut planner) = (PageVehicle::new(vehicle), PagePlanner(planner));
+    let (mut vehicle, mut planner) = (PageVehicle::new(vehicle, late), PagePlanner(planner));
     Ok(fly_all(&mut agents, &mut vehicle, &mut planner, observers, options))
 }
 

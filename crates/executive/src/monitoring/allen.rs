@@ -310,7 +310,8 @@ fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extent
             continue;
         }
         let coming = Span::coming(now.unwrap_or(look.from));
-        let mut partners: Vec<Span> = look.runs.iter().map(|run| Span::growing(*run, now.unwrap_or(run.1))).collect();
+        let runs = look.runs.iter().chain(&look.silent);
+        let mut partners: Vec<Span> = runs.map(|run| Span::growing(*run, now.unwrap_or(run.1))).collect();
         let possible = |result: &Satisfaction, partner: Span| {
             let own = Span::of(result.interval);
             let (first, second) = if is_left { (partner, own) } else { (own, partner) };

@@ -34,6 +34,8 @@ pub(super) struct Extents {
     pub(super) passing: Vec<Extent>,
     /// First and last evidence of runs that go on, whether they are results already or not.
     pub(super) runs: Vec<(Time, Time)>,
+    /// The same of runs that the lack of samples has ended: one that is still on its way continues them.
+    pub(super) silent: Vec<(Time, Time)>,
     /// Later results begin here or later, if they are no runs that go on.
     pub(super) from: Time,
     /// Later results may lie anywhere.
@@ -93,9 +95,13 @@ fn passing_episodes(leaf: &EpisodePart, site: Site, asking: &mut Asking<'_>, ext
         let silent_from = judged.run.as_ref().and_then(|run| silent_from(leaf, run.last));
         let open = silent_from.is_none_or(|at| at > now);
         extents.doubt |= judged.run.is_some() && (!open || (judged.found.is_none() && !judged.contradicted));
-        if let Some(run) = judged.run.filter(|_| open) {
-            extents.runs.push((run.start, run.last));
-            extents.changes_at = extents.changes_at.into_iter().chain(silent_from).min();
+        match judged.run {
+            Some(run) if open => {
+                extents.runs.push((run.start, run.last));
+                extents.changes_at = extents.changes_at.into_iter().chain(silent_from).min();
+            }
+            Some(run) => extents.silent.push((run.start, run.last)),
+            None => {}
         }
         extents.passing.extend(judged.found.map(|result| Extent { result, open }));
     }

@@ -186,6 +186,22 @@ fn a_result_that_ends_first_does_not_stand_for_one_that_begins_later() {
     assert_eq!(world.answer(9), Some((3, 9, 9)));
 }
 
+#[test]
+fn a_run_that_silence_has_ended_goes_on_with_a_sample_that_was_on_its_way() {
+    let runs = Side::Runs { gap: Some(1), least: 0 };
+    let mut world =
+        World::new(&related(AllenRelation::During, 0, vec![Side::Points.condition("a"), runs.condition("b")]));
+    // Samples enough that what is of no more use is dropped; the last of b comes when it seems to be silent.
+    tell(&mut world, &[(false, 6, 3), (false, 7, 5), (true, 8, 5), (false, 8, 5)]);
+    assert_eq!(world.answer(8), None);
+    for at in [11, 12] {
+        tell(&mut world, &[(true, at, 5)]);
+        assert_eq!(world.answer(at), None);
+    }
+    tell(&mut world, &[(false, 9, 5)]);
+    assert_eq!(world.answer(12), Some((7, 9, 12)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6_000))]
 
