@@ -9,6 +9,7 @@ mod monitor;
 mod options;
 mod output;
 mod outside;
+mod plan_output;
 mod recording;
 mod replacing;
 mod sources;

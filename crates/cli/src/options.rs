@@ -326,14 +326,37 @@ pub struct PlanOptions {
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
     /// Do not plan: print the problem as JSON.
-    #[arg(long, conflicts_with_all = ["solver", "budget", "pdl"])]
+    #[arg(long, conflicts_with_all = ["solver", "budget", "format", "json"])]
     pub problem: bool,
-    /// Print the plan as a PDL procedure.
-    #[arg(long)]
-    pub pdl: bool,
-    /// Print as JSON.
+    /// How the plan is printed; default is what the name of `--out` says, or a table.
+    #[arg(long, value_enum, conflicts_with = "json")]
+    pub format: Option<PlanFormat>,
+    /// Print as JSON: short for `--format json`.
     #[arg(long)]
     pub json: bool,
+    /// Where the plan goes; default is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// For `--format qgc`: fly all of it so high above the start, for example `60m`; needed where the problem gives no altitudes.
+    #[arg(long, allow_hyphen_values = true, value_name = "HEIGHT")]
+    pub height: Option<String>,
+}
+
+/// How a plan is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum PlanFormat {
+    /// A table for people.
+    Table,
+    /// One object with the plan, its value, bound and processor time.
+    Json,
+    /// A procedure for the mission's goal.
+    Pdl,
+    /// The path, the targets and the airspace for maps.
+    Geojson,
+    /// The same for globes.
+    Kml,
+    /// Mission items and a fence for QGroundControl.
+    Qgc,
 }
 
 /// `apex serve`

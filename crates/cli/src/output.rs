@@ -5,6 +5,7 @@ use crate::trouble::{Outcome, Trouble};
 use std::cell::Cell;
 use std::fmt;
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
 use std::rc::Rc;
 
 /// Prints to standard output.
@@ -25,6 +26,25 @@ pub fn print(text: impl fmt::Display) -> Outcome {
 /// As [`print`].
 pub fn print_line(text: impl fmt::Display) -> Outcome {
     print(format_args!("{text}\n"))
+}
+
+/// Writes `text` to the file `out`, or to standard output where there is none.
+///
+/// # Errors
+/// The file cannot be written; or as [`print`].
+pub fn put(out: Option<&Path>, text: &str) -> Outcome {
+    let Some(path) = out else { return print(text) };
+    if path.is_dir() {
+        return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
+    }
+    std::fs::write(path, text).map_err(|error| {
+        let help = match error.kind() {
+            ErrorKind::NotFound => "the folder does not exist; make it, or name another file",
+            ErrorKind::PermissionDenied => "name a file that you may write",
+            _ => "what is in the file now is incomplete; look at the space there",
+        };
+        Trouble::failure(format!("cannot write {}", path.display())).because(error).help(help)
+    })
 }
 
 /// Prints one line to standard error. Where that cannot be written there is nobody left to tell.

@@ -238,6 +238,20 @@ pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
     }
 }
 
+/// A length above 0 in metres, written as in PDL.
+///
+/// # Errors
+/// Says what was given and what is understood.
+pub fn parse_length_m(text: &str, option: &str) -> Outcome<f64> {
+    use apex_model::quantity::Dimension;
+    let value = apex_pdl::read_value(text).ok();
+    match value.as_ref().and_then(Value::as_number) {
+        Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres > 0.0 && metres.is_finite() => Ok(metres),
+        _ => Err(Trouble::user(format!("`{option} {text}` is no length above 0"))
+            .help("write metres (60), or a length with its unit (60m, 200ft)")),
+    }
+}
+
 /// `1:30:00` or `1:30`: hours, minutes and seconds, or minutes and seconds.
 fn clock_time(text: &str) -> Option<Time> {
     let parts: Vec<f64> = text.split(':').map(str::parse).collect::<Result<_, _>>().ok()?;

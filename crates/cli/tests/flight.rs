@@ -220,7 +220,7 @@ fn plans_are_printed_for_people_for_programs_and_as_pdl() {
     let surveillance = &json[0]["plan"]["Surveillance"];
     let number = |name: &str| surveillance[name].as_f64().unwrap();
     assert!(number("expected_cost_bound") > 0.0 && number("expected_cost_bound") <= number("expected_cost"));
-    let pdl = plan(&["--pdl"]).well();
+    let pdl = plan(&["--format", "pdl"]).well();
     desk.write("plan.pdl", &pdl.out);
     desk.apex(&["check", "--fragment", "plan.pdl"]).well().told(&["procedure", " 0 errors"]);
     desk.apex(&["plan", &mission, "--solver", "magic"]).complained(2, &["no solver `magic`", "two-opt, wam", "help: "]);
@@ -240,7 +240,7 @@ fn problems_are_printed_read_and_planned_alike() {
     plan(&["bad.json"]).complained(2, &["bad.json:2:14", "no planning problem", "--problem"]);
     plan(&["small-fixed-wild-4-globular"]).complained(2, &["wild is no spread of costs", "test-missions.md"]);
     plan(&["small-fixed-fixed-4-globular@x"]).complained(2, &["x is no number", "@7"]);
-    plan(&["four.json", "--pdl"]).complained(2, &["only a mission's plan", "help: "]);
+    plan(&["four.json", "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
     plan(&["four.json", "--budget", "0s"]).complained(2, &["no time to plan in", "--budget 2s"]);
 }
 

@@ -2,65 +2,121 @@
 
 use super::plan_question::{self, Benchmark, Question};
 use crate::mission::deliberator::{Deliberation, solve, translate};
-use crate::options::PlanOptions;
+use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
-use crate::telling::{name_width, named, wrapped};
+use crate::plan_output::chart::{Chart, chart};
+use crate::plan_output::{geojson, kml, qgc, table};
+use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
-use apex_model::time::Time;
+use apex_model::problem::Plan;
+use apex_model::value::Value;
 use apex_solvers::formats;
-use std::fmt::Write;
-
-/// Gap below which rounding is all that is left.
-const OPTIMAL: f64 = 1e-6;
+use std::path::Path;
 
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
 
 /// Plans and prints.
 pub fn run(options: &PlanOptions) -> Outcome {
-    let Question { name, problem, budget, seed, mission, benchmark } = plan_question::read(options)?;
+    let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
+    let format = format_of(options, out);
+    let height_m = options.height.as_deref().map(|text| parse_length_m(text, "--height")).transpose()?;
+    if height_m.is_some() && format != PlanFormat::Qgc {
+        return Err(Trouble::user("`--height` is for plan files of QGroundControl")
+            .help("add `--format qgc`, or leave `--height` out"));
+    }
+    let question = plan_question::read(options)?;
+    if let Some(out) = out {
+        refuse_to_overwrite(out, &options.mission)?;
+    }
     if options.problem {
-        return output::print_line(serde_json::json!(problem));
+        return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
     }
-    if options.pdl && mission.is_none() {
-        return Err(Trouble::user("only a mission's plan can be a PDL procedure").help("leave `--pdl` out"));
-    }
+    refuse(format, &question)?;
+    let Question { problem, budget, seed, .. } = &question;
     let before_s = cpu_s();
-    let mut solved = solve(problem, options.solver.as_deref(), budget, seed)
+    let mut solved = solve(problem.clone(), options.solver.as_deref(), *budget, *seed)
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
     let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
     // In flight the quick bound must do; here somebody has asked how good the plan is.
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
-    if options.json {
-        let tour = benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
-        let (value, bound) = value_and_bound(&solved.plan, tour);
-        return output::print_line(serde_json::json!({
-            "mission": name,
-            "format": benchmark.as_ref().map(|benchmark| benchmark.format),
-            "vehicles": benchmark.as_ref().and_then(|benchmark| benchmark.vehicles),
-            "reason": solved.reason,
-            "value": value,
-            "bound": bound,
-            "work_units": solved.work,
-            "cpu_s": cpu_s,
-            "plan": solved.plan,
-        }));
+    let text = match format {
+        PlanFormat::Table => table::write(&question.name, question.benchmark.as_ref(), &solved),
+        PlanFormat::Json => json(&question, &solved, cpu_s),
+        PlanFormat::Pdl => pdl(&question, &solved),
+        PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
+        PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
+        PlanFormat::Qgc => qgc::write(&charted(&question, &solved)?, height_m).map_err(|reason| {
+            Trouble::user(format!("{}: the plan cannot be a plan file of QGroundControl", question.name))
+                .because(reason)
+                .help("add `--height 60m` to fly all of it so high above the start")
+        })?,
+    };
+    output::put(out, &text)
+}
+
+/// What is asked for; else what the file's name says; else a table.
+fn format_of(options: &PlanOptions, out: Option<&Path>) -> PlanFormat {
+    let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_lowercase());
+    let of_name = || match extension.as_deref() {
+        Some("json") => PlanFormat::Json,
+        Some("pdl") => PlanFormat::Pdl,
+        Some("geojson") => PlanFormat::Geojson,
+        Some("kml") => PlanFormat::Kml,
+        Some("plan") => PlanFormat::Qgc,
+        _ => PlanFormat::Table,
+    };
+    if options.json { PlanFormat::Json } else { options.format.unwrap_or_else(of_name) }
+}
+
+fn refuse_to_overwrite(out: &Path, input: &Path) -> Outcome {
+    let same = std::fs::canonicalize(out).ok().zip(std::fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
+    if same {
+        return Err(Trouble::user(format!("{} is what the plan is made from", out.display()))
+            .help("name another file with `--out`"));
     }
-    if let Some((mission, goal)) = mission.filter(|_| options.pdl) {
-        return output::print(translate(&solved, &goal, 1, &mission).source.text);
+    Ok(())
+}
+
+/// Says before planning what could not be printed after it.
+fn refuse(format: PlanFormat, question: &Question) -> Outcome {
+    match format {
+        PlanFormat::Pdl if question.mission.is_none() => {
+            Err(Trouble::user("only a mission's plan can be a PDL procedure")
+                .because("the goal that it serves, and the places and heights of its steps, are a mission's")
+                .help("plan for a mission's folder, or choose another `--format`"))
+        }
+        PlanFormat::Qgc if question.benchmark.is_some() => {
+            Err(Trouble::user("the plan of a benchmark cannot be a plan file of QGroundControl")
+                .because("its coordinates are a plane's, not places on earth")
+                .help("choose `--format json` or `--format geojson`"))
+        }
+        _ => Ok(()),
     }
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_benchmark(&mut text, &name, benchmark.as_ref());
-    let _ = write_table(&mut text, &solved);
-    output::print(text)
 }
 
 /// Time that this thread has spent on a processor; none where the system does not tell.
 fn cpu_s() -> Option<f64> {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+fn json(question: &Question, solved: &Deliberation, cpu_s: Option<f64>) -> String {
+    let benchmark = question.benchmark.as_ref();
+    let tour = benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
+    let (value, bound) = value_and_bound(&solved.plan, tour);
+    let answer = serde_json::json!({
+        "mission": question.name,
+        "format": benchmark.map(|benchmark| benchmark.format),
+        "vehicles": benchmark.and_then(|Benchmark { vehicles, .. }| *vehicles),
+        "reason": solved.reason,
+        "value": value,
+        "bound": bound,
+        "work_units": solved.work,
+        "cpu_s": cpu_s,
+        "plan": solved.plan,
+    });
+    format!("{answer}\n")
 }
 
 /// What the plan is worth (a cost or the length of a tour where less is better), and what no plan can do better than.
@@ -72,94 +128,24 @@ fn value_and_bound(plan: &Plan, tour: bool) -> (f64, Option<f64>) {
     }
 }
 
-/// What a benchmark's file is taken for.
-fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) -> std::fmt::Result {
-    let Some(Benchmark { format, asked, vehicles }) = benchmark else { return Ok(()) };
-    let asked = match asked {
-        formats::Question::OrienteeringWithWindows => "the most value within windows",
-        formats::Question::Orienteering => "the most value within a length",
-        formats::Question::Tour => "the shortest tour of all",
-    };
-    writeln!(out, "{name}: {format}; wanted is {asked}")?;
-    match vehicles {
-        Some(vehicles) if *vehicles != 1 => writeln!(out, "the file names {vehicles} vehicles; this is a plan for one"),
-        _ => Ok(()),
-    }
+/// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
+/// empty for what is no mission, which was refused.
+fn pdl(question: &Question, solved: &Deliberation) -> String {
+    let Some((mission, goal)) = &question.mission else { return String::new() };
+    let application = mission.library.application.as_ref();
+    let libraries = application.and_then(|application| application.option("libraries")).and_then(Value::as_list);
+    let named = libraries.unwrap_or_default().iter().filter_map(|library| match library {
+        Value::Text(name) => Some(format!("(require-apex-library \"{name}\")\n")),
+        _ => None,
+    });
+    named.chain([translate(solved, goal, 1, mission).source.text.to_string()]).collect()
 }
 
-fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
-    let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
-    writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
-    writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
-    writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", 18, "    "))?;
-    match &solved.plan {
-        Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
-        Plan::Surveillance(plan) => write_surveillance(out, plan)?,
-    }
-    let left_out = solved.plan.left_out();
-    if !left_out.is_empty() {
-        writeln!(out, "\nnot visited:")?;
-    }
-    let width = name_width("", left_out.iter().map(|left| left.target.as_str()));
-    left_out.iter().try_for_each(|left| writeln!(out, "{}", named(&left.target, width, &left.reason)))
-}
-
-fn clock(seconds: f64) -> String {
-    Time::from_seconds(seconds.round()).to_string()
-}
-
-fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Result {
-    let width = name_width("target", plan.visits.iter().map(|visit| visit.target.as_str()));
-    writeln!(out, "  {:<width$} {:>10} {:>10} {:>10} {:>8}", "target", "arrive", "begin", "end", "worth")?;
-    for visit in &plan.visits {
-        writeln!(
-            out,
-            "  {:<width$} {:>10} {:>10} {:>10} {:>8.2}",
-            visit.target,
-            clock(visit.arrive_s),
-            clock(visit.begin_s),
-            clock(visit.end_s),
-            visit.worth
-        )?;
-    }
-    writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
-    writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
-    match plan.benefits_bound {
-        Some(bound) => writeln!(out, "  no plan can have benefits above {bound:.2}"),
-        None => Ok(()),
-    }
-}
-
-fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
-    if !plan.cycle.is_empty() {
-        let stops: Vec<String> = plan.cycle.iter().map(ToString::to_string).collect();
-        writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", 9, "         "))?;
-    } else if !plan.visits.is_empty() {
-        let width = name_width("site", plan.visits.iter().map(|visit| visit.target.as_str()));
-        writeln!(out, "  {:<width$} {:>10} {:>10}", "site", "begin", "end")?;
-        for visit in &plan.visits {
-            let (begin, end) = (clock(visit.arrive_s), clock(visit.end_s));
-            writeln!(out, "  {:<width$} {begin:>10} {end:>10}", visit.target)?;
-        }
-        writeln!(out)?;
-    }
-    writeln!(
-        out,
-        "  {} visits until the horizon, expected cost of ignorance {:.4}",
-        plan.visits.len(),
-        plan.expected_cost
-    )?;
-    match plan.expected_cost_bound.zip(plan.gap()) {
-        Some((bound, gap)) if gap < OPTIMAL => {
-            writeln!(out, "  proven to be the best: no plan can cost less than {bound:.4}")
-        }
-        Some((bound, gap)) => {
-            writeln!(
-                out,
-                "  no plan can cost less than {bound:.4}: this one is within {:.1} % of the best",
-                100.0 * gap
-            )
-        }
-        None => Ok(()),
-    }
+fn charted(question: &Question, solved: &Deliberation) -> Outcome<Chart> {
+    let mission = question.mission.as_ref().map(|(mission, _)| mission);
+    chart(&question.name, (&solved.problem, &solved.plan), question.start, mission).map_err(|reason| {
+        Trouble::user(format!("{} has no places to put on a map", question.name))
+            .because(reason)
+            .help("choose `--format table` or `--format json`, or give its targets coordinates")
+    })
 }

@@ -6,12 +6,13 @@ use crate::mission::bookkeeping::Bookkeeping;
 use crate::mission::problem::pose;
 use crate::options::PlanOptions;
 use crate::sources::parse_time;
-use crate::trouble::{Outcome, Trouble, read_text};
-use apex_model::problem::Problem;
+use crate::trouble::{Outcome, Trouble, nearby_help, read_text};
+use apex_model::problem::{Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_solvers::formats;
 use apex_solvers::test_missions::Cell;
+use apex_solvers::validate::TARGETS_MAX;
 use std::path::Path;
 
 /// Deliberation time where nobody says one.
@@ -31,16 +32,25 @@ pub(super) struct Question {
     pub(super) mission: Option<(Mission, Value)>,
     /// What a benchmark's file says beside the problem.
     pub(super) benchmark: Option<Benchmark>,
+    /// Where the flight begins, if the problem does not say it.
+    pub(super) start: Option<Position>,
+}
+
+impl Question {
+    /// A problem by itself.
+    fn new(name: String, problem: Problem) -> Question {
+        Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark: None, start: None }
+    }
 }
 
 /// What a benchmark's file says beside the problem.
-pub(super) struct Benchmark {
+pub(crate) struct Benchmark {
     /// The format, in words.
-    pub(super) format: &'static str,
+    pub(crate) format: &'static str,
     /// What is asked.
-    pub(super) asked: formats::Question,
+    pub(crate) asked: formats::Question,
     /// Vehicles that the file names.
-    pub(super) vehicles: Option<usize>,
+    pub(crate) vehicles: Option<usize>,
 }
 
 /// Extensions of benchmark files; other files are looked into.
@@ -53,7 +63,7 @@ const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "ats
 pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
     let path = options.mission.as_path();
     let text = path.to_string_lossy();
-    let mut question = if !path.exists() && text.matches('-').count() >= 4 {
+    let mut question = if !path.exists() && !text.contains(['/', '\\', '.']) {
         of_cell(&text)?
     } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         of_file(path)?
@@ -78,23 +88,46 @@ pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
 /// A test mission: the name of its cell, with `@NUMBER` for another one than the first.
 fn of_cell(text: &str) -> Outcome<Question> {
     let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
-    let help =
-        "docs/reference/test-missions.md names the cells; a mission is named by its folder, a problem by its file";
-    let cell: Cell = cell.parse().map_err(|why| {
-        Trouble::user(format!("there is no file or mission {text}, nor a test mission")).because(why).help(help)
-    })?;
+    let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
     let number: u64 = number.parse().map_err(|_| {
         Trouble::user(format!("{number} is no number of a test mission")).help(format!("write for example `{cell}@7`"))
     })?;
     let problem = Problem::Surveillance(cell.mission(number));
-    Ok(Question {
-        name: format!("{cell}@{number}"),
-        problem,
-        budget: BUDGET_DEFAULT,
-        seed: 1,
-        mission: None,
-        benchmark: None,
-    })
+    let start = Some(apex_solvers::test_missions::CENTRE);
+    Ok(Question { start, ..Question::new(format!("{cell}@{number}"), problem) })
+}
+
+/// Nothing is called so: the names that are nearest, and where names are listed.
+fn no_such_name(text: &str, cell: &str, why: &str) -> Trouble {
+    let trouble = Trouble::user(format!("there is no mission, file or test mission called {text}"));
+    let shipped = Path::new("missions").join(text);
+    if shipped.join("mission.pdl").is_file() {
+        return trouble.because(nearby_help(Path::new(text))).help(format!("did you mean `{}`?", shipped.display()));
+    }
+    let lists = "docs/reference/test-missions.md names them; a mission is named by its folder, a problem by its file";
+    match nearest_cell(cell) {
+        Some(near) => {
+            let number = text.strip_prefix(cell).unwrap_or_default();
+            trouble.because(why).help(format!("did you mean the test mission `{near}{number}`? {lists}"))
+        }
+        None => trouble.because(nearby_help(Path::new(text))).help(format!(
+            "test missions are called SCALE-RATE-COST-COUNT-SPACE, for example `small-clustered-fixed-8-two-cluster@7`; {lists}"
+        )),
+    }
+}
+
+/// Edits between a misspelt name and a known one at most, as a share of its length.
+const MISSPELT_SHARE_MAX: f64 = 0.4;
+
+/// The cell whose name is nearest to `text`, if any is near; the count stays as it is given.
+fn nearest_cell(text: &str) -> Option<Cell> {
+    let count = text.split('-').find_map(|part| part.parse().ok()).filter(|count| (1..=TARGETS_MAX).contains(count));
+    let cells = Cell::all().into_iter().map(|cell| Cell { count: count.unwrap_or(cell.count), ..cell });
+    let letters = text.chars().count();
+    // A name that is far too long is compared with nothing.
+    let near = |cell: Cell| (strsim::damerau_levenshtein(&cell.to_string(), text), cell);
+    let (edits, cell) = (letters <= 80).then(|| cells.map(near).min_by_key(|(edits, _)| *edits)).flatten()?;
+    (edits as f64 <= MISSPELT_SHARE_MAX * letters as f64).then_some(cell)
 }
 
 fn of_file(path: &Path) -> Outcome<Question> {
@@ -106,7 +139,7 @@ fn of_file(path: &Path) -> Outcome<Question> {
             .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
     })?;
     let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
-    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark: None })
+    Ok(Question::new(name, problem))
 }
 
 /// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
@@ -128,8 +161,7 @@ fn of_benchmark(path: &Path) -> Outcome<Question> {
     })?;
     let formats::Instance { name, format, question, vehicles, problem } = instance;
     let benchmark = Some(Benchmark { format, asked: question, vehicles });
-    let problem = Problem::SingleVisit(problem);
-    Ok(Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark })
+    Ok(Question { benchmark, ..Question::new(name, Problem::SingleVisit(problem)) })
 }
 
 /// Plans are for one vehicle; whoever asks for more is told.
@@ -155,7 +187,7 @@ fn of_mission(path: &Path) -> Outcome<Question> {
     let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
         .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
     let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
-    Ok(Question { name, problem, budget, seed, mission: Some((mission, goal)), benchmark: None })
+    Ok(Question { budget, seed, mission: Some((mission, goal)), ..Question::new(name, problem) })
 }
 
 /// The goal and budget of the mission's first declared solver.

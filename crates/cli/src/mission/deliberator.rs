@@ -219,13 +219,18 @@ fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission) -> (Vec<(Symbo
             Value::symbol("visit"),
             Value::symbol(name),
             Value::symbol("at"),
-            at(target.position, target.elevation_m + VISIT_HEIGHT_M),
+            at(target.position, visit_altitude_m(target)),
             Value::symbol("for"),
             Value::Duration(Duration::from_seconds(site.dwell_s)),
         ]);
         steps.push((Symbol::new(&format!("visit-{}-{name}", index + 1)), form));
     }
     (steps, repeat)
+}
+
+/// Altitude above mean sea level from which a site is looked at.
+pub fn visit_altitude_m(site: &super::Target) -> f64 {
+    site.elevation_m + VISIT_HEIGHT_M
 }
 
 /// A location rounded to about a metre, so that plans stay readable.

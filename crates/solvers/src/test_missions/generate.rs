@@ -23,8 +23,8 @@ const TWO_CLUSTERS: (f64, f64) = (0.05, 0.38);
 const GLOBULAR: f64 = 0.08;
 /// Draws of one place; after so many the separation is halved, so that crowded maps are drawn too.
 const DRAWS_MAX: usize = 1_000;
-/// Where the map lies: its centre, for display.
-const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };
+/// Where the map lies: its centre, at which every test mission starts; for display.
+pub const CENTRE: Position = Position { latitude_deg: 37.4, longitude_deg: -122.1 };
 
 /// The chance of one mission.
 struct Chance(ChaCha20Rng);

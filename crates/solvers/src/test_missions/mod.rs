@@ -8,6 +8,8 @@
 mod generate;
 mod hash;
 
+pub use generate::CENTRE;
+
 use crate::features::Space;
 use std::fmt;
 use std::str::FromStr;

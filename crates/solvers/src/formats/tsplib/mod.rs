@@ -168,7 +168,8 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
     }
     let place = |node: usize| sections.places.as_ref().and_then(|places| places.get(node)).copied();
     let vertex = |node: &usize| {
-        let (x, y) = place(*node).unwrap_or_else(|| on_a_ring(*node, count));
+        // Weights alone say nothing of places: all nodes lie at one point then.
+        let (x, y) = place(*node).unwrap_or_default();
         let profit = sections.scores.as_ref().and_then(|scores| scores.get(*node)).copied().unwrap_or(1.0);
         // GEO names the latitude first.
         let (x, y) = if weights.is_geographical() { (y, x) } else { (x, y) };
@@ -190,10 +191,4 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
         vehicles: None,
         problem,
     })
-}
-
-/// A place to show a node that has none.
-fn on_a_ring(node: usize, count: usize) -> (f64, f64) {
-    let turn = 2.0 * std::f64::consts::PI * node as f64 / count.max(1) as f64;
-    (libm::cos(turn), libm::sin(turn))
 }

@@ -1,0 +1,298 @@
+//! A plan on the map: everything that a file for other programs needs, with places, altitudes and times.
+//!
+//! Planners know names, times and, where they fly through air, routes. A chart adds where each thing is; formats are written
+//! from it alone.
+
+use crate::mission::{Mission, TargetKind};
+use apex_metrics::eci;
+use apex_model::problem::{
+    AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
+    SurveillancePlan, SurveillanceProblem,
+};
+use apex_sim::Airframe;
+use serde_json::{Map, Value, json};
+
+/// A place, with its altitude above mean sea level where one is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Where.
+    pub position: Position,
+    /// How high.
+    pub altitude_m: Option<f64>,
+}
+
+/// One observation, with the way to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Visit {
+    /// The target's name.
+    pub target: String,
+    /// Way points from the place before to where the observation begins, both included.
+    pub way: Vec<Place>,
+    /// What is flown while observing; empty where the vehicle stays.
+    pub lines: Vec<Place>,
+    /// When the vehicle is there.
+    pub arrive_s: f64,
+    /// When the observation begins.
+    pub begin_s: f64,
+    /// When the observation ends.
+    pub end_s: f64,
+}
+
+/// A target, visited or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub place: Place,
+    /// What is known of it and of its observation: value, factors, costs.
+    pub facts: Map<String, Value>,
+    /// Why it is not visited, if it is not.
+    pub left_out: Option<String>,
+}
+
+/// A plan on the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// What was planned for.
+    pub name: String,
+    /// The plan in a line.
+    pub summary: String,
+    /// Who made it, what it is worth, what no plan can do better than.
+    pub facts: Map<String, Value>,
+    /// Civil time (seconds since 1970-01-01T00:00Z) of time zero, if known.
+    pub zero_unix_s: Option<f64>,
+    /// How the vehicle flies, if known.
+    pub airframe: Option<Airframe>,
+    /// Its cruise speed, if known.
+    pub speed_mps: Option<f64>,
+    /// Where the flight begins, if known.
+    pub start: Option<Place>,
+    /// Where it must end, if anywhere.
+    pub base: Option<Place>,
+    /// The observations in order.
+    pub visits: Vec<Visit>,
+    /// How many of them make one round, where the plan repeats a round.
+    pub round: Option<usize>,
+    /// Way points from the last observation to the base, both included.
+    pub return_way: Vec<Place>,
+    /// When the flight ends.
+    pub end_s: f64,
+    /// All targets in the problem's order.
+    pub targets: Vec<Target>,
+    /// Airspace.
+    pub zones: Vec<AirspaceZone>,
+}
+
+impl Chart {
+    /// The whole path over ground, without doubled points.
+    pub fn path(&self) -> Vec<Place> {
+        let flown = self.visits.iter().flat_map(|visit| visit.way.iter().chain(&visit.lines));
+        let mut path: Vec<Place> = flown.chain(&self.return_way).copied().collect();
+        path.dedup();
+        path
+    }
+}
+
+/// Degrees rounded to a centimetre on the ground: more digits say nothing.
+pub fn digits(degrees: f64) -> f64 {
+    (degrees * 1e7).round() / 1e7
+}
+
+/// Seconds rounded to a millisecond.
+pub fn milliseconds(seconds: f64) -> f64 {
+    (seconds * 1e3).round() / 1e3
+}
+
+/// Draws `plan` of `problem`. `start` is where a plan of surveillance begins, which its problem does not say.
+///
+/// # Errors
+/// A sentence when the problem has no places.
+pub fn chart(
+    name: &str,
+    (problem, plan): (&Problem, &Plan),
+    start: Option<Position>,
+    mission: Option<&Mission>,
+) -> Result<Chart, String> {
+    let mut chart = match (problem, plan) {
+        (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => of_single_visit(problem, plan),
+        (Problem::Surveillance(problem), Plan::Surveillance(plan)) => of_surveillance(problem, plan, start, mission),
+        (Problem::SingleVisit(_), Plan::Surveillance(_)) | (Problem::Surveillance(_), Plan::SingleVisit(_)) => {
+            return Err("the plan is of another kind than its problem".into());
+        }
+    };
+    let same = |other: &Target| Some(other.place.position) == chart.targets.first().map(|first| first.place.position);
+    if chart.targets.iter().all(same)
+        && (chart.targets.len() > 1 || chart.targets.iter().all(|target| target.place.position == Position::default()))
+    {
+        return Err("it gives travel times only: all of its targets lie at one point".into());
+    }
+    chart.name = name.to_string();
+    chart.summary = plan.summary().to_string();
+    chart.facts.insert("solver".into(), json!(plan.solver()));
+    for left in plan.left_out() {
+        if let Some(target) = chart.targets.iter_mut().find(|target| target.name == left.target) {
+            target.left_out = Some(left.reason.clone());
+        }
+    }
+    if let Some(mission) = mission {
+        chart.zones = mission.zones.clone();
+        chart.zero_unix_s = mission.settings.epoch_unix_s;
+        chart.airframe = Some(mission.model.airframe);
+        chart.speed_mps = Some(mission.model.true_airspeed_m_s_cruise);
+    }
+    Ok(chart)
+}
+
+fn facts<const N: usize>(facts: [(&str, Value); N]) -> Map<String, Value> {
+    facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
+}
+
+fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Chart {
+    // Where travel times are given, nothing is known of altitudes.
+    let flown = problem.travel.is_none();
+    let high = |altitude_m: f64| flown.then_some(altitude_m);
+    let start = Place { position: problem.start, altitude_m: high(problem.start_altitude_m) };
+    let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
+    for target in &problem.targets {
+        let place = Place { position: target.position, altitude_m: None };
+        let facts = facts([("value", json!(target.value))]);
+        targets.push(Target { name: target.name.clone(), place, facts, left_out: None });
+    }
+    let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
+    let (mut before, mut altitude_m) = (start, problem.vehicle.cruise_altitude_m);
+    for visit in &plan.visits {
+        let index = problem.targets.iter().position(|target| target.name == visit.target);
+        let Some((target, shown)) = index.and_then(|index| problem.targets.get(index).zip(targets.get_mut(index)))
+        else {
+            continue;
+        };
+        let Some(manoeuvre) = target.manoeuvres.get(visit.manoeuvre) else { continue };
+        let at = |position: Position| Place { position, altitude_m: high(manoeuvre.altitude_m) };
+        let bends = visit.route.iter().skip(1).take(visit.route.len().saturating_sub(2));
+        let mut way = vec![before];
+        way.extend(bends.map(|bend| Place { position: *bend, altitude_m: high(altitude_m) }));
+        let lines: Vec<Place> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
+        way.push(lines.first().copied().unwrap_or(at(target.position)));
+        before = lines.last().copied().unwrap_or(at(target.position));
+        altitude_m = manoeuvre.altitude_m;
+        shown.facts.extend(factors(manoeuvre, visit));
+        shown.place.altitude_m = high(manoeuvre.altitude_m);
+        let (arrive_s, begin_s, end_s) = (visit.arrive_s, visit.begin_s, visit.end_s);
+        visits.push(Visit { target: visit.target.clone(), way, lines, arrive_s, begin_s, end_s });
+    }
+    let base = problem.base.map(|position| Place { position, altitude_m: high(problem.start_altitude_m) });
+    let mut return_way = Vec::new();
+    if let Some(base) = base {
+        let bends = plan.return_route.iter().skip(1).take(plan.return_route.len().saturating_sub(2));
+        return_way.push(before);
+        return_way.extend(bends.map(|bend| Place { position: *bend, altitude_m: high(altitude_m) }));
+        return_way.push(base);
+    }
+    Chart {
+        name: String::new(),
+        summary: String::new(),
+        facts: facts([
+            ("benefits", json!(plan.benefits)),
+            ("benefits_bound", json!(plan.benefits_bound)),
+            ("costs", json!(plan.costs)),
+            ("score", json!(plan.score)),
+        ]),
+        zero_unix_s: (problem.zero_unix_s != 0.0).then_some(problem.zero_unix_s),
+        airframe: None,
+        speed_mps: flown.then_some(problem.vehicle.true_airspeed_mps),
+        start: Some(start),
+        base,
+        visits,
+        round: None,
+        return_way,
+        end_s: plan.end_s,
+        targets,
+        zones: problem.zones.clone(),
+    }
+}
+
+/// What an observation is worth and why, factor by factor.
+fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
+    let mut facts = Map::new();
+    let quality = &manoeuvre.quality;
+    for (name, factor) in
+        [("coverage", &quality.coverage), ("resolution", &quality.resolution), ("clarity", &quality.clarity)]
+    {
+        facts.insert(name.into(), json!(factor.factor));
+        if !factor.cause.is_empty() {
+            facts.insert(format!("{name}_cause"), json!(factor.cause));
+        }
+    }
+    facts.insert("timing".into(), json!(visit.timing));
+    facts.insert("worth".into(), json!(visit.worth));
+    facts.insert("manoeuvre".into(), json!(manoeuvre.name));
+    facts
+}
+
+fn of_surveillance(
+    problem: &SurveillanceProblem,
+    plan: &SurveillancePlan,
+    start: Option<Position>,
+    mission: Option<&Mission>,
+) -> Chart {
+    let costs = eci::expected_cost(problem, &plan.visits);
+    let altitude_m = |name: &str| {
+        let site = mission?.targets.iter().find(|target| target.id == name)?;
+        matches!(site.kind, TargetKind::Site(_)).then(|| crate::mission::deliberator::visit_altitude_m(site))
+    };
+    let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
+    for (target, cost) in problem.targets.iter().zip(&costs.targets) {
+        targets.push(Target {
+            name: target.name.clone(),
+            place: Place { position: target.position, altitude_m: altitude_m(&target.name) },
+            facts: facts([
+                ("expected_cost", json!(cost.expected_cost)),
+                ("observations", json!(cost.observations)),
+                ("longest_gap_s", json!(cost.longest_gap_s)),
+                ("dwell_s", json!(target.dwell_s)),
+            ]),
+            left_out: None,
+        });
+    }
+    let start = start.or(mission.map(|mission| mission.start));
+    let start = start.map(|position| Place { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
+    let mut before = start;
+    let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
+    for visit in &plan.visits {
+        let Some(here) = targets.iter().find(|target| target.name == visit.target).map(|target| target.place) else {
+            continue;
+        };
+        let way = before.into_iter().chain([here]).collect();
+        let (target, arrive_s, end_s) = (visit.target.clone(), visit.arrive_s, visit.end_s);
+        visits.push(Visit { target, way, lines: Vec::new(), arrive_s, begin_s: arrive_s, end_s });
+        before = Some(here);
+    }
+    let base = start.filter(|_| problem.return_to_base);
+    let cycle = plan.cycle.len();
+    let repeats = visits.iter().enumerate().all(|(index, visit)| {
+        index.checked_rem(cycle).and_then(|place| plan.cycle.get(place)).is_some_and(|name| *name == visit.target)
+    });
+    let ends = visits.last().map_or(0.0, |visit| visit.end_s);
+    Chart {
+        name: String::new(),
+        summary: String::new(),
+        facts: facts([
+            ("expected_cost", json!(plan.expected_cost)),
+            ("expected_cost_bound", json!(plan.expected_cost_bound)),
+            ("gap", json!(plan.gap())),
+            ("horizon_s", json!(problem.horizon_s)),
+        ]),
+        zero_unix_s: None,
+        airframe: None,
+        speed_mps: None,
+        start,
+        base,
+        return_way: before.zip(base).map_or_else(Vec::new, |(before, base)| vec![before, base]),
+        end_s: plan.return_s.unwrap_or(ends),
+        visits,
+        round: (cycle > 0 && repeats).then_some(cycle),
+        targets,
+        zones: Vec::new(),
+    }
+}

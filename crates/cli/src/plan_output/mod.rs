@@ -1,0 +1,8 @@
+//! A plan printed: for people, for the executive, for maps and for ground stations.
+
+pub mod chart;
+mod civil;
+pub mod geojson;
+pub mod kml;
+pub mod qgc;
+pub mod table;

@@ -1,0 +1,113 @@
+//! A plan as a table for people.
+
+use crate::commands::plan_question::Benchmark;
+use crate::mission::deliberator::Deliberation;
+use crate::telling::{name_width, named, wrapped};
+use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
+use apex_model::time::Time;
+use apex_solvers::formats;
+use std::fmt::Write;
+
+/// Gap below which rounding is all that is left.
+const OPTIMAL: f64 = 1e-6;
+
+/// What was asked, who planned and why, the visits, what they are worth, what is left out.
+pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_benchmark(&mut out, name, benchmark);
+    let _ = write_table(&mut out, solved);
+    out
+}
+
+/// What a benchmark's file is taken for.
+fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) -> std::fmt::Result {
+    let Some(Benchmark { format, asked, vehicles }) = benchmark else { return Ok(()) };
+    let asked = match asked {
+        formats::Question::OrienteeringWithWindows => "the most value within windows",
+        formats::Question::Orienteering => "the most value within a length",
+        formats::Question::Tour => "the shortest tour of all",
+    };
+    writeln!(out, "{name}: {format}; wanted is {asked}")?;
+    match vehicles {
+        Some(vehicles) if *vehicles != 1 => writeln!(out, "the file names {vehicles} vehicles; this is a plan for one"),
+        _ => Ok(()),
+    }
+}
+
+fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
+    let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
+    writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
+    writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
+    writeln!(out, "  chosen because: {}\n", wrapped(&words(&solved.reason), " ", 18, "    "))?;
+    match &solved.plan {
+        Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
+        Plan::Surveillance(plan) => write_surveillance(out, plan)?,
+    }
+    let left_out = solved.plan.left_out();
+    if !left_out.is_empty() {
+        writeln!(out, "\nnot visited:")?;
+    }
+    let width = name_width("", left_out.iter().map(|left| left.target.as_str()));
+    left_out.iter().try_for_each(|left| writeln!(out, "{}", named(&left.target, width, &left.reason)))
+}
+
+fn clock(seconds: f64) -> String {
+    Time::from_seconds(seconds.round()).to_string()
+}
+
+fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Result {
+    let width = name_width("target", plan.visits.iter().map(|visit| visit.target.as_str()));
+    writeln!(out, "  {:<width$} {:>10} {:>10} {:>10} {:>8}", "target", "arrive", "begin", "end", "worth")?;
+    for visit in &plan.visits {
+        writeln!(
+            out,
+            "  {:<width$} {:>10} {:>10} {:>10} {:>8.2}",
+            visit.target,
+            clock(visit.arrive_s),
+            clock(visit.begin_s),
+            clock(visit.end_s),
+            visit.worth
+        )?;
+    }
+    writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
+    writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
+    match plan.benefits_bound {
+        Some(bound) => writeln!(out, "  no plan can have benefits above {bound:.2}"),
+        None => Ok(()),
+    }
+}
+
+fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Result {
+    if !plan.cycle.is_empty() {
+        let stops: Vec<String> = plan.cycle.iter().map(ToString::to_string).collect();
+        writeln!(out, "  cycle: {}", wrapped(&stops, " -> ", 9, "         "))?;
+    } else if !plan.visits.is_empty() {
+        let width = name_width("site", plan.visits.iter().map(|visit| visit.target.as_str()));
+        writeln!(out, "  {:<width$} {:>10} {:>10}", "site", "begin", "end")?;
+        for visit in &plan.visits {
+            let (begin, end) = (clock(visit.arrive_s), clock(visit.end_s));
+            writeln!(out, "  {:<width$} {begin:>10} {end:>10}", visit.target)?;
+        }
+        writeln!(out)?;
+    }
+    writeln!(
+        out,
+        "  {} visits until the horizon, expected cost of ignorance {:.4}",
+        plan.visits.len(),
+        plan.expected_cost
+    )?;
+    match plan.expected_cost_bound.zip(plan.gap()) {
+        Some((bound, gap)) if gap < OPTIMAL => {
+            writeln!(out, "  proven to be the best: no plan can cost less than {bound:.4}")
+        }
+        Some((bound, gap)) => {
+            writeln!(
+                out,
+                "  no plan can cost less than {bound:.4}: this one is within {:.1} % of the best",
+                100.0 * gap
+            )
+        }
+        None => Ok(()),
+    }
+}

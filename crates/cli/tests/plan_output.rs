@@ -1,0 +1,202 @@
+//! `apex plan --format`: the same plan for people, for the executive, for maps and for ground stations.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+
+mod common;
+
+use common::{Desk, mission};
+use serde_json::Value;
+
+/// A mission of two targets, a zone and a wait, small enough to be written down whole.
+const TWO: &str = include_str!("plan_output/two.json");
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// Compares with a committed file; `UPDATE=1` rewrites it.
+#[track_caller]
+fn golden(name: &str, text: &str) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/plan_output").join(name);
+    if std::env::var_os("UPDATE").is_some_and(|update| update == "1") {
+        std::fs::write(&path, text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "{name} differs; UPDATE=1 rewrites it");
+}
+
+#[test]
+fn a_small_plan_in_every_format() {
+    let desk = Desk::new();
+    desk.write("two.json", TWO);
+    for format in ["geojson", "kml", "qgc"] {
+        let said = desk.apex(&["plan", "two.json", "--budget", "2ms", "--format", format]).well();
+        golden(&format!("two.{format}"), &said.out);
+    }
+}
+
+#[test]
+fn the_files_name_says_the_format() {
+    let desk = Desk::new();
+    desk.write("two.json", TWO);
+    let plan = |out: &str| desk.apex(&["plan", "two.json", "--budget", "2ms", "--out", out]).well();
+    for (file, begins) in [
+        ("a.geojson", "{\"type\": \"FeatureCollection\""),
+        ("a.KML", "<?xml"),
+        ("a.plan", "{\n  \"fileType\": \"Plan\""),
+        ("a.json", "{\"bound\""),
+        ("a.txt", "2 of 2 targets"),
+    ] {
+        assert_eq!(plan(file).out, "");
+        let text = desk.read(file);
+        assert!(text.starts_with(begins), "{file}: {text}");
+    }
+    assert!(plan("-").out.starts_with("2 of 2 targets"));
+    desk.apex(&["plan", "two.json", "--problem", "--out", "problem.json"]).well();
+    assert_eq!(json(&desk.read("problem.json")), json(TWO));
+}
+
+#[test]
+fn the_fires_on_a_map() {
+    let desk = Desk::new();
+    let plan = |format| desk.apex(&["plan", &mission("western-states"), "--budget", "20ms", "--format", format]).well();
+    let geojson: geojson::FeatureCollection = plan("geojson").out.parse().unwrap();
+    let of_kind = |kind: &str| {
+        let property = |feature: &&geojson::Feature, name| {
+            feature.property(name).and_then(|value| value.as_str().map(str::to_string))
+        };
+        geojson.features.iter().filter(|feature| property(feature, "kind").as_deref() == Some(kind)).collect::<Vec<_>>()
+    };
+    let counts = ["path", "start", "base", "restricted", "permitted"].map(|kind| of_kind(kind).len());
+    assert_eq!(counts, [1, 1, 1, 8, 1]);
+    let (targets, left_out) = (of_kind("target"), of_kind("left-out"));
+    assert_eq!(targets.len() + left_out.len(), 22);
+    for target in &targets {
+        let number = |name: &str| target.property(name).and_then(Value::as_f64).unwrap();
+        let factors =
+            number("value") * number("coverage") * number("resolution") * number("clarity") * number("timing");
+        assert!((factors - number("worth")).abs() < 1e-6, "{target:?}");
+        assert!(number("arrive_s") <= number("begin_s") && number("begin_s") < number("end_s"));
+        assert!(target.property("begin_utc").unwrap().as_str().unwrap().starts_with("2007-09-0"));
+    }
+    assert!(left_out.iter().all(|target| target.property("left_out").is_some()));
+
+    let plan = json(&plan("qgc").out);
+    let items = plan["mission"]["items"].as_array().unwrap();
+    let commands: Vec<u64> = items.iter().map(|item| item["command"].as_u64().unwrap()).collect();
+    assert_eq!((commands[0], *commands.last().unwrap()), (22, 21), "from take-off to landing");
+    for (index, item) in items.iter().enumerate() {
+        assert_eq!(item["doJumpId"], index + 1);
+        assert_eq!((&item["frame"], &item["AltitudeMode"]), (&0.into(), &2.into()), "above mean sea level");
+    }
+    let polygons = plan["geoFence"]["polygons"].as_array().unwrap();
+    // Orchard and Boardman end below the path; the tankers' zone is active during the flight.
+    assert_eq!(polygons.iter().filter(|polygon| polygon["inclusion"] == true).count(), 1);
+    assert!(polygons.len() > 3 && polygons.len() < 9, "{}", polygons.len());
+}
+
+#[test]
+fn rounds_are_jumps_and_every_visit_is_kept() {
+    let desk = Desk::new();
+    let name = "small-fixed-fixed-4-two-cluster";
+    let plan = |format: &[&str]| {
+        desk.apex(&[&["plan", name, "--solver", "two-opt", "--budget", "20ms"], format].concat()).well()
+    };
+    let answer = json(&plan(&["--json"]).out);
+    let visits = answer["plan"]["Surveillance"]["visits"].as_array().unwrap().len();
+    let cycle = answer["plan"]["Surveillance"]["cycle"].as_array().unwrap().len();
+    let plan = json(&plan(&["--format", "qgc", "--height", "200ft"]).out);
+    let items = plan["mission"]["items"].as_array().unwrap();
+    let jump = items.iter().find(|item| item["command"] == 177).unwrap();
+    let (to, times) = (jump["params"][0].as_u64().unwrap() as usize, jump["params"][1].as_u64().unwrap() as usize);
+    let looks = items.iter().filter(|item| item["command"] == 19).count();
+    assert_eq!(to, 2, "the first visit follows the take-off");
+    assert_eq!(looks + times * cycle, visits);
+    assert_eq!(items.last().unwrap()["command"], 20, "back to where it began");
+    assert!(
+        items
+            .iter()
+            .filter(|item| item["frame"] == 3)
+            .all(|item| (item["Altitude"].as_f64().unwrap() - 60.96).abs() < 1e-9)
+    );
+}
+
+#[test]
+fn a_printed_procedure_is_checked_and_flown() {
+    let desk = Desk::with_mission("structure-watch");
+    desk.apex(&["plan", "m", "--budget", "20ms", "--out", "m/plan.pdl"]).well();
+    desk.apex(&["check", "m/plan.pdl"]).well().told(&[" 0 errors, 0 warnings"]);
+    desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 5s)", "");
+    desk.change("m/mission.pdl", ":duration 1h", ":duration 1h :files (\"plan.pdl\")");
+    desk.apex(&["fly", "m", "--record", "flown.apex", "--no-progress"]).well().told(&["of flight"]);
+    let why = desk.apex(&["why", "flown.apex", "patrol", "--at", "20min"]).well();
+    why.told(&["pursued by procedure", "plan.pdl"]);
+    // What is flown is what was planned, in its order.
+    let planned: Vec<String> = desk
+        .read("m/plan.pdl")
+        .lines()
+        .filter_map(|line| line.split("(visit ").nth(1)?.split(' ').next().map(str::to_string))
+        .collect();
+    let trace = desk.apex(&["trace", "flown.apex", "--json"]).well();
+    let seen: Vec<String> = trace
+        .out
+        .lines()
+        .filter_map(|line| line.split("(observed ").nth(1)?.split(')').next().map(str::to_string))
+        .collect();
+    let mut flown: Vec<String> = seen;
+    flown.dedup();
+    assert!(flown.len() > 10, "{flown:?}");
+    assert_eq!(flown, planned[..flown.len()]);
+}
+
+#[test]
+fn printed_fires_are_checked() {
+    let desk = Desk::new();
+    desk.apex(&["plan", &mission("western-states"), "--budget", "5ms", "--out", "fires.pdl"]).well();
+    desk.apex(&["check", "fires.pdl"]).well().told(&[" 0 errors, 0 warnings"]);
+}
+
+#[test]
+fn what_cannot_be_printed_is_told_with_what_to_do() {
+    let desk = Desk::new();
+    let plan = |arguments: &[&str]| desk.apex(&[&["plan"], arguments].concat());
+    desk.write("two.json", TWO);
+    let test = "small-fixed-fixed-4-uniform";
+    plan(&[test, "--format", "svg"]).complained(2, &["'svg'", "geojson", "kml", "qgc"]);
+    plan(&[test, "--format", "kml", "--json"]).complained(2, &["cannot be used with"]);
+    plan(&[test, "--format", "pdl"]).complained(2, &["only a mission's plan", "help: "]);
+    plan(&[test, "--format", "qgc", "--budget", "1ms"])
+        .complained(2, &["nothing is known of its altitudes", "--height 60m"]);
+    plan(&[test, "--format", "qgc", "--height", "-3m"]).complained(2, &["`--height -3m` is no length", "60m"]);
+    plan(&[test, "--format", "qgc", "--height", "3s"]).complained(2, &["is no length above 0"]);
+    plan(&[test, "--height", "60m"]).complained(2, &["--format qgc"]);
+    plan(&[test, "--budget", "1ms", "--out", "none/a.kml"])
+        .complained(1, &["cannot write none/a.kml", "the folder does not exist"]);
+    plan(&[test, "--budget", "1ms", "--out", "."]).complained(2, &[". is a folder", "name a file"]);
+    plan(&["two.json", "--out", "two.json"]).complained(2, &["two.json is what the plan is made from"]);
+    assert_eq!(desk.read("two.json"), TWO);
+    let tour = "NAME: three\nTYPE: ATSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n0 1 2\n3 0 4\n5 6 0\nEOF\n";
+    desk.write("three.atsp", tour);
+    plan(&["three.atsp", "--budget", "1ms", "--format", "kml"])
+        .complained(2, &["three has no places", "lie at one point", "--format table"]);
+    plan(&["three.atsp", "--format", "qgc"]).complained(2, &["not places on earth"]);
+    plan(&["three.atsp", "--budget", "1ms", "--format", "table"]).well();
+}
+
+#[test]
+fn names_that_nothing_has_are_told_with_the_nearest() {
+    let desk = Desk::with_mission("structure-watch");
+    let plan = |name: &str, phrases: &[&str]| {
+        desk.apex(&["plan", name]).complained(2, phrases);
+    };
+    plan(
+        "nonsense-cell@3",
+        &["called nonsense-cell@3", "small-clustered-fixed-8-two-cluster@7", "test-missions.md", "this folder holds m"],
+    );
+    plan(
+        "small-fixed-fixd-12-uniform@3",
+        &["fixd is no spread of costs", "did you mean the test mission `small-fixed-fixed-12-uniform@3`?"],
+    );
+    plan("smal-fixed-fixed-8-uniform", &["begins with no scale", "`small-fixed-fixed-8-uniform`"]);
+    plan(&"a-".repeat(5000), &["SCALE-RATE"]);
+    plan("missing/mission.pdl", &["cannot read missing/mission.pdl", "folder missing does not exist"]);
+}
