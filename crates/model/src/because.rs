@@ -43,6 +43,8 @@ pub enum Evidence {
         form: Value,
         /// When.
         at: Time,
+        /// Its number among all that arrived: equal messages may come at one instant.
+        sequence: u64,
     },
     /// A task's state.
     TaskState {
@@ -194,7 +196,7 @@ impl Evidence {
     pub fn text(&self) -> String {
         match self {
             Evidence::Sample { variable, value, at } => format!("{variable} = {value} at {at}"),
-            Evidence::Event { form, at } => format!("{form} at {at}"),
+            Evidence::Event { form, at, .. } => format!("{form} at {at}"),
             Evidence::TaskState { task, state, at } => format!("(state {task}) = {state} at {at}"),
             Evidence::TaskEnd { task, at } => format!("{task} ended at {at}"),
             Evidence::Run { variable, start, end, samples } => {

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 const APPLICATION_ID: i64 = 0x4150_4558;
 /// The schema that this program reads.
-const SCHEMA_VERSION: i64 = 3;
+const SCHEMA_VERSION: i64 = 4;
 /// How long to wait for a writer that holds the file.
 const BUSY_PATIENCE: Duration = Duration::from_secs(2);
 

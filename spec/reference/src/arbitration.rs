@@ -68,16 +68,15 @@ impl Agent<'_> {
             let competes = |id: usize| self.tasks[id].state == State::Enabled && !self.tasks[id].needs().is_empty();
             let orphan = |id: &&usize| competes(**id) && self.tasks[**id].parent.is_some_and(stops);
             let more: Vec<usize> = field.granted.iter().filter(orphan).copied().collect();
-            if more.is_empty() {
-                return self.commit(field);
-            }
+            let Some(last) = more.last().copied() else { return self.commit(field) };
             // Whose parent stops only for another orphan will see whether it still does without that one.
             let only_for_orphan = |id: &usize| {
                 let loss = field.displaced.iter().find(|loss| Some(loss.loser) == self.tasks[*id].parent);
                 loss.is_some_and(|loss| more.contains(&loss.winner))
             };
             let certain: Vec<usize> = more.iter().filter(|id| !only_for_orphan(id)).copied().collect();
-            orphans.extend(if certain.is_empty() { more } else { certain });
+            // Where each stops only for another, the weakest of them gives way.
+            orphans.extend(if certain.is_empty() { vec![last] } else { certain });
         }
     }
 

@@ -19,13 +19,9 @@ impl<'p> Agent<'p> {
     /// A suspension is watched from the creation of the task, or from the moment at which all is known that it names.
     pub(crate) fn watch_step_suspension(&mut self, id: usize) {
         let Some(clauses) = self.clauses(id, Level::Step) else { return };
-        let mut named: Vec<_> = clauses.resume_when.iter().collect();
-        if let Some((when, until)) = &clauses.suspend_when {
-            named.extend([when, until]);
-        }
         let about = |clause| matches!(clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen);
         let has = self.tasks[id].watches.iter().any(|watch| watch.level == Level::Step && about(watch.clause));
-        if has || self.tasks[id].state == State::Pending && !self.all_known(id, &named) {
+        if has || self.has_yet_to_learn(id, clauses) {
             return;
         }
         let pending = self.tasks[id].state == State::Pending;
@@ -40,6 +36,15 @@ impl<'p> Agent<'p> {
                 watch.at_once = true;
             }
         }
+    }
+
+    /// Does what the clauses about suspension name become known only as the task is enabled?
+    fn has_yet_to_learn(&self, id: usize, clauses: &Clauses) -> bool {
+        let mut named: Vec<_> = clauses.resume_when.iter().collect();
+        if let Some((when, until)) = &clauses.suspend_when {
+            named.extend([when, until]);
+        }
+        self.tasks[id].state == State::Pending && !self.all_known(id, &named)
     }
 
     /// After a suspension by its clause.
@@ -60,6 +65,9 @@ impl<'p> Agent<'p> {
         self.unwatch(id, |clause, _| about(clause));
         for level in [Level::Step, Level::Procedure] {
             let Some(clauses) = self.clauses(id, level) else { continue };
+            if self.has_yet_to_learn(id, clauses) {
+                continue;
+            }
             if let Some((when, _)) = &clauses.suspend_when {
                 self.watch(id, Clause::SuspendWhen, level, when, window);
             }

@@ -50,7 +50,7 @@ fn one(
             meets_a_threshold(&Thresholds { world, task }, &variable, value, leaves)?;
             in_window(world, task, *at, leaves)
         }
-        Evidence::Event { form, at } => {
+        Evidence::Event { form, at, .. } => {
             in_time(world, *at)?;
             let said = world.messages.iter().any(|(when, known)| when == at && known == form);
             require(said || !is_outside(world, "(cogevent"), "no such message then")?;

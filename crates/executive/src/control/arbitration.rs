@@ -20,16 +20,19 @@ pub(crate) struct Arbitration {
     pub(crate) refused: Vec<Refusal>,
     /// Claimants whose needs can never be met: resource, need, what there is.
     pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
+    /// Claimants that did not compete, as their parents would have stopped, and whose parents go on after all.
+    pub(crate) barred: Vec<TaskId>,
 }
 
 impl Arbitration {
     /// Adds what was decided about other resources.
     pub(crate) fn absorb(&mut self, part: Arbitration) {
-        let Arbitration { granted, displaced, refused, impossible } = part;
+        let Arbitration { granted, displaced, refused, impossible, barred } = part;
         self.granted.extend(granted);
         self.displaced.extend(displaced);
         self.refused.extend(refused);
         self.impossible.extend(impossible);
+        self.barred.extend(barred);
     }
 }
 

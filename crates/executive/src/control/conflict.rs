@@ -65,13 +65,17 @@ fn says_the_same(cycle: &Cycle<'_>, id: ResourceId, part: &Arbitration) -> bool 
     all.granted == part.granted && losers(&all) == losers(part)
 }
 
-/// Who would begin although the task that it is a step of stops working.
+/// Who would begin although the task that it is a step of stops working, in the order in which they come before the arbiter.
 fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
+    let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
+    granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
+}
+
+/// Does the task that it is a step of stop working?
+fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
     let stops =
         |task: TaskId| result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task);
-    let parent = |id: TaskId| cycle.task(id).and_then(|task| task.parent);
-    let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
-    granted.filter(move |id| !has_begun(cycle.agent, *id) && parent(*id).is_some_and(stops))
+    cycle.task(id).and_then(|task| task.parent).is_some_and(stops)
 }
 
 /// Arbitrates all resources in `dirty`, with everything their claimants need besides, and everything that those leave who
@@ -80,16 +84,17 @@ fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration
     let mut orphaned = BTreeSet::new();
     let mut dirty = dirty.clone();
     loop {
-        let result = arbitrate_without(cycle, &dirty, &orphaned);
+        let mut result = arbitrate_without(cycle, &dirty, &orphaned);
         let known = dirty.len();
         dirty.extend(left_behind(cycle, &result));
         if dirty.len() > known {
             continue;
         }
-        let found: BTreeSet<TaskId> = orphans(cycle, &result).filter(|id| !orphaned.contains(id)).collect();
-        if found.is_empty() {
+        let found: Vec<TaskId> = orphans(cycle, &result).filter(|id| !orphaned.contains(id)).collect();
+        let Some(last) = found.last().copied() else {
+            result.barred = orphaned.into_iter().filter(|id| !parent_stops(cycle, &result, *id)).collect();
             return result;
-        }
+        };
         // Whose parent stops only for another orphan will see whether it still does without that one.
         let only_for_orphan = |id: &TaskId| {
             let parent = cycle.task(*id).and_then(|task| task.parent);
@@ -97,15 +102,20 @@ fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration
             loss.is_some_and(|loss| found.contains(&loss.winner))
         };
         let certain: Vec<TaskId> = found.iter().filter(|id| !only_for_orphan(id)).copied().collect();
-        orphaned.extend(if certain.is_empty() { found.into_iter().collect() } else { certain });
+        // Where each stops only for another, the weakest gives way: were all to, all would wait for ever.
+        orphaned.extend(if certain.is_empty() { vec![last] } else { certain });
     }
 }
 
-/// What displaced tasks have besides what they lost, where somebody waits for it.
-fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
+/// What displaced tasks have besides what they lost, and what is held above who displaced them without having begun: whoever
+/// waits for that may stop them in turn. Only where somebody waits.
+pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
     let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
-    let needs = |loss: &Loss| needs_of(cycle, loss.loser).into_iter().map(|need| need.resource);
-    result.displaced.iter().flat_map(needs).filter(awaited)
+    let needs = |id: TaskId| needs_of(cycle, id).into_iter().map(|need| need.resource);
+    let winners = result.displaced.iter().map(|loss| loss.winner).filter(|id| !has_begun(cycle.agent, *id));
+    let parent = |id: TaskId| cycle.task(id).and_then(|task| task.parent);
+    let above = winners.flat_map(move |id| std::iter::successors(parent(id), move |id| parent(*id)));
+    result.displaced.iter().map(|loss| loss.loser).chain(above).flat_map(needs).filter(awaited)
 }
 
 fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {

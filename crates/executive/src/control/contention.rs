@@ -21,6 +21,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_model::wake::Wake;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// The contend phase: what is to be committed.
@@ -53,10 +54,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
     look_again(cycle);
     let dirty = std::mem::take(&mut cycle.work.dirty);
     let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty, &fresh) };
-    match result.granted.is_empty() {
-        true => result.granted = free,
-        false => result.granted.extend(free),
-    }
+    result.granted.extend(free);
     // Ancestors stop before their descendants, as in a suspension.
     result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
     // Interrupted tasks come first, leaves before their ancestors; then new ones in written order.
@@ -112,6 +110,8 @@ fn look_again(cycle: &mut Cycle<'_>) {
 
 /// The commit phase: states change as arbitrated.
 pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
+    let begun = begun_by(cycle, &arbitration);
+    let changes = !arbitration.granted.is_empty() || !arbitration.displaced.is_empty();
     for loss in &arbitration.displaced {
         let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
         interruption::outrank(cycle, loss.loser, because);
@@ -139,9 +139,41 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
         }
         watch_crossing(cycle, refusal);
     }
+    look_behind(cycle, &begun, &arbitration.refused);
+    if changes {
+        // Their parents go on: they compete again.
+        for id in arbitration.barred {
+            let needs = resources::needs_of(cycle, id);
+            cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
+        }
+    }
     // Emptying what is empty is not free.
     if !cycle.work.resumed.is_empty() {
         cycle.work.resumed.clear();
+    }
+}
+
+/// Who begins by being granted what it needs, while others are refused.
+fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
+    if arbitration.refused.is_empty() {
+        return Vec::new();
+    }
+    arbitration.granted.iter().copied().filter(|id| cycle.state(*id) == TaskState::Enabled).collect()
+}
+
+/// Work that has begun comes first among its equals, unless one goes before it by rank that has not begun. When such ones
+/// begin, what the interrupted ones behind them want is looked at again.
+fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
+    if begun.is_empty() {
+        return;
+    }
+    for waits in refused.iter().map(|refusal| refusal.loss.loser) {
+        let before = |id: &TaskId| competition::rank_order(cycle.agent, *id, waits, cycle.now);
+        let is_behind = |id: &TaskId| before(id).is_some_and(|(order, ..)| order == Ordering::Less);
+        if cycle.state(waits) == TaskState::Interrupted && begun.iter().any(is_behind) {
+            let needs = resources::needs_of(cycle, waits);
+            cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
+        }
     }
 }
 

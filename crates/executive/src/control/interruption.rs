@@ -372,13 +372,17 @@ fn watch_again(
     }
 }
 
-/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew.
+/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew; that of a step
+/// whose task has yet to learn what it names is watched when the task is enabled, as at its creation.
 pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
     monitoring_clauses::unwatch(cycle, id, |clause, _| {
         matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)
     });
     for level in [Level::Step, Level::Procedure] {
         let Some(clauses) = clauses(cycle, id, level) else { continue };
+        if cycle.state(id) == TaskState::Pending && !all_known(cycle, id, &clauses) {
+            continue;
+        }
         let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
         // What still stands has had its suspension.
         watch_again(cycle, id, level, wanted, window, false);

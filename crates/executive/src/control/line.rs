@@ -7,7 +7,7 @@
 
 use crate::control::arbitration::{Arbitration, Refusal, Rival};
 use crate::control::competition::{as_claimant, has_begun, is_eligible, order_of};
-use crate::control::conflict::Field;
+use crate::control::conflict::{Field, left_behind};
 use crate::control::priority;
 use crate::control::sharing::{Use, UseKind};
 use crate::cycle::Cycle;
@@ -115,6 +115,9 @@ pub(crate) fn first_decides(cycle: &Cycle<'_>, id: ResourceId, fresh: &[TaskId])
             Ok(loss) => {
                 result.displaced.push(loss);
                 result.granted.push(first);
+                if left_behind(cycle, &result).any(|left| left != id) {
+                    return None;
+                }
             }
             Err(loss) => {
                 let in_the_way = Rival { task: holder.task, holds: true, stands_for: Rc::new([holder.task]) };

@@ -260,14 +260,13 @@ pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
         watch.wake = wake_at.map(|at| cycle.agent.wakes.schedule(at, Wake::Monitor(id)));
     }
     let (task, clause, level, place) = (watch.task, watch.clause, watch.level, watch.monitor.root.place);
-    let window = watch.monitor.window;
     probing::judged(cycle, id, &watch, matches!(verdict, Verdict::Satisfied(_)));
     cycle.agent.watches.put(id.0, watch);
     for trouble in troubles {
         cycle.trouble(Some(task), trouble.message, Some(trouble.place));
     }
     if let Verdict::Satisfied(satisfaction) = verdict {
-        let answered = answered(cycle, &satisfaction, window);
+        let answered = answered(cycle, &satisfaction);
         cycle.work.firings.push(Firing { task, clause, level, monitor: id, satisfaction, answered, place });
     }
 }
@@ -298,17 +297,10 @@ pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
 }
 
 /// The newest arrival among the evidence: what the next instance of a repeated task must not take for an answer.
-fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction, window: Window) -> Option<u64> {
+fn answered(cycle: &Cycle<'_>, satisfaction: &Satisfaction) -> Option<u64> {
     let newest = cycle.agent.next.arrival.checked_sub(1);
     let arrival = |evidence: &Evidence| match evidence {
-        Evidence::Event { form, at } => {
-            let mut events = cycle.agent.histories.events_from(*at).take_while(|event| event.at == *at);
-            events
-                .find(|event| event.form == *form && window.contains(event.at, event.sequence))
-                .map(|event| event.sequence)
-                // One that is not remembered any more came before whatever could count again.
-                .or(newest.filter(|_| *at == cycle.now))
-        }
+        Evidence::Event { sequence, .. } => Some(*sequence),
         Evidence::Sample { variable, at, .. } | Evidence::Run { variable, end: at, .. } if *at == cycle.now => {
             let sample = cycle.agent.histories.get(variable).and_then(|history| history.at(*at));
             sample.filter(|sample| sample.at == *at).map(|sample| sample.sequence).or(newest)

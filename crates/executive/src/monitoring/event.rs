@@ -45,7 +45,7 @@ pub(super) fn notice(
     let mut bindings = Bindings::new();
     match holds(part, site, form, at, &mut bindings, surroundings) {
         Ok(true) => {
-            let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at });
+            let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at, sequence });
             remember(
                 &mut part.settled,
                 Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence },

@@ -275,11 +275,11 @@ fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings)
 fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
     let mut add = |results: &[Satisfaction]| {
         for evidence in results.iter().flat_map(|result| result.evidence.iter()) {
-            if let Evidence::Event { form, at } = evidence {
-                let stimulus = Stimulus::Event { form: form.clone(), at: *at, sequence: u64::MAX };
+            if let Evidence::Event { form, at, sequence } = evidence {
+                let stimulus = Stimulus::Event { form: form.clone(), at: *at, sequence: *sequence };
                 let told = |(_, _, before): &(Time, u64, Stimulus)| *before == stimulus;
                 if !stimuli.iter().any(told) {
-                    stimuli.push((*at, u64::MAX, stimulus));
+                    stimuli.push((*at, *sequence, stimulus));
                 }
             }
         }

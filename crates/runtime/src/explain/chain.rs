@@ -108,7 +108,7 @@ impl<'a> Chain<'a> {
                     let word = if word == "resumed" { "ongoing" } else { word.as_str() };
                     self.log.transition(*task, word, here(*at))?
                 }
-                Evidence::Event { form, at } => {
+                Evidence::Event { form, at, .. } => {
                     let said = self.log.inform(&form.to_string(), *at)?;
                     if said.is_none() {
                         link.causes.push(Link::seen(*at, format!("{form} came from outside")));

@@ -12,7 +12,7 @@ use story::{Entry, Sample, Story};
 
 const SCHEMA: &str = "
 PRAGMA application_id = 0x41504558;
-PRAGMA user_version = 3;
+PRAGMA user_version = 4;
 PRAGMA journal_mode = WAL;
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
