@@ -28,6 +28,7 @@ pub fn surveillance(problem: &SurveillanceProblem) -> Result<(), String> {
 
 fn surveillance_target(target: &SurveillanceTarget) -> Result<(), String> {
     let name = &target.name;
+    on_map(&format!("Target {name}"), target.position)?;
     not_negative(&format!("The dwell of target {name}"), target.dwell_s)?;
     not_negative(&format!("The initial age of target {name}"), target.initial_age_s)?;
     let rates = &target.rate.steps;
@@ -184,9 +185,10 @@ fn manoeuvre_of(target: &str, manoeuvre: &Manoeuvre) -> Result<(), String> {
     let name = format!("Manoeuvre {} of target {target}", manoeuvre.name);
     not_negative(&format!("The duration of {name}"), manoeuvre.duration_s)?;
     finite(&format!("The altitude of {name}"), manoeuvre.altitude_m)?;
-    let quality = manoeuvre.quality.product();
-    if !(0.0..=1.0).contains(&quality) {
-        return Err(format!("The quality of {name} is {quality}; it must be within 0..1."));
+    let quality = &manoeuvre.quality;
+    let factors = [&quality.coverage, &quality.resolution, &quality.clarity].map(|factor| factor.factor);
+    if let Some(factor) = factors.into_iter().find(|factor| !(0.0..=1.0).contains(factor)) {
+        return Err(format!("A factor of the quality of {name} is {factor}; it must be within 0..1."));
     }
     manoeuvre.lines.iter().try_for_each(|(from, to)| on_map(&name, *from).and_then(|()| on_map(&name, *to)))
 }

@@ -3,6 +3,7 @@
 
 use crate::mission::Mission;
 use crate::mission::bookkeeping::Bookkeeping;
+use crate::mission::deliberator::validate;
 use crate::mission::problem::pose;
 use crate::options::PlanOptions;
 use crate::sources::parse_time;
@@ -137,6 +138,11 @@ fn of_file(path: &Path) -> Outcome<Question> {
         Trouble::user(format!("{place}: this is no planning problem"))
             .because(error)
             .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
+    })?;
+    validate(&problem).map_err(|reason| {
+        Trouble::user(format!("{}: the problem makes no sense", path.display()))
+            .because(reason)
+            .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
     })?;
     let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
     Ok(Question::new(name, problem))

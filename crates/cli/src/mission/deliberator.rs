@@ -136,7 +136,10 @@ pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64
 }
 
 /// A problem that makes no sense is a fault, not a mission with nothing left to visit.
-fn validate(problem: &Problem) -> Result<(), String> {
+///
+/// # Errors
+/// A sentence that names the target and the field.
+pub fn validate(problem: &Problem) -> Result<(), String> {
     match problem {
         Problem::Surveillance(problem) => apex_solvers::validate::surveillance(problem),
         Problem::SingleVisit(problem) => apex_solvers::validate::single_visit(problem),

@@ -7,6 +7,7 @@ pub const FOREVER_S: f64 = 1e18;
 
 /// A point on the WGS84 ellipsoid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Position {
     /// Geodetic latitude, north positive.
     pub latitude_deg: f64,
@@ -23,6 +24,7 @@ impl Position {
 
 /// A half-open span of time `[from_s, until_s)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TimeWindow {
     /// First instant inside.
     pub from_s: f64,
@@ -47,6 +49,7 @@ impl TimeWindow {
 
 /// A box of latitude and longitude. `west_deg > east_deg` reaches across the 180th meridian.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Area {
     /// Southern edge.
     pub south_deg: f64,
@@ -73,6 +76,7 @@ impl Area {
 
 /// Wind in one layer of air over one area during one span of time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WindLayer {
     /// Where it holds; none is everywhere.
     pub area: Option<Area>,
@@ -95,6 +99,7 @@ pub struct WindLayer {
 /// A wind forecast, or the wind that truly blows. Where layers overlap the later one in the list wins; where none
 /// holds the air is still and smooth. Queries are in `apex_geo::wind`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct WindField {
     /// The layers.
     pub layers: Vec<WindLayer>,
@@ -113,6 +118,7 @@ pub enum ZoneKind {
 
 /// A polygon of airspace with an altitude band and a window of time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AirspaceZone {
     /// Its name, for example `R-2515`.
     pub name: String,
@@ -130,6 +136,7 @@ pub struct AirspaceZone {
 
 /// A place to land in an emergency.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LandingPlace {
     /// Its name.
     pub name: String,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Choose targets, order and manoeuvres so that the mission score is highest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SingleVisitProblem {
     /// What may be observed; names are unique.
     pub targets: Vec<SingleVisitTarget>,
@@ -46,6 +47,7 @@ pub struct SingleVisitProblem {
 
 /// Something to be observed once.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SingleVisitTarget {
     /// Its name.
     pub name: String,
@@ -93,6 +95,7 @@ pub enum Light {
 
 /// One way to observe a target: lines flown at an altitude, with what they are predicted to give.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Manoeuvre {
     /// Its name, for example `sweep-7000m`.
     pub name: String,
@@ -111,6 +114,7 @@ pub struct Manoeuvre {
 
 /// Factors 0..1 that discount a target's value, each with its cause.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct QualityFactors {
     /// Share of what should be seen that is seen.
     pub coverage: QualityFactor,
@@ -129,6 +133,7 @@ impl QualityFactors {
 
 /// A factor with its cause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct QualityFactor {
     /// 0 worthless .. 1 as wished.
     pub factor: f64,
@@ -144,6 +149,7 @@ impl Default for QualityFactor {
 
 /// What flies, as far as a planner needs to know.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SingleVisitVehicle {
     /// Cruise speed through the air.
     pub true_airspeed_mps: f64,
@@ -167,6 +173,7 @@ pub struct SingleVisitVehicle {
 
 /// A person whose hours cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CrewMember {
     /// For example `sensor operator`.
     pub role: String,
@@ -180,6 +187,7 @@ pub struct CrewMember {
 
 /// The failure term `P (R C_v + M C_m)` of the mission score.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FailureTerm {
     /// P: probability of failure in an hour of flight; over a mission `1 - exp(-P hours)`.
     pub probability_per_hour: f64,

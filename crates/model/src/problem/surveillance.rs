@@ -8,6 +8,7 @@ pub const UNREACHABLE_S: f64 = 1e15;
 
 /// Watch `targets` from time 0 to `horizon_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SurveillanceProblem {
     /// What to watch; names are unique.
     pub targets: Vec<SurveillanceTarget>,
@@ -23,6 +24,7 @@ pub struct SurveillanceProblem {
 
 /// Something to be watched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SurveillanceTarget {
     /// Its name.
     pub name: String,
@@ -40,6 +42,7 @@ pub struct SurveillanceTarget {
 
 /// Events per second, piecewise constant (events are rare: rates add up as probabilities).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EventRate {
     /// `(from_s, events_per_s)` by rising time; the first also holds before its time. Empty is never.
     pub steps: Vec<(f64, f64)>,
@@ -60,6 +63,7 @@ impl EventRate {
 
 /// Cost of not knowing of an event for `d` seconds; never falls with `d`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum CostFunction {
     /// `cost_per_s d`.
     Linear {
@@ -106,6 +110,7 @@ pub enum CostFunction {
 /// Travel times in seconds, in general not symmetric (wind). [`UNREACHABLE_S`] is no way. Indices are those of
 /// [`SurveillanceProblem::targets`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TravelTimes {
     /// From the start to each target.
     pub from_start_s: Vec<f64>,
