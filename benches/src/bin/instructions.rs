@@ -1,7 +1,7 @@
 //! Does one kind of work again and again, for a profiler to count: instructions do not depend on who else uses the machine.
 //!
 //! `valgrind --tool=callgrind --toggle-collect=apex_benches::Driven::step instructions ROW COUNT TIMES`, ROW being `event`,
-//! `again`, `hand-off`, or a shape of plan (`flat nested sequence chain concurrent ranked`), whose lives are counted by
+//! `again`, `hand-off`, `next` (the holder ends, the next begins), or a shape of plan (`flat nested sequence chain concurrent ranked`), whose lives are counted by
 //! `--toggle-collect=apex_executive::step::step`; or `load`, which is counted whole. Without a profiler it tells the least time
 //! of each piece of work: that of windows of a hundred steps, or the processor time of a whole life or load.
 #![allow(clippy::print_stdout, reason = "the count is what the program is for")]
@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         "event" => events(&programs::waiting(count), count, times),
         "again" => events(&WATCHERS.replace("COUNT", &count.to_string()), count, times),
         "hand-off" => hand_offs(count, times),
+        "next" => next_ones(count, times),
         "load" => loads(&programs::procedures(count), times),
         "flat" => lives(&programs::flat(count), times),
         "nested" => lives(&programs::nested(count), times),
@@ -44,7 +45,7 @@ fn main() -> ExitCode {
         "ranked" => lives(&programs::ranked(count), times),
         _ => {
             println!(
-                "usage: instructions event|again|hand-off|load|flat|nested|sequence|chain|concurrent|ranked COUNT TIMES"
+                "usage: instructions event|again|hand-off|next|load|flat|nested|sequence|chain|concurrent|ranked COUNT TIMES"
             );
             return ExitCode::FAILURE;
         }
@@ -87,6 +88,23 @@ fn hand_offs(count: usize, times: usize) -> Meter {
             done.step(start, effects.len());
         }
         done.end_of_one();
+    }
+    done
+}
+
+/// The holder ends, the next one begins.
+fn next_ones(count: usize, times: usize) -> Meter {
+    let (mut driven, effects) = Driven::begun(&library(&COMPETITORS.replace("COUNT", &count.to_string())));
+    let mut done = Meter::default();
+    let mut command = command_in(&effects);
+    for _ in 0..times.min(count) {
+        let Some(holder) = command else { break };
+        let batch = driven.batch(acknowledged(holder));
+        let start = Instant::now();
+        let effects = driven.step(black_box(&batch));
+        done.step(start, effects.len());
+        done.end_of_one();
+        command = command_in(&effects);
     }
     done
 }
