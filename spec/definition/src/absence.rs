@@ -71,7 +71,11 @@ fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
 /// May evidence of the part be known only after it has begun? Then a span may have been quiet as far as was known.
 fn comes_to_light_later(part: &Condition) -> bool {
     match &part.kind {
-        Kind::Measurement(_) | Kind::Event(..) | Kind::Delay(..) | Kind::Timestamp(..) => false,
+        // A value that persists is asked for at an instant to come, and its evidence is the sample before.
+        Kind::Measurement(measurement) => {
+            matches!(measurement.estimation, Some(Estimation::Persist(_))) && !measurement.timestamp.is_empty()
+        }
+        Kind::Event(..) | Kind::Delay(..) | Kind::Timestamp(..) => false,
         Kind::Or(parts) => parts.iter().any(comes_to_light_later),
         _ => true,
     }

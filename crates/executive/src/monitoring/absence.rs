@@ -8,7 +8,7 @@
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
 use super::episode::TICK;
-use super::{Asking, Site, Troubles, Truth, extents, remember_untold, unmet};
+use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
@@ -103,15 +103,15 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
         seen.sort_unstable();
         for (start, end) in seen {
             if part.since + part.length < start {
-                note(part, asking.now);
+                note(part, site, &mut asking);
             }
             part.since = part.since.max(end);
         }
         if part.since + part.length <= asking.now {
-            note(part, asking.now);
+            note(part, site, &mut asking);
         }
     } else {
-        see(part, extents.settled.iter().map(lasting).collect());
+        see(part, site, extents.settled.iter().map(lasting).collect(), &mut asking.troubles);
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
@@ -127,15 +127,19 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
 }
 
 /// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
-/// the window is one.
-fn see(part: &mut AbsentPart, found: Vec<(Time, Time)>) {
+/// the window is one; where there is too much of it, what comes last is taken for one, which is told.
+fn see(part: &mut AbsentPart, site: Site, found: Vec<(Time, Time)>, troubles: &mut Troubles) {
     let mut seen = std::mem::take(&mut part.seen);
     seen.extend(found);
     seen.sort_unstable();
     for (start, end) in seen {
         let full = part.seen.len() >= MONITOR_RESULTS_MAX;
         match part.seen.last_mut() {
-            Some((_, last)) if full || *last + part.length >= start => *last = end.max(*last),
+            Some((_, last)) if *last + part.length >= start => *last = end.max(*last),
+            Some((_, last)) if full => {
+                troubles.too_many_results(site.place);
+                *last = end.max(*last);
+            }
             _ => part.seen.push((start, end)),
         }
     }
@@ -195,11 +199,12 @@ fn is_blind(part: &Part) -> bool {
 }
 
 /// The window that began when the part was last there has passed without it.
-fn note(part: &mut AbsentPart, now: Time) {
+fn note(part: &mut AbsentPart, site: Site, asking: &mut Asking<'_>) {
     if part.told != Some(part.since) {
         part.told = Some(part.since);
         let interval = (part.since, part.since + part.length);
-        remember_untold(&mut part.found, result(&part.part, interval, now));
+        let found = result(&part.part, interval, asking.now);
+        remember(&mut part.found, found, site, &mut asking.troubles);
     }
 }
 

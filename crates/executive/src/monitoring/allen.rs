@@ -24,6 +24,7 @@ use apex_model::monitor::{AllenPart, Chain, Side};
 use apex_model::monitor::{Keep, Satisfaction};
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
+use std::collections::BTreeMap;
 
 /// Results kept before those of no more use are looked for; few in tests, whose traces are short.
 const SWEEP_AT_LEAST: usize = if cfg!(test) { 2 } else { 32 };
@@ -87,7 +88,7 @@ pub(super) fn advance(
         }
     }
     chains.sort_by(|(a, _), (b, _)| a.intervals.cmp(&b.intervals));
-    note(part, site, chains);
+    note(part, site, chains, &mut asking.troubles);
     for (index, each) in extents.iter_mut().enumerate() {
         keep(part, index, each);
     }
@@ -103,12 +104,14 @@ pub(super) fn advance(
 
 /// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
 /// instant at which it became known.
-fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>) {
-    let before = std::mem::take(&mut part.passing);
+fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>, troubles: &mut Troubles) {
+    let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
+    // By where they start, the first of several last.
+    let passing = std::mem::take(&mut part.passing);
+    let known: BTreeMap<_, _> = passing.iter().rev().map(|known| (starts(known), known.result.recognised_at)).collect();
     for (mut chain, settled) in chains {
-        let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
-        if let Some(known) = before.iter().find(|known| starts(known) == starts(&chain)) {
-            chain.result.recognised_at = known.result.recognised_at;
+        if let Some(recognised_at) = known.get(&starts(&chain)) {
+            chain.result.recognised_at = *recognised_at;
         }
         if site.keep == Keep::First {
             part.found.push(chain);
@@ -117,9 +120,12 @@ fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>) {
         if !settled {
             if part.passing.len() < MONITOR_RESULTS_MAX {
                 part.passing.push(chain);
+            } else {
+                troubles.too_many_results(site.place);
             }
         } else {
             if part.found.len() >= MONITOR_RESULTS_MAX {
+                troubles.too_many_results(site.place);
                 part.found.drain(..MONITOR_RESULTS_MAX / 4);
             }
             part.found.push(chain);
@@ -293,7 +299,7 @@ fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], aski
     }
     let Some(side) = part.sides.get_mut(index) else { return };
     if side.settled.len() > MONITOR_RESULTS_MAX {
-        asking.troubles.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, site.place);
+        asking.troubles.too_many_results(site.place);
         side.settled.drain(..MONITOR_RESULTS_MAX / 4);
     }
     side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);

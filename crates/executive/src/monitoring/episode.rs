@@ -89,7 +89,7 @@ pub(super) fn look_back(part: &mut EpisodePart, site: Site, surroundings: &dyn S
 
 /// As [`look_back`], where `quick` takes in what it can and says how many samples these were.
 pub(super) fn look_back_with(
-    quick: impl FnOnce(&mut EpisodePart, Site, &[Seen<'_>], &dyn Surroundings) -> usize,
+    quick: impl FnOnce(&mut EpisodePart, Site, &[Seen<'_>], &dyn Surroundings, &mut Troubles) -> usize,
     part: &mut EpisodePart,
     site: Site,
     surroundings: &dyn Surroundings,
@@ -101,7 +101,7 @@ pub(super) fn look_back_with(
     let condition = Arc::clone(&part.condition);
     let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
     part.blind = blind;
-    let passed = quick(part, site, &samples, surroundings);
+    let passed = quick(part, site, &samples, surroundings, troubles);
     for sample in samples.into_iter().skip(passed) {
         feed(part, site, sample, surroundings, troubles);
     }

@@ -355,6 +355,8 @@ impl<'a> Combination<'a> {
         if self.found.len() < MONITOR_RESULTS_MAX {
             let Partial { recognised_at, bindings, evidence, .. } = partial;
             self.found.push(Satisfaction { interval, recognised_at, bindings, evidence });
+        } else {
+            asking.troubles.too_many_results(self.part.place);
         }
     }
 }

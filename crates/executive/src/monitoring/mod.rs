@@ -125,6 +125,10 @@ impl Troubles {
         self.add(EvaluationError { message: format!("the limit {name} = {value} of a condition was reached"), place });
     }
 
+    fn too_many_results(&mut self, place: Place) {
+        self.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, place);
+    }
+
     /// Moves what is new into the monitor.
     fn tell(self, monitor: &mut Monitor) {
         for trouble in self.0 {
@@ -174,14 +178,7 @@ impl<'a> Asking<'a> {
 /// Keeps a result, dropping the oldest when there are too many.
 fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction, site: Site, troubles: &mut Troubles) {
     if settled.len() >= MONITOR_RESULTS_MAX {
-        troubles.limit("MONITOR_RESULTS_MAX", MONITOR_RESULTS_MAX, site.place);
-    }
-    remember_untold(settled, result);
-}
-
-/// The same where nobody can be told: what is forgotten was told as a result before.
-fn remember_untold(settled: &mut Vec<Satisfaction>, result: Satisfaction) {
-    if settled.len() >= MONITOR_RESULTS_MAX {
+        troubles.too_many_results(site.place);
         settled.drain(..MONITOR_RESULTS_MAX / 4);
     }
     settled.push(result);

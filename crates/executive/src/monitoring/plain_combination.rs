@@ -15,7 +15,7 @@
 //! is harmless, and never is one harvested too seldom.
 
 use super::plain_episode::{self, Bankable};
-use super::remember_untold;
+use super::{Troubles, remember, site};
 use crate::expression::Surroundings;
 use apex_model::episode_bank::{Seen, Told, What};
 use apex_model::event::StateVariable;
@@ -161,16 +161,19 @@ pub(crate) fn lie_down(monitor: &mut Monitor) {
 /// Gives the leaves back what banks have seen in their place, in written order.
 pub(crate) fn stand_up(monitor: &mut Monitor, leaves: &mut Leaves, seen: Vec<Option<Seen>>) {
     let mut each = leaves.0.iter_mut().zip(seen);
+    let mut troubles = Troubles::default();
     for_each_leaf_mut(&mut monitor.root, &mut |part| {
+        let site = site(part);
         let (PartKind::Episode(leaf), Some((state, seen))) = (&mut part.kind, each.next()) else { return };
         plain_episode::give_back(leaf, seen);
         // The run that the newest sample ended is still there, with its result.
         let before = leaf.runs.values().next().and_then(|run| run.found.as_ref()).map(|found| found.interval.0);
         let still_there = |result: &mut Satisfaction| before != Some(result.interval.0);
         if let Some(result) = state.over.take_if(still_there) {
-            remember_untold(&mut leaf.settled, result);
+            remember(&mut leaf.settled, result, site, &mut troubles);
         }
     });
+    troubles.tell(monitor);
 }
 
 /// After a harvest in place: what counts from here on. All results have made up something if the harvest has `told` any.
@@ -194,18 +197,20 @@ pub(crate) fn told(monitor: &mut Monitor, leaves: &mut Leaves, leaf: u32, told: 
         What::Contradicted => {}
         What::Over => {
             let alternative = state.alternative;
-            let mut number = 0;
+            let (mut number, mut troubles) = (0, Troubles::default());
             for_each_leaf_mut(&mut monitor.root, &mut |part| {
+                let site = site(part);
                 if let PartKind::Episode(episode) = &mut part.kind
                     && number == leaf
                 {
                     if let Some(before) = state.over.take() {
-                        remember_untold(&mut episode.settled, before);
+                        remember(&mut episode.settled, before, site, &mut troubles);
                     }
                     state.over = plain_episode::told_of(episode, told);
                 }
                 number += 1;
             });
+            troubles.tell(monitor);
             return alternative;
         }
     }

@@ -9,7 +9,7 @@
 
 use super::plain_episode::{band, give_back, is_plain, told_of};
 use super::samples::Seen;
-use super::{Site, remember_untold};
+use super::{Site, Troubles, remember};
 use crate::expression::Surroundings;
 use apex_model::clause::MonitorId;
 use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Told, What};
@@ -25,6 +25,7 @@ pub(super) fn look_back(
     site: Site,
     samples: &[Seen<'_>],
     surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
 ) -> usize {
     let fresh = part.runs.is_empty() && part.settled.is_empty();
     if samples.is_empty() || !fresh || !is_plain(part) {
@@ -56,18 +57,18 @@ pub(super) fn look_back(
         bank.sample(sample.at, number, &mut told);
         passed += 1;
         if let Some(ended) = told.iter().find(|told| told.what == What::Over) {
-            settle(part, over.replace(*ended));
+            settle(part, site, over.replace(*ended), troubles);
         }
     }
     give_back(part, bank.take(ALONE).flatten());
     // The run that the newest sample ended is still there, with its result.
     let before = part.runs.values().next().and_then(|run| run.found.as_ref()).map(|found| found.interval.0);
-    settle(part, over.filter(|told| before != Some(told.start)));
+    settle(part, site, over.filter(|told| before != Some(told.start)), troubles);
     passed
 }
 
-fn settle(part: &mut EpisodePart, over: Option<Told>) {
+fn settle(part: &mut EpisodePart, site: Site, over: Option<Told>, troubles: &mut Troubles) {
     if let Some(result) = over.and_then(|told| told_of(part, &told)) {
-        remember_untold(&mut part.settled, result);
+        remember(&mut part.settled, result, site, troubles);
     }
 }

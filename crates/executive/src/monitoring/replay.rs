@@ -125,14 +125,14 @@ pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &
 /// Looks at an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
 /// is remembered to begin again. What passed up to then has passed; what passed since may not have.
 pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    let Stimulus::Sample { at, variable, .. } = stimulus else { return };
+    let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
     let PartKind::Absent(leaf) = &mut part.kind else { return };
     let late = *at < surroundings.now() && *at >= part.window.start;
     if !late || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
         return;
     }
     super::absence::take_back(leaf, *at);
-    let known = newest_known(&leaf.part, surroundings).map_or(*at, |newest| newest.max(*at));
+    let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
     if known < surroundings.now() {
         look_then(part, known, surroundings, troubles);
     }
@@ -145,10 +145,12 @@ fn asks_functions(part: &Part) -> bool {
     asks
 }
 
-/// The instant of the newest sample that the part watches.
-fn newest_known(part: &Part, surroundings: &dyn Surroundings) -> Option<Time> {
+/// The instant of the newest sample that the part was told of, up to this arrival: what came after it at the same instant is
+/// still to be told.
+fn newest_known(part: &Part, told: u64, surroundings: &dyn Surroundings) -> Option<Time> {
     let histories = surroundings.histories();
-    let newest = |history: &History| history.newest().map(|newest| newest.at);
+    let newest =
+        |history: &History| history.samples().rev().find(|sample| sample.sequence <= told).map(|newest| newest.at);
     let mut known = None;
     collect_interests(part, &mut |interest| {
         let seen = match interest {

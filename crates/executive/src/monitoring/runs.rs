@@ -50,7 +50,12 @@ pub(super) fn advance_run(
 ) -> Judged {
     let judge = Judge { part, site, object, surroundings };
     match judge.advance(state, horizon) {
-        Ok(judged) => judged,
+        Ok(judged) => {
+            if forgets_a_start(part, state, judged.run.as_ref()) {
+                troubles.too_many_results(site.place);
+            }
+            judged
+        }
         Err(error) => {
             troubles.add(error);
             let run = with_newest(part, state);
@@ -64,6 +69,12 @@ pub(super) fn advance_run(
             }
         }
     }
+}
+
+/// Of pairs of samples: is the first sample of the run forgotten, because there are too many to begin with?
+fn forgets_a_start(part: &EpisodePart, state: &ObjectRun, run: Option<&Run>) -> bool {
+    let full = |old: &Run| part.any_pair && old.instants.len() >= MONITOR_RESULTS_MAX;
+    state.run.as_ref().is_some_and(|old| full(old) && run.is_some_and(|new| new.samples > old.samples))
 }
 
 /// The run that the newest sample belongs to: the old one extended, a new one, or none.

@@ -36,7 +36,7 @@ proptest! {
         let mut slow = quick.clone();
         let (mut of_quick, mut of_slow) = (Troubles::default(), Troubles::default());
         episode::look_back(&mut quick, site, &view, &mut of_quick);
-        episode::look_back_with(|_, _, _, _| 0, &mut slow, site, &view, &mut of_slow);
+        episode::look_back_with(|_, _, _, _, _| 0, &mut slow, site, &view, &mut of_slow);
         prop_assert_eq!(quick, slow);
         prop_assert_eq!(of_quick.0, of_slow.0);
     }

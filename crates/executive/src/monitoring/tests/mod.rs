@@ -2,6 +2,7 @@
 
 mod against_definition;
 mod combinations;
+mod limits;
 mod look_back;
 mod numbers;
 mod patterns;
