@@ -1,7 +1,7 @@
 //! The answer at an instant, and since when it is satisfied (rules 2, 3, 21, 22).
 
 use crate::condition::{Condition, Estimation, Kind, Measurement, Span, Time};
-use crate::history::{Arrival, What, known};
+use crate::history::{Arrival, Past, What, known};
 use crate::value::Bindings;
 use crate::ways::{Interval, Runs, View, Way, ways};
 use std::collections::{BTreeMap, BTreeSet};
@@ -110,8 +110,16 @@ pub fn instants(question: &Question, until: Time) -> BTreeSet<Time> {
     for arrival in question.arrivals.iter().filter(|_| !lines.is_empty()) {
         let past = known(&question.arrivals, &question.lateness, arrival.arrives);
         let at = arrival.arrives.max(question.created);
-        let meets = lines.iter().flat_map(|line| crate::regression::foreseen(line, question, &past, at));
-        begins.extend(meets.filter(|at| *at <= until));
+        let mut meets = |past: &Past, at: Time| {
+            let meets = lines.iter().flat_map(|line| crate::regression::foreseen(line, question, past, at));
+            begins.extend(meets.filter(|at| *at <= until));
+        };
+        meets(&past, at);
+        // One that comes late says where the lines were since it was taken.
+        for then in question.arrivals.iter().map(|each| each.at).filter(|at| (arrival.at..arrival.arrives).contains(at))
+        {
+            meets(&past.up_to(then), then.max(question.created));
+        }
     }
     let begins = distinct(begins);
     let every = begins.iter().flat_map(|begin| spans.iter().flat_map(move |span| [begin + span, begin + span + 1]));

@@ -9,10 +9,11 @@
 
 use super::episode::TICK;
 use super::runs::{advance_run, with_newest};
-use super::{Asking, Site, Truth, cyclic, logic, persistence, regression, site, statistics};
+use super::{Asking, Site, Truth, cyclic, harvest, logic, persistence, regression, site, statistics};
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::monitor::{EpisodePart, Part, PartKind, Satisfaction};
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -114,14 +115,22 @@ fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
 
 /// Results of a composite are all passing: they are made anew at every look. One that rests on a run that goes on is open.
 fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
-    let mut open = Vec::new();
-    open_runs(part, asking, &mut open, &mut extents.changes_at);
-    for result in logic::results(part, asking) {
+    let mut runs = Runs::default();
+    runs.collect(part, asking, &mut extents.changes_at);
+    let results = logic::results(part, asking);
+    let mut without = runs.results_without_open(part, asking);
+    for result in results {
+        let mut open = result.evidence.iter().any(|evidence| rests_on(evidence, &runs.open));
+        // The same run may go on for one part and be over for another: what is a result without the former rests on the latter.
+        if let Some(place) = without.iter().position(|other| open && *other == result) {
+            without.swap_remove(place);
+            open = false;
+        }
         if result.recognised_at <= asking.now {
-            let open = result.evidence.iter().any(|evidence| rests_on(evidence, &open));
             extents.passing.push(Extent { result, open });
         }
     }
+    let open = runs.open;
     extents.anywhere = true;
     extents.doubt = match logic::truth(part, asking) {
         Truth::False => false,
@@ -129,7 +138,7 @@ fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
         // What was found stays true; whether it goes on, only its episodes can say.
         Truth::True => is_in_doubt(part, asking),
     };
-    extents.runs.extend(open.iter().map(|(_, start, last)| (*start, *last)));
+    extents.runs.extend(open.iter().map(|run| run.interval));
 }
 
 /// Is any episode within the part in doubt?
@@ -153,10 +162,10 @@ fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
     doubt
 }
 
-fn rests_on(evidence: &Evidence, open: &[(StateVariable, Time, Time)]) -> bool {
+fn rests_on(evidence: &Evidence, open: &[PartRun]) -> bool {
     match evidence {
         Evidence::Run { variable, start, end, .. } => {
-            open.iter().any(|(each, from, last)| each == variable && from <= start && end == last)
+            open.iter().any(|run| run.variable == *variable && run.interval.0 <= *start && *end == run.interval.1)
         }
         _ => false,
     }
@@ -184,36 +193,71 @@ pub(super) fn silent_after(part: &Part, now: Time) -> Option<Time> {
     first
 }
 
-/// The runs of results that go on in all episodes of `part`.
-fn open_runs(
-    part: &Part,
-    asking: &mut Asking<'_>,
-    open: &mut Vec<(StateVariable, Time, Time)>,
-    changes_at: &mut Option<Time>,
-) {
-    let now = asking.now;
-    if let PartKind::Statistical(leaf) = &part.kind {
-        for (variable, (start, last)) in statistics::open_extents(leaf, site(part), asking) {
-            let silent_from = leaf.gap_max.map(|gap| last + gap + TICK);
-            if silent_from.is_none_or(|at| at > now) {
-                open.push((variable, start, last));
-                *changes_at = changes_at.iter().copied().chain(silent_from).min();
+/// The newest run of a part, which is a result.
+#[derive(Clone, PartialEq)]
+struct PartRun {
+    part: Place,
+    variable: StateVariable,
+    interval: (Time, Time),
+    result: Satisfaction,
+}
+
+/// The newest runs of all episodes within a composite that are results.
+#[derive(Default)]
+struct Runs {
+    /// They go on.
+    open: Vec<PartRun>,
+    /// No sample has come for too long.
+    silent: Vec<PartRun>,
+}
+
+impl Runs {
+    fn collect(&mut self, part: &Part, asking: &mut Asking<'_>, changes_at: &mut Option<Time>) {
+        let now = asking.now;
+        let mut add = |gap_max: Option<Duration>, run: PartRun| {
+            let silent_from = gap_max.map(|gap| run.interval.1 + gap + TICK);
+            if silent_from.is_some_and(|at| at <= now) {
+                self.silent.push(run);
+                return;
             }
-        }
-    }
-    if let PartKind::Episode(leaf) = &part.kind {
-        for (object, state) in &leaf.runs {
-            let judged = advance_run(leaf, site(part), object, state, now, asking.surroundings, &mut asking.troubles);
-            let Some(run) = with_newest(leaf, state).filter(|_| judged.found.is_some()) else { continue };
-            let silent_from = silent_from(leaf, run.last);
-            if silent_from.is_none_or(|at| at > now) {
-                let variable = StateVariable::new(leaf.condition.variable.attribute.clone(), object.clone());
-                open.push((variable, run.start, run.last));
-                *changes_at = changes_at.iter().copied().chain(silent_from).min();
+            self.open.push(run);
+            *changes_at = changes_at.iter().copied().chain(silent_from).min();
+        };
+        match &part.kind {
+            PartKind::Statistical(leaf) => {
+                for (variable, result) in statistics::open_of_variables(leaf, site(part), asking) {
+                    add(leaf.gap_max, PartRun { part: part.place, variable, interval: result.interval, result });
+                }
             }
+            PartKind::Episode(leaf) => {
+                for (object, state) in &leaf.runs {
+                    let judged =
+                        advance_run(leaf, site(part), object, state, now, asking.surroundings, &mut asking.troubles);
+                    let Some((run, result)) = with_newest(leaf, state).zip(judged.found) else { continue };
+                    let variable = StateVariable::new(leaf.condition.variable.attribute.clone(), object.clone());
+                    add(leaf.gap_max, PartRun { part: part.place, variable, interval: (run.start, run.last), result });
+                }
+            }
+            _ => {}
         }
+        for_each_inner(part, &mut |inner| self.collect(inner, asking, changes_at));
     }
-    for_each_inner(part, &mut |inner| open_runs(inner, asking, open, changes_at));
+
+    /// What `part` would have found without the runs that go on, where it can be doubtful which run a result rests on.
+    fn results_without_open(&self, part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+        let alike = |run: &PartRun| {
+            self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)
+        };
+        if !self.open.iter().any(alike) {
+            return Vec::new();
+        }
+        let mut used = harvest::Used::default();
+        self.open.iter().for_each(|run| used.add(run.part, &run.result));
+        let before = asking.used.replace(used);
+        let results = logic::results(part, asking);
+        asking.used = before;
+        results
+    }
 }
 
 /// The parts directly within `part`.

@@ -53,6 +53,11 @@ pub(super) struct Used {
 }
 
 impl Used {
+    /// Adds a result of a part.
+    pub(super) fn add(&mut self, part: Place, result: &Satisfaction) {
+        self.keys.push(Key::of(part, result));
+    }
+
     pub(super) fn contains(&self, part: Place, result: &Satisfaction) -> bool {
         self.horizon.is_some_and(|horizon| result.recognised_at < horizon)
             || (!self.keys.is_empty() && self.keys.contains(&Key::of(part, result)))

@@ -307,14 +307,14 @@ fn open<'a>(part: &'a StatisticalPart, site: Site, asking: &mut Asking<'_>) -> V
     open
 }
 
-/// First and last evidence of the results that go on.
-pub(super) fn open_extents(
+/// The same, each with its variable.
+pub(super) fn open_of_variables(
     part: &StatisticalPart,
     site: Site,
     asking: &mut Asking<'_>,
-) -> Vec<(StateVariable, (Time, Time))> {
+) -> Vec<(StateVariable, Satisfaction)> {
     let variable = |object: &Value| StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
-    open(part, site, asking).into_iter().map(|(object, result)| (variable(object), result.interval)).collect()
+    open(part, site, asking).into_iter().map(|(object, result)| (variable(object), result)).collect()
 }
 
 /// Does nobody know whether the newest run of some object is what is asked for?

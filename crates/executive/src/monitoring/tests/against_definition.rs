@@ -1,23 +1,8 @@
 //! Measurements and episodes of one variable, and their combinations, against the definition.
 
+use super::traces::{Trace, as_truth, instants, tell, traces, valid};
 use super::*;
 use proptest::prelude::*;
-
-/// What arrives: instants may repeat (a later value replaces), and a value may be missing.
-type Trace = Vec<(i64, Option<i64>)>;
-
-/// The samples that count: the last valid arrival of each instant.
-fn valid(trace: &[(i64, Option<i64>)]) -> Vec<(i64, i64)> {
-    let mut samples: Vec<(i64, i64)> = Vec::new();
-    for (at, value) in trace {
-        let Some(value) = value else { continue };
-        match samples.last_mut() {
-            Some(last) if last.0 == *at => last.1 = *value,
-            _ => samples.push((*at, *value)),
-        }
-    }
-    samples
-}
 
 /// An episode `value >= 5` with these bounds.
 #[derive(Clone, Copy, Debug)]
@@ -125,20 +110,6 @@ impl Wanted {
     }
 }
 
-fn traces() -> impl Strategy<Value = Trace> {
-    let step = (0..6_i64, prop_oneof![6 => (0..10_i64).prop_map(Some), 1 => Just(None)]);
-    proptest::collection::vec(step, 0..24).prop_map(|steps| {
-        let mut at = 0;
-        steps
-            .into_iter()
-            .map(|(pause, value)| {
-                at += pause;
-                (at, value)
-            })
-            .collect()
-    })
-}
-
 fn wanted() -> impl Strategy<Value = Wanted> {
     let bound = prop_oneof![
         Just(Bound::None),
@@ -149,31 +120,11 @@ fn wanted() -> impl Strategy<Value = Wanted> {
     (proptest::option::of(1..6_i64), bound).prop_map(|(gap, bound)| Wanted { gap, bound })
 }
 
-fn tell(world: &mut World, trace: &[(i64, Option<i64>)]) {
-    for (at, value) in trace {
-        let value = value.map_or(Value::Real(f64::NAN), Value::Integer);
-        world.sample("a", "uav", value, *at);
-    }
-}
-
-fn as_truth(verdict: &Verdict) -> Truth {
-    match verdict {
-        Verdict::Satisfied(_) => Truth::True,
-        Verdict::NotSatisfied => Truth::False,
-        Verdict::Unknown => Truth::Unknown,
-    }
-}
-
-/// Groups of arrivals of one instant: what one step sees.
-fn instants(trace: &[(i64, Option<i64>)]) -> Vec<&[(i64, Option<i64>)]> {
-    trace.chunk_by(|a, b| a.0 == b.0).collect()
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3_000))]
 
     #[test]
-    fn episodes_agree_with_the_definition_at_every_instant(trace in traces(), wanted in wanted(), rest in 0..15_i64) {
+    fn episodes_agree_with_the_definition_at_every_instant(trace in traces(10, 6), wanted in wanted(), rest in 0..15_i64) {
         let mut world = World::new(&condition(wanted.condition()));
         let mut seen = Vec::new();
         let mut groups = instants(&trace).into_iter().peekable();
@@ -195,7 +146,7 @@ proptest! {
     }
 
     #[test]
-    fn results_do_not_depend_on_batches(trace in traces(), wanted in wanted(), rest in 0..15_i64, cuts in proptest::collection::vec(any::<bool>(), 24)) {
+    fn results_do_not_depend_on_batches(trace in traces(10, 6), wanted in wanted(), rest in 0..15_i64, cuts in proptest::collection::vec(any::<bool>(), 24)) {
         let end = trace.last().map_or(0, |last| last.0) + rest;
         let mut whole = World::new(&condition(wanted.condition()));
         tell(&mut whole, &trace);
@@ -211,7 +162,7 @@ proptest! {
     }
 
     #[test]
-    fn wakes_come_exactly_when_time_alone_decides(trace in traces(), wanted in wanted()) {
+    fn wakes_come_exactly_when_time_alone_decides(trace in traces(10, 6), wanted in wanted()) {
         let mut world = World::new(&condition(wanted.condition()));
         let mut first = None;
         let groups = instants(&trace);
@@ -240,7 +191,7 @@ proptest! {
     }
 
     #[test]
-    fn measurements_agree_with_the_definition(trace in traces(), limit in 0..10_i64, start in 0..20_i64) {
+    fn measurements_agree_with_the_definition(trace in traces(10, 6), limit in 0..10_i64, start in 0..20_i64) {
         let wanted = condition(ConditionKind::Measurement(Arc::new(measurement(uav("a"), vec![compare(Relation::Greater, int(limit))]))));
         // Half of the trace is history when the monitor is made.
         let (past, future): (Trace, Trace) = trace.iter().partition(|(at, _)| *at <= start);
@@ -262,7 +213,7 @@ proptest! {
     }
 
     #[test]
-    fn late_samples_lead_to_the_same_result_as_timely_ones(trace in traces(), wanted in wanted(), order in proptest::collection::vec(0..9_i64, 24)) {
+    fn late_samples_lead_to_the_same_result_as_timely_ones(trace in traces(10, 6), wanted in wanted(), order in proptest::collection::vec(0..9_i64, 24)) {
         // Arrivals are shuffled within nine ticks, the lateness of the variable.
         let samples = valid(&trace);
         let mut arrivals: Vec<(i64, i64, i64)> = samples.iter().zip(&order).map(|((at, value), delay)| (at + delay, *at, *value)).collect();
@@ -287,7 +238,7 @@ proptest! {
     }
 
     #[test]
-    fn logic_agrees_with_its_definition(trace in traces(), left in wanted(), right in wanted(), shape in 0..4_u8) {
+    fn logic_agrees_with_its_definition(trace in traces(10, 6), left in wanted(), right in wanted(), shape in 0..4_u8) {
         let parts = || vec![condition(left.condition()), condition(right.condition())];
         let not = |wanted: Wanted| condition(ConditionKind::Not(Box::new(condition(wanted.condition()))));
         let whole = condition(match shape {

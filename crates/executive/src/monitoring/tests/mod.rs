@@ -10,6 +10,7 @@ mod relations;
 mod statistics_by_definition;
 mod stories;
 mod thresholds;
+mod traces;
 
 use super::*;
 use crate::test_support::View;
