@@ -95,7 +95,9 @@ fn one(
         }
         Evidence::Absence { what, at } => {
             require(!what.is_empty(), "nothing is named")?;
-            require(*at == world.now, "it is told of another instant")
+            in_time(world, *at)?;
+            // A window without something stays; that something has not happened is said of the present.
+            require(*at == world.now || !is_outside(world, "(:absent "), "it is told of another instant")
         }
         Evidence::Estimate(estimate) => numbers::estimate(world, estimate),
         Evidence::Aggregate(aggregate) => numbers::aggregate(world, aggregate),
