@@ -7,6 +7,8 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 >>> monitor.push(12.5, 17)[0].start_s
 12.5
 
+A :class:`Planner` is a planner of your own; :func:`plan` plans with it, :func:`apex` flies missions with it.
+
 Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing is decided here.
 """
 
@@ -17,6 +19,7 @@ from apex_autonomy._apex import (
     InputError,
     Interval,
     Judgement,
+    PlanningError,
     Quantity,
     Reason,
     Result,
@@ -26,16 +29,20 @@ from apex_autonomy._apex import (
     __version__,
 )
 from apex_autonomy.monitor import Monitor
+from apex_autonomy.planner import Environment, Planner, apex, plan
 from apex_autonomy.tables import to_arrow
 
 __all__ = [
     "ApexError",
     "ConditionError",
+    "Environment",
     "Evidence",
     "InputError",
     "Interval",
     "Judgement",
     "Monitor",
+    "Planner",
+    "PlanningError",
     "Quantity",
     "Reason",
     "Result",
@@ -43,5 +50,7 @@ __all__ = [
     "Symbol",
     "Variable",
     "__version__",
+    "apex",
+    "plan",
     "to_arrow",
 ]

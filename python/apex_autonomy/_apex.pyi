@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, final
 
@@ -11,15 +12,19 @@ __all__ = [
     "InputError",
     "Interval",
     "Judgement",
+    "PlanningError",
     "Quantity",
     "Reason",
     "Result",
     "Results",
     "Session",
+    "Surroundings",
     "Symbol",
     "Variable",
     "__version__",
+    "command",
     "instant_ns",
+    "plan_json",
 ]
 
 __version__: str
@@ -27,6 +32,7 @@ __version__: str
 class ApexError(Exception): ...
 class ConditionError(ApexError): ...
 class InputError(ApexError): ...
+class PlanningError(ApexError): ...
 
 @final
 class Symbol:
@@ -174,3 +180,21 @@ class Session:
     def counts(self, variable: Variable) -> tuple[int, int, int, int]: ...
 
 def instant_ns(instant: Any) -> int: ...
+
+@final
+class Surroundings:
+    @property
+    def seed(self) -> int: ...
+    @property
+    def previous_json(self) -> str | None: ...
+    @property
+    def exhausted(self) -> bool: ...
+    @property
+    def used(self) -> int: ...
+    def charge(self, units: int) -> bool: ...
+    def report_json(self, plan: str) -> None: ...
+
+_Planners = list[tuple[str, list[str], Callable[[str, Surroundings], str], Callable[[int], None]]]
+
+def command(arguments: list[str], planners: _Planners) -> bool: ...
+def plan_json(problem: str, solver: str | None, budget_s: float, seed: int, planners: _Planners) -> str: ...

@@ -18,12 +18,20 @@ create_exception!(
     "Something handed over cannot be used: a name that is no state variable, a value that PDL has no word for, arrays of different lengths."
 );
 
+create_exception!(
+    apex_autonomy,
+    PlanningError,
+    ApexError,
+    "There is no plan: the problem cannot be read or makes no sense, nothing can be visited, or the planner's plan was refused."
+);
+
 /// Makes the exceptions known.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let python = module.py();
     module.add("ApexError", python.get_type::<ApexError>())?;
     module.add("ConditionError", python.get_type::<ConditionError>())?;
-    module.add("InputError", python.get_type::<InputError>())
+    module.add("InputError", python.get_type::<InputError>())?;
+    module.add("PlanningError", python.get_type::<PlanningError>())
 }
 
 /// An [`InputError`].

@@ -3,6 +3,7 @@
 
 mod errors;
 mod judgement;
+mod planner;
 mod results;
 mod session;
 mod source;
@@ -24,7 +25,10 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<values::Quantity>()?;
     module.add_class::<values::Symbol>()?;
     module.add_class::<values::Variable>()?;
+    module.add_class::<planner::Surroundings>()?;
     module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
+    module.add_function(wrap_pyfunction!(planner::command, module)?)?;
+    module.add_function(wrap_pyfunction!(planner::plan_json, module)?)?;
     errors::register(module)
 }
 

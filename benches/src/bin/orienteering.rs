@@ -83,7 +83,7 @@ fn planned(solver: &dyn Solver, problem: &SingleVisitProblem, units: u64) -> (Si
     let begin_s = cpu_s();
     let mut first_s = f64::NAN;
     let mut report = |_: &Plan| first_s = if first_s.is_nan() { cpu_s() - begin_s } else { first_s };
-    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report };
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report, previous: None };
     let plan = solver.solve(&problem, &mut environment).expect("a plan");
     let whole_s = cpu_s() - begin_s;
     apex_solvers::checker::accept(&problem, &plan).expect("a plan that the checker accepts");

@@ -42,7 +42,7 @@ fn cost(solver: &str, problem: &Problem, milliseconds: u64, seed: u64) -> (f64, 
     let mut budget = CpuBudget { until_ns: begin + milliseconds * 1_000_000, used: 0, next: 0, over: false };
     let Some(solver) = apex_solvers::solver(solver) else { return (f64::NAN, 0, 0.0) };
     let plan = {
-        let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {} };
+        let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
         solver.solve(problem, &mut environment)
     };
     let took = (cpu_ns() - begin) as f64 * 1e-6;

@@ -150,6 +150,12 @@ pub struct FlyOptions {
     /// Simulated seconds per second of wall time; default is as fast as possible.
     #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
     pub pace: Option<f64>,
+    /// Wall time after which a solver that does not return is given up; default is 5 minutes.
+    #[arg(long, value_name = "TIME")]
+    pub solver_patience: Option<String>,
+    /// Mebibytes by which the program may grow while a solver works; default is 1024.
+    #[arg(long, value_name = "NUMBER")]
+    pub solver_memory: Option<u32>,
     /// Serve Sherpa while flying, and go on serving after.
     #[arg(long)]
     pub serve: bool,

@@ -31,6 +31,8 @@ pub struct Environment<'a> {
     pub budget: &'a mut dyn Budget,
     /// Receives every better plan as soon as it is found.
     pub report: &'a mut dyn FnMut(&Plan),
+    /// The plan that is flown now, or the best one of the problem before it changed: a place to begin, never a duty.
+    pub previous: Option<&'a Plan>,
 }
 
 /// Permission to go on.
@@ -81,7 +83,7 @@ impl Budget for WorkBudget {
 /// A planner. Third parties implement this.
 pub trait Solver: Send + Sync {
     /// The name in profile tables, records and `(solver NAME ..)` forms.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// Can it plan for problems of this kind?
     fn serves(&self, problem: &Problem) -> bool;

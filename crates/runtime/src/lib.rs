@@ -11,6 +11,7 @@ mod flight;
 pub mod foreign;
 pub mod inbox;
 pub mod input_lines;
+pub mod invocation;
 pub mod limits;
 pub mod mission_loop;
 pub mod narrator;

@@ -11,6 +11,16 @@ pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
 pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_millis(50);
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
+/// How often a solver at work is looked at: soon enough to stop one that fills the memory.
+pub const SOLVER_LOOK: std::time::Duration = std::time::Duration::from_millis(10);
+/// Time that a solver has to stop when told to; well-behaved ones take some milliseconds.
+pub const SOLVER_GRACE: std::time::Duration = std::time::Duration::from_secs(1);
+/// Work units that a solver may charge after its budget's double, or after it was told to stop, before it is thrown out.
+pub const SOLVER_OVERRUN_UNITS: u64 = 1_000_000;
+/// Wall time after which a solver that does not return is given up; its budget is counted in work, so this is far off.
+pub const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
+/// Bytes by which the program may grow while a solver works: a matrix of 5,000 targets takes a fifth of it.
+pub const SOLVER_MEMORY_BYTES: u64 = 1 << 30;
 /// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.
 pub const INPUT_MESSAGES_MAX: usize = 20;
 /// Bytes of one line of input: far more than any message, less than a file without line ends.

@@ -4,6 +4,7 @@
 //! the clock on the wall says, so the order of answers is the same in every run. A panic of a solver ends as an
 //! answer, "failed". Endless work ends so too when the deliberator is wrapped in [`Contained`].
 
+use crate::invocation::panic_text;
 use crate::limits::SOLVER_STACK_BYTES;
 use crate::ports::{Deliberator, Input, SolverAnswer};
 use apex_model::effect::{SolveRequest, SolveRequestId};
@@ -11,7 +12,6 @@ use apex_model::event::{EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
@@ -104,11 +104,6 @@ fn contain(deliberator: &mut (dyn Deliberator + Send), request: &SolveRequest, a
         Ok(Err(payload)) => failed(format!("the solver {} broke down: {}", request.solver, panic_text(&*payload))),
         Err(error) => failed(format!("no thread could be started for the solver {}: {error}", request.solver)),
     }
-}
-
-fn panic_text(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it gave no message".into())
 }
 
 /// A deliberator on a thread that can be given up: endless work becomes a failed answer after `patience` of wall time.

@@ -11,6 +11,7 @@ pub mod formats;
 pub mod nearest_neighbour;
 pub mod profile;
 pub mod random;
+pub mod registry;
 pub mod single_visit;
 pub mod surveillance;
 pub mod table;
@@ -19,6 +20,7 @@ pub mod two_opt;
 pub mod validate;
 pub mod wam;
 
+pub use registry::Registry;
 pub use table::{Selection, select, select_within};
 
 use apex_model::solver::Solver;
@@ -45,7 +47,8 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_found() {
-        let names: Vec<&str> = solvers().iter().map(|solver| solver.name()).collect();
+        let all = solvers();
+        let names: Vec<&str> = all.iter().map(|solver| solver.name()).collect();
         assert_eq!(names, ["nearest-neighbour", "two-opt", "wam", "anytime", "single-visit"]);
         assert!(names.iter().all(|name| solver(name).is_some()) && solver("human").is_none());
     }

@@ -2,7 +2,7 @@
 
 use crate::mission::Mission;
 use crate::mission::bookkeeping::{Bookkeeping, BookkeepingObserver, SharedBookkeeping, lock};
-use crate::mission::deliberator::MissionDeliberator;
+use crate::mission::deliberator::{Means, MissionDeliberator};
 use crate::mission::report::{Report, report};
 use crate::mission::world::world;
 use crate::options::FlyOptions;
@@ -12,20 +12,19 @@ use crate::{commands, output, recording, sources};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
+use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::pool::Contained;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, Recorder, TargetRow, TargetState};
 use apex_runtime::{Control, EndReason, RunEnd};
 use apex_sim::SimulatedWorld;
+use apex_solvers::Registry;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-
-/// Wall time after which a solver that does not return is given up; its budget is counted in work, so this is far off.
-const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
 
 /// Faster than this is as fast as possible.
 const PACE_MAX: f64 = 1e9;
@@ -34,7 +33,7 @@ type SharedRecorder = Arc<Mutex<Recorder>>;
 type TargetChange = (String, Time, TargetState, String);
 
 /// Flies a mission.
-pub fn run(options: &FlyOptions) -> Outcome {
+pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(Mission::load(&options.mission)?);
@@ -59,7 +58,8 @@ pub fn run(options: &FlyOptions) -> Outcome {
         ..apex_runtime::FlyOptions::default()
     };
     let hidden = options.no_progress || options.json;
-    let flight = fly(&mission, &mut vehicle, settings, &recorder, hidden)?;
+    let means = means(options, planners)?;
+    let flight = fly((&mission, means), &mut vehicle, settings, &recorder, hidden)?;
     let seconds = started.elapsed().as_secs_f64();
     finish(&recorder, &flight)?;
     print_flight(&flight, seconds, &path, options.json)?;
@@ -136,6 +136,23 @@ fn check_port(port: u16) -> Outcome {
     }
 }
 
+/// The planners, with what the options let them take.
+fn means(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome<Means> {
+    let mut means = Means::of(planners);
+    if let Some(text) = &options.solver_patience {
+        let time = sources::parse_time(text, "--solver-patience")? - Time::ZERO;
+        if time <= Duration::ZERO {
+            return Err(Trouble::user(format!("`--solver-patience {text}` gives no solver a chance"))
+                .help("write a time above 0, for example `30s`"));
+        }
+        means.patience = std::time::Duration::from_secs_f64(time.seconds());
+    }
+    if let Some(mebibytes) = options.solver_memory {
+        means.memory_bytes = u64::from(mebibytes) << 20;
+    }
+    Ok(means)
+}
+
 /// Everything that a flight came to.
 struct Flight {
     end: RunEnd,
@@ -143,15 +160,17 @@ struct Flight {
 }
 
 fn fly(
-    mission: &Arc<Mission>,
+    (mission, means): (&Arc<Mission>, Means),
     vehicle: &mut SimulatedWorld,
     settings: apex_runtime::FlyOptions,
     recorder: &SharedRecorder,
     hidden: bool,
 ) -> Outcome<Flight> {
     let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
-    let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books));
-    let mut deliberator = Contained::new(Box::new(deliberator), SOLVER_PATIENCE)
+    // Solvers are given up before whoever asks them.
+    let patience = means.patience + 10 * SOLVER_GRACE;
+    let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books), means);
+    let mut deliberator = Contained::new(Box::new(deliberator), patience)
         .map_err(|reason| Trouble::failure("no thread for the solvers").because(reason))?;
     let mut agents = sources::crew_of(&mission.library)?;
     let mut bookkeeper = BookkeepingObserver::new(Arc::clone(&books));

@@ -1,7 +1,7 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
 use super::plan_question::{self, Benchmark, Question};
-use crate::mission::deliberator::{Deliberation, solve, translate};
+use crate::mission::deliberator::{Deliberation, Means, Wish, solve, translate};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
@@ -9,15 +9,19 @@ use crate::plan_output::{geojson, kml, qgc, table};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::Plan;
+use apex_model::time::Duration;
 use apex_model::value::Value;
+use apex_runtime::invocation::Invocations;
+use apex_solvers::Registry;
 use apex_solvers::formats;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
 
 /// Plans and prints.
-pub fn run(options: &PlanOptions) -> Outcome {
+pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
     let format = format_of(options, out);
     let height_m = options.height.as_deref().map(|text| parse_length_m(text, "--height")).transpose()?;
@@ -33,16 +37,16 @@ pub fn run(options: &PlanOptions) -> Outcome {
         return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
     }
     refuse(format, &question)?;
-    let Question { problem, budget, seed, .. } = &question;
-    let before_s = cpu_s();
-    let mut solved = solve(problem.clone(), options.solver.as_deref(), *budget, *seed)
+    let (solver, budget, seed) = (options.solver.as_deref(), question.budget, question.seed);
+    let means = Means::of(planners);
+    let wish = Wish { means: &means, solver, budget, seed, previous: None };
+    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
-    let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
     // In flight the quick bound must do; here somebody has asked how good the plan is.
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     let text = match format {
         PlanFormat::Table => table::write(&question.name, question.benchmark.as_ref(), &solved),
-        PlanFormat::Json => json(&question, &solved, cpu_s),
+        PlanFormat::Json => json(&question, &solved),
         PlanFormat::Pdl => pdl(&question, &solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
@@ -53,6 +57,26 @@ pub fn run(options: &PlanOptions) -> Outcome {
         })?,
     };
     output::put(out, &text)
+}
+
+/// Plans for a problem in JSON and answers in JSON.
+///
+/// # Errors
+/// The problem cannot be read or makes no sense, or there is no plan.
+pub fn answer(
+    problem: &str,
+    solver: Option<&str>,
+    budget: Duration,
+    seed: u64,
+    planners: &Arc<Registry>,
+) -> Outcome<String> {
+    let question = plan_question::of_text(problem, "the problem")?;
+    let means = Means::of(planners);
+    let wish = Wish { means: &means, solver, budget, seed, previous: None };
+    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new())
+        .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
+    apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
+    Ok(json(&question, &solved))
 }
 
 /// What is asked for; else what the file's name says; else a table.
@@ -95,13 +119,7 @@ fn refuse(format: PlanFormat, question: &Question) -> Outcome {
     }
 }
 
-/// Time that this thread has spent on a processor; none where the system does not tell.
-fn cpu_s() -> Option<f64> {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
-}
-
-fn json(question: &Question, solved: &Deliberation, cpu_s: Option<f64>) -> String {
+fn json(question: &Question, solved: &Deliberation) -> String {
     let benchmark = question.benchmark.as_ref();
     let tour = benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
     let (value, bound) = value_and_bound(&solved.plan, tour);
@@ -113,7 +131,7 @@ fn json(question: &Question, solved: &Deliberation, cpu_s: Option<f64>) -> Strin
         "value": value,
         "bound": bound,
         "work_units": solved.work,
-        "cpu_s": cpu_s,
+        "cpu_s": solved.cpu_s,
         "plan": solved.plan,
     });
     format!("{answer}\n")

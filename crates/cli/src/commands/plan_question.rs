@@ -132,20 +132,25 @@ fn nearest_cell(text: &str) -> Option<Cell> {
 }
 
 fn of_file(path: &Path) -> Outcome<Question> {
-    let text = read_text(path)?;
-    let problem: Problem = serde_json::from_str(&text).map_err(|error| {
-        let place = format!("{}:{}:{}", path.display(), error.line(), error.column());
+    let mut question = of_text(&read_text(path)?, &path.display().to_string())?;
+    question.name = path.file_stem().map_or(question.name, |name| name.to_string_lossy().into_owned());
+    Ok(question)
+}
+
+/// A problem in JSON; `place` says in messages where it stands.
+pub(super) fn of_text(text: &str, place: &str) -> Outcome<Question> {
+    let problem: Problem = serde_json::from_str(text).map_err(|error| {
+        let place = format!("{place}:{}:{}", error.line(), error.column());
         Trouble::user(format!("{place}: this is no planning problem"))
             .because(error)
             .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
     })?;
     validate(&problem).map_err(|reason| {
-        Trouble::user(format!("{}: the problem makes no sense", path.display()))
+        Trouble::user(format!("{place}: the problem makes no sense"))
             .because(reason)
             .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
     })?;
-    let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
-    Ok(Question::new(name, problem))
+    Ok(Question::new("problem".into(), problem))
 }
 
 /// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.

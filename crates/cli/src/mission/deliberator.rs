@@ -7,13 +7,16 @@ use apex_model::effect::SolveRequest;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
 use apex_model::problem::{Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
-use apex_model::solver::{Environment, WorkBudget, time_of, units_in};
+use apex_model::solver::{time_of, units_in};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use apex_runtime::invocation::{Invocations, Limits};
+use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::{Deliberator, SolverAnswer};
 use apex_runtime::record::TargetState;
+use apex_solvers::Registry;
 use std::sync::Arc;
 
 /// Deliberation time where neither the mission nor the request says one.
@@ -33,19 +36,25 @@ pub struct Deliberation {
     pub reason: String,
     /// Work units used.
     pub work: u64,
+    /// Processor seconds; none where the system does not tell.
+    pub cpu_s: Option<f64>,
 }
 
 /// Plans for one mission.
 pub struct MissionDeliberator {
     mission: Arc<Mission>,
     books: SharedBookkeeping,
+    means: Means,
+    invocations: Invocations,
+    /// The plan that is flown now, and when it was made.
+    flown: Option<(Plan, Time)>,
     made: u32,
 }
 
 impl MissionDeliberator {
     /// A deliberator that knows the mission and, through the books, what has been achieved.
-    pub fn new(mission: Arc<Mission>, books: SharedBookkeeping) -> MissionDeliberator {
-        MissionDeliberator { mission, books, made: 0 }
+    pub fn new(mission: Arc<Mission>, books: SharedBookkeeping, means: Means) -> MissionDeliberator {
+        MissionDeliberator { mission, books, means, invocations: Invocations::new(), flown: None, made: 0 }
     }
 }
 
@@ -57,7 +66,12 @@ impl Deliberator for MissionDeliberator {
             let books = lock(&self.books);
             pose(&self.mission, &books, at)
         }
-        .and_then(|problem| solve(problem, wanted.as_deref(), budget, self.mission.settings.seed));
+        .and_then(|problem| {
+            let previous = self.flown.clone().map(|(plan, made)| ahead(plan, at - made));
+            let (solver, seed) = (wanted.as_deref(), self.mission.settings.seed);
+            let wish = Wish { means: &self.means, solver, budget, seed, previous };
+            solve(problem, wish, &mut self.invocations)
+        });
         match solved {
             Err(NoPlan::NothingLeft(reason)) if lock(&self.books).observed().next().is_some() => {
                 self.made += 1;
@@ -67,6 +81,7 @@ impl Deliberator for MissionDeliberator {
             Ok(solved) => {
                 self.made += 1;
                 self.tell_targets(&solved.plan, at);
+                self.flown = Some((solved.plan.clone(), at));
                 let charged = time_of(solved.work);
                 let result = translate(&solved, &request.goal, self.made, &self.mission);
                 SolverAnswer { result: Ok(result), charged: charged.min(budget) }
@@ -100,39 +115,103 @@ impl MissionDeliberator {
     }
 }
 
-/// Chooses a solver (or takes the wanted one), runs it within `budget` and checks its plan.
+/// What is left of a plan `elapsed` after it was made. Problems of surveillance begin at their own now, the others at the mission's.
+fn ahead(plan: Plan, elapsed: Duration) -> Plan {
+    match plan {
+        Plan::SingleVisit(plan) => Plan::SingleVisit(plan),
+        Plan::Surveillance(mut plan) => {
+            plan.visits.retain(|visit| visit.end_s > elapsed.seconds());
+            Plan::Surveillance(plan)
+        }
+    }
+}
+
+/// Who may plan, and what they may take of the machine.
+#[derive(Clone)]
+pub struct Means {
+    /// The planners that there are.
+    pub planners: Arc<Registry>,
+    /// Wall time until a solver is given up.
+    pub patience: std::time::Duration,
+    /// Bytes by which the program may grow while a solver works.
+    pub memory_bytes: u64,
+}
+
+impl Means {
+    /// These planners, with the limits where nobody sets others.
+    pub fn of(planners: &Arc<Registry>) -> Means {
+        Means { planners: Arc::clone(planners), patience: SOLVER_PATIENCE, memory_bytes: SOLVER_MEMORY_BYTES }
+    }
+}
+
+/// How a problem shall be solved.
+pub struct Wish<'a> {
+    /// By whom, and by what means.
+    pub means: &'a Means,
+    /// One of them; none lets the profile table choose.
+    pub solver: Option<&'a str>,
+    /// How long it may take.
+    pub budget: Duration,
+    /// Seed of its chance.
+    pub seed: u64,
+    /// The plan that is flown now.
+    pub previous: Option<Plan>,
+}
+
+/// Chooses a solver (or takes the wanted one), runs it contained and within its budget, and checks its plan.
 ///
 /// # Errors
 /// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
-pub fn solve(problem: Problem, wanted: Option<&str>, budget: Duration, seed: u64) -> Result<Deliberation, NoPlan> {
-    let allowed = units_in(budget);
-    let selection = apex_solvers::table::select_within(&problem, allowed);
-    let (name, reason) = match wanted {
+pub fn solve(problem: Problem, wish: Wish<'_>, invocations: &mut Invocations) -> Result<Deliberation, NoPlan> {
+    let units = units_in(wish.budget);
+    let selection = apex_solvers::table::select_within(&problem, units);
+    let (name, mut reason) = match wish.solver {
         Some(name) => (name.to_string(), "asked for by name".to_string()),
         None => (selection.solver, selection.reason),
     };
-    let solvers = apex_solvers::solvers();
-    let Some(solver) = solvers.iter().find(|solver| solver.name() == name) else {
-        let names: Vec<&str> = solvers.iter().map(|solver| solver.name()).collect();
+    let Some(solver) = wish.means.planners.find(&name) else {
+        let names: Vec<&str> = wish.means.planners.iter().map(|solver| solver.name()).collect();
         return Err(NoPlan::Fault(format!("there is no solver `{name}`; known are {}", names.join(", "))));
     };
     if !solver.serves(&problem) {
         return Err(NoPlan::Fault(format!("the solver `{name}` does not plan for this kind of problem")));
     }
-    let mut work = WorkBudget::new(allowed);
-    let mut report = |_: &Plan| {};
-    let mut environment = Environment { seed, budget: &mut work, report: &mut report };
     validate(&problem).map_err(NoPlan::Fault)?;
-    let mut plan = solver.solve(&problem, &mut environment).map_err(NoPlan::NothingLeft)?;
-    let violations = apex_solvers::checker::violations(&problem, &plan);
-    if let Some(first) = violations.first() {
-        return Err(NoPlan::Fault(format!(
-            "the plan of `{name}` breaks {} rules and is not used; the first: {first}",
-            violations.len()
-        )));
+    let problem = Arc::new(problem);
+    let limits = Limits { units, patience: wish.means.patience, memory_bytes: wish.means.memory_bytes };
+    let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits);
+    // Who misbehaves and has no plan does not say that nothing is left.
+    let misconduct = answer.misconduct;
+    let no_plan = |why| if misconduct.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
+    let mut plan = answer.plan.map_err(no_plan)?;
+    usable(&name, &problem, &plan).map_err(NoPlan::Fault)?;
+    if let Some(misconduct) = misconduct {
+        reason = format!("{reason}; {misconduct}, and its best plan until then is used");
     }
     apex_solvers::bound::state(&problem, &mut plan);
-    Ok(Deliberation { problem, plan, reason, work: work.used })
+    let problem = Arc::unwrap_or_clone(problem);
+    Ok(Deliberation { problem, plan, reason, work: answer.used.min(units), cpu_s: answer.cpu_s })
+}
+
+/// Visits of a plan that are looked at: more than any mission has room for. Without a limit, checking nonsense could take as long
+/// as whoever made it likes.
+const PLAN_VISITS_MAX: usize = 100_000;
+
+/// The checker's word.
+fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
+    let visits = plan.targets().len();
+    if visits > PLAN_VISITS_MAX {
+        return Err(format!("the plan of `{name}` has {visits} visits, more than {PLAN_VISITS_MAX}, and is not used"));
+    }
+    let violations = apex_solvers::checker::violations(problem, plan);
+    match violations.first() {
+        None => Ok(()),
+        Some(first) => Err(format!(
+            "the plan of `{name}` breaks {} rule{} and is not used; the first: it {first}",
+            violations.len(),
+            if violations.len() == 1 { "" } else { "s" }
+        )),
+    }
 }
 
 /// A problem that makes no sense is a fault, not a mission with nothing left to visit.
@@ -253,10 +332,12 @@ mod tests {
 
     #[test]
     fn a_fault_of_planning_does_not_pass_for_a_mission_with_nothing_left() {
-        let budget = Duration::from_seconds(1.0);
-        let senseless = || Problem::SingleVisit(SingleVisitProblem::default());
-        assert!(matches!(solve(senseless(), Some("no-such-solver"), budget, 1), Err(NoPlan::Fault(_))));
-        assert!(matches!(solve(senseless(), Some("two-opt"), budget, 1), Err(NoPlan::Fault(_))));
-        assert!(matches!(solve(senseless(), Some("single-visit"), budget, 1), Err(NoPlan::Fault(_))));
+        let means = Means::of(&Arc::new(Registry::shipped()));
+        for solver in ["no-such-solver", "two-opt", "single-visit"] {
+            let problem = Problem::SingleVisit(SingleVisitProblem::default());
+            let budget = Duration::from_seconds(1.0);
+            let wish = Wish { means: &means, solver: Some(solver), budget, seed: 1, previous: None };
+            assert!(matches!(solve(problem, wish, &mut Invocations::new()), Err(NoPlan::Fault(_))), "{solver}");
+        }
     }
 }

@@ -53,7 +53,7 @@ impl Solver for Anytime {
         let mut tell = |word: &[usize]| {
             report(&Plan::Surveillance(scenario.plan("anytime", word.iter().copied())));
         };
-        let start = first_word(&scenario, environment.budget);
+        let start = first_word(&scenario, environment.previous, environment.budget);
         tell(&start);
         let word = search(&scenario, start, environment.seed, &mut *environment.budget, &mut tell);
         Ok(Plan::Surveillance(scenario.plan(self.name(), word)))
@@ -78,15 +78,29 @@ impl Budget for Share<'_> {
     }
 }
 
-/// The better of the best cycle and WAM's word after a quick look at both.
-fn first_word(scenario: &Scenario<'_>, budget: &mut dyn Budget) -> Vec<usize> {
+/// The best of the plan before, the best cycle and WAM's word after a quick look at both.
+fn first_word(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
     let until = budget.used().saturating_add(SEED_UNITS);
     let cycle = two_opt::best_cycle(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
     let cycle = scenario.flown(cycle.iter().copied().cycle());
     let until = budget.used().saturating_add(SEED_UNITS);
     let word = wam::best_word(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
     let cost = |word: &[usize], budget: &mut dyn Budget| scenario.cost(word.iter().copied(), budget);
-    if cost(&cycle, budget) <= cost(&word, budget) { cycle } else { word }
+    let quick = if cost(&cycle, budget) <= cost(&word, budget) { cycle } else { word };
+    match previous.and_then(|plan| word_of(scenario, plan)) {
+        Some(before) if cost(&before, budget) < cost(&quick, budget) => before,
+        _ => quick,
+    }
+}
+
+/// The visits of a plan as far as its targets are still there and time reaches.
+fn word_of(scenario: &Scenario<'_>, plan: &Plan) -> Option<Vec<usize>> {
+    let Plan::Surveillance(plan) = plan else { return None };
+    let targets = &scenario.problem().targets;
+    let index = |name: &str| targets.iter().position(|target| target.name == name);
+    let usable = |index: &usize| scenario.usable().contains(index);
+    let word = plan.visits.iter().filter_map(|visit| index(&visit.target)).filter(usable);
+    Some(scenario.flown(word)).filter(|word| !word.is_empty())
 }
 
 /// Rounds of cooling until the budget ends or nothing more is gained; returns the best word.
@@ -123,9 +137,38 @@ mod tests {
     use apex_model::problem::SurveillanceProblem;
     use apex_model::solver::WorkBudget;
 
+    #[test]
+    fn the_plan_before_is_where_it_begins() {
+        let problem = Problem::Surveillance(examples::random(12, 4));
+        let plan = |units, previous: Option<&Plan>| {
+            let mut budget = WorkBudget::new(units);
+            let mut environment = Environment { seed: 3, budget: &mut budget, report: &mut |_| {}, previous };
+            match Anytime.solve(&problem, &mut environment).unwrap() {
+                Plan::Surveillance(plan) => plan,
+                Plan::SingleVisit(_) => panic!("of another kind"),
+            }
+        };
+        let (quick, long) = (plan(1, None), plan(3_000_000, None));
+        assert!(long.expected_cost < quick.expected_cost);
+        let long = Plan::Surveillance(long);
+        let again = plan(1, Some(&long));
+        assert_eq!(
+            again.visits,
+            match &long {
+                Plan::Surveillance(long) => long.visits.clone(),
+                Plan::SingleVisit(_) => Vec::new(),
+            }
+        );
+        let mut other = long.clone();
+        if let Plan::Surveillance(other) = &mut other {
+            other.visits[0].target = "gone".into();
+        }
+        assert!(plan(1, Some(&other)).expected_cost < quick.expected_cost, "a target that is gone is left out");
+    }
+
     fn cost(solver: &dyn Solver, problem: &SurveillanceProblem, units: u64) -> f64 {
         let mut budget = WorkBudget::new(units);
-        let mut environment = Environment { seed: 5, budget: &mut budget, report: &mut |_| {} };
+        let mut environment = Environment { seed: 5, budget: &mut budget, report: &mut |_| {}, previous: None };
         match solver.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap() {
             Plan::Surveillance(plan) => plan.expected_cost,
             Plan::SingleVisit(_) => panic!("a surveillance problem has a surveillance plan"),
@@ -167,7 +210,9 @@ mod tests {
             }
         };
         let mut budget = WorkBudget::new(300_000);
-        Anytime.solve(&problem, &mut Environment { seed: 1, budget: &mut budget, report: &mut report }).unwrap();
+        Anytime
+            .solve(&problem, &mut Environment { seed: 1, budget: &mut budget, report: &mut report, previous: None })
+            .unwrap();
         assert!(costs.len() > 1 && costs.windows(2).all(|pair| pair[1] < pair[0]), "{costs:?}");
     }
 }

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 fn solve(solver: &dyn Solver, problem: &Problem, seed: u64, units: u64) -> Result<Plan, String> {
     let mut budget = WorkBudget::new(units);
-    solver.solve(problem, &mut Environment { seed, budget: &mut budget, report: &mut |_| {} })
+    solver.solve(problem, &mut Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None })
 }
 
 fn surveillance() -> (Problem, SurveillancePlan) {

@@ -35,7 +35,8 @@ pub fn mission(cell: &Cell, number: u64, solver: &dyn Solver, budgets: &[u64]) -
 /// The expected cost of the plan of `solver`, and the work it took.
 pub(super) fn cost(problem: &Problem, seed: u64, solver: &dyn Solver, units: u64) -> Result<(f64, u64), String> {
     let mut budget = WorkBudget::new(units);
-    let plan = solver.solve(problem, &mut Environment { seed, budget: &mut budget, report: &mut |_| {} })?;
+    let plan =
+        solver.solve(problem, &mut Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None })?;
     checker::accept(problem, &plan)?;
     match plan {
         Plan::Surveillance(plan) if plan.expected_cost > 0.0 => Ok((plan.expected_cost, budget.used())),

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 fn solve(problem: &SingleVisitProblem, legs: u64) -> Result<SingleVisitPlan, String> {
     let mut budget = WorkBudget::new(legs * schedule::UNITS_PER_LEG);
-    let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut |_| {} };
+    let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut |_| {}, previous: None };
     match SingleVisit.solve(&Problem::SingleVisit(problem.clone()), &mut environment)? {
         Plan::SingleVisit(plan) => Ok(plan),
         Plan::Surveillance(_) => panic!("a single-visit problem has a single-visit plan"),

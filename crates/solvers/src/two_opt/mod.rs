@@ -77,7 +77,7 @@ mod tests {
 
     fn solve(solver: &dyn Solver, problem: &SurveillanceProblem, units: u64) -> apex_model::problem::SurveillancePlan {
         let mut budget = WorkBudget::new(units);
-        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {} };
+        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
         match solver.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap() {
             Plan::Surveillance(plan) => plan,
             Plan::SingleVisit(_) => panic!("a surveillance problem has a surveillance plan"),

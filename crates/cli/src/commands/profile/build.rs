@@ -7,6 +7,7 @@ use crate::output;
 use crate::replacing;
 use crate::trouble::{Outcome, Trouble};
 use apex_model::solver::Solver;
+use apex_solvers::Registry;
 use apex_solvers::profile::{MISSIONS_MAX, Planner, Profile, conclusion, measure};
 use apex_solvers::test_missions::Cell;
 use std::path::Path;
@@ -15,14 +16,14 @@ use std::path::Path;
 const BUDGETS_MAX: usize = 32;
 
 /// Measures all planners anew.
-pub(super) fn build(options: &ProfileBuildOptions) -> Outcome {
+pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> Outcome {
     let cells = cells(&options.cells)?;
     let budgets = rising(&options.budgets)?;
     if options.missions == 0 || options.missions > MISSIONS_MAX {
         return Err(Trouble::user(format!("{} missions of each cell cannot be measured", options.missions))
             .help(format!("write a number from 1 to {MISSIONS_MAX}; 50 is what the published table has")));
     }
-    let planners = planners(&options.planners)?;
+    let planners = planners(&options.planners, registry)?;
     let before = refuse_other(&options.profile)?;
     let mut profile = Profile::empty(&cells, options.missions, &budgets);
     for planner in &planners {
@@ -33,10 +34,10 @@ pub(super) fn build(options: &ProfileBuildOptions) -> Outcome {
 }
 
 /// Measures some planners of a profile.
-pub(super) fn update(options: &ProfileUpdateOptions) -> Outcome {
+pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Outcome {
     let mut profile = read(Some(&options.profile))?;
     let before = profile.to_string();
-    let planners = planners(&options.planners)?;
+    let planners = planners(&options.planners, registry)?;
     if let Some(why) = profile.outdated() {
         return Err(Trouble::user(format!("{} cannot be updated", options.profile.display()))
             .because(why)

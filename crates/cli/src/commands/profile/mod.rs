@@ -12,21 +12,23 @@ use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::problem::Problem;
 use apex_model::solver::{Solver, units_in};
 use apex_model::time::{Duration, Time};
+use apex_solvers::Registry;
 use apex_solvers::features::Space;
 use apex_solvers::profile::{Profile, SHIPPED, budget_words};
 use apex_solvers::test_missions::{Cell, Scale, Spread};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Longest time for deliberation that is measured: a day.
 const BUDGET_MAX: Duration = Duration(86_400_000_000_000);
 
 /// Runs one of its commands.
-pub fn run(command: &ProfileCommand) -> Outcome {
+pub fn run(command: &ProfileCommand, registry: &Registry) -> Outcome {
     match command {
-        ProfileCommand::Build(options) => build::build(options),
-        ProfileCommand::Update(options) => build::update(options),
+        ProfileCommand::Build(options) => build::build(options, registry),
+        ProfileCommand::Update(options) => build::update(options, registry),
         ProfileCommand::Show(options) => show::run(options),
-        ProfileCommand::Compare(options) if options.regret => regret::run(options),
+        ProfileCommand::Compare(options) if options.regret => regret::run(options, registry),
         ProfileCommand::Compare(options) => compare::run(options),
     }
 }
@@ -46,18 +48,18 @@ fn read(path: Option<&Path>) -> Outcome<Profile> {
 }
 
 /// The planners of these names, each once.
-fn planners(names: &[String]) -> Outcome<Vec<Box<dyn Solver>>> {
+fn planners(names: &[String], registry: &Registry) -> Outcome<Vec<Arc<dyn Solver>>> {
     let any = Cell { scale: Scale::Small, rate: Spread::Fixed, cost: Spread::Fixed, count: 4, space: Space::Uniform };
     let problem = Problem::Surveillance(any.mission(0));
-    let serving = || apex_solvers::solvers().into_iter().filter(|solver| solver.serves(&problem));
-    let mut found: Vec<Box<dyn Solver>> = Vec::with_capacity(names.len());
+    let serving = registry.serving(&problem);
+    let mut found: Vec<Arc<dyn Solver>> = Vec::with_capacity(names.len());
     for name in names {
         if found.iter().any(|known| known.name() == name) {
             return Err(Trouble::user(format!("the planner {name} is named twice")).help("name each planner once"));
         }
-        let solver = serving().find(|solver| solver.name() == name);
+        let solver = serving.iter().find(|solver| solver.name() == name).cloned();
         found.push(solver.ok_or_else(|| {
-            let known: Vec<&str> = serving().map(|solver| solver.name()).collect();
+            let known: Vec<&str> = serving.iter().map(|solver| solver.name()).collect();
             Trouble::user(format!("there is no planner of surveillance `{name}`"))
                 .help(format!("known are {}", known.join(", ")))
         })?);

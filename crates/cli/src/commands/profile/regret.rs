@@ -6,6 +6,7 @@ use crate::options::ProfileCompareOptions;
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
 use apex_model::solver::Solver;
+use apex_solvers::Registry;
 use apex_solvers::profile::regret::{self, Outcome as Mission};
 use apex_solvers::profile::{MISSIONS_MAX, budget_words};
 use apex_solvers::test_missions::Cell;
@@ -13,7 +14,7 @@ use apex_solvers::validate::TARGETS_MAX;
 use std::fmt::Write;
 
 /// Measures and prints, by budget and count.
-pub(super) fn run(options: &ProfileCompareOptions) -> Outcome {
+pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> Outcome {
     let profile = read(None)?;
     if options.missions == 0 || options.missions > MISSIONS_MAX {
         return Err(Trouble::user(format!("{} missions of each cell cannot be measured", options.missions))
@@ -28,7 +29,7 @@ pub(super) fn run(options: &ProfileCompareOptions) -> Outcome {
         wanted => wanted.iter().map(|text| units(text, "--budgets")).collect::<Outcome<Vec<u64>>>()?,
     };
     let names: Vec<String> = profile.planners.iter().map(|planner| planner.name.clone()).collect();
-    let solvers = planners(&names)?;
+    let solvers = planners(&names, registry)?;
     let solvers: Vec<&dyn Solver> = solvers.iter().map(AsRef::as_ref).collect();
     for budget in budgets {
         for count in &options.counts {

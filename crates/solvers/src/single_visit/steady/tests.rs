@@ -86,7 +86,7 @@ proptest! {
 
 fn solved(problem: &SingleVisitProblem, units: u64, seed: u64) -> SingleVisitPlan {
     let mut budget = WorkBudget::new(units);
-    let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {} };
+    let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
     let problem = Problem::SingleVisit(problem.clone());
     let plan = super::super::SingleVisit.solve(&problem, &mut environment).unwrap();
     assert_eq!(crate::checker::violations(&problem, &plan), Vec::<String>::new());
@@ -166,7 +166,7 @@ fn a_plan_is_mended_after_a_change_and_told_before_it_is_improved() {
     let mut told = Vec::new();
     let mut budget = WorkBudget::new(20_000);
     let mut report = |plan: &Plan| told.push(plan.clone());
-    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report };
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report, previous: None };
     let after = super::super::Replan { previous: before.clone() }.solve(&asked, &mut environment).unwrap();
     for plan in [&told[0], &after] {
         assert_eq!(crate::checker::violations(&asked, plan), Vec::<String>::new());

@@ -1,0 +1,57 @@
+//! A planner of a third party in a program of its own: the whole `apex` command, with one planner more.
+
+use apex_cli::Registry;
+use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{Environment, Solver};
+use apex_solvers::random::Generator;
+use apex_solvers::surveillance::scenario::Scenario;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Flies a round through all targets, and exchanges two of them as long as that costs less.
+struct Swaps;
+
+impl Solver for Swaps {
+    fn name(&self) -> &str {
+        "swaps"
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::Surveillance(_))
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let Problem::Surveillance(problem) = problem else {
+            return Err("swaps plans surveillance only.".to_string());
+        };
+        let scenario = Scenario::new(problem)?;
+        let mut dice = Generator::new(environment.seed);
+        let mut best = scenario.usable().to_vec();
+        let mut least = f64::INFINITY;
+        let mut tried = best.clone();
+        loop {
+            // Pricing a round charges the budget.
+            let cost = scenario.cycle_cost(&tried, environment.budget);
+            if cost < least {
+                (best, least) = (tried, cost);
+                (environment.report)(&Plan::Surveillance(scenario.cycle_plan(self.name(), &best)));
+            }
+            if environment.budget.exhausted() || best.len() < 2 {
+                return Ok(Plan::Surveillance(scenario.cycle_plan(self.name(), &best)));
+            }
+            tried = best.clone();
+            tried.swap(dice.below(best.len()), dice.below(best.len()));
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let mut planners = Registry::shipped();
+    match planners.add(Arc::new(Swaps)) {
+        Ok(()) => apex_cli::main(std::env::args_os(), planners),
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The `apex` command as a library: a program of a third party is the whole command with planners of its own.
+//!
+//! ```no_run
+//! let planners = apex_cli::Registry::shipped();
+//! // planners.add(Arc::new(MyPlanner))?;
+//! apex_cli::main(std::env::args_os(), planners);
+//! ```
+
+#![expect(unreachable_pub, reason = "but for `main` it has no public face; `pub` says that another module uses it")]
+
+mod commands;
+mod console;
+mod mission;
+mod monitor;
+mod options;
+mod output;
+mod outside;
+mod plan_output;
+mod recording;
+mod replacing;
+mod sources;
+mod telling;
+mod trouble;
+
+pub use apex_solvers::Registry;
+
+use apex_model::time::Duration;
+use clap::Parser;
+use options::{Command, Options};
+use std::ffi::OsString;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Runs the command with these arguments (the program's name first) and planners. Like every command it prints what it has to
+/// say; what `clap` answers by itself, as for `--help`, ends the process.
+pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> ExitCode {
+    run(Options::parse_from(arguments), &Arc::new(planners))
+}
+
+/// As [`main`], but nothing ends the process.
+///
+/// # Errors
+/// What is wrong with the arguments, as `clap` words it; also the text of `--help`.
+pub fn try_main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> Result<ExitCode, String> {
+    let options = Options::try_parse_from(arguments).map_err(|told| told.to_string())?;
+    Ok(run(options, &Arc::new(planners)))
+}
+
+/// Plans for a problem in JSON (`docs/reference/planning-problems.md`) and answers in JSON, as `apex plan FILE.json --json` does.
+///
+/// # Errors
+/// What is wrong with the problem, or why there is no plan; as the command says it.
+pub fn plan(
+    problem: &str,
+    solver: Option<&str>,
+    budget: Duration,
+    seed: u64,
+    planners: &Arc<Registry>,
+) -> Result<String, String> {
+    commands::plan::answer(problem, solver, budget, seed, planners).map_err(|trouble| trouble.to_string())
+}
+
+fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
+    let outcome = match options.command {
+        Command::Check(options) => commands::check::run(&options),
+        Command::Explain(options) => commands::explain::run(&options),
+        Command::Fmt(options) => commands::format::run(&options),
+        Command::Run(options) => commands::run::run(&options),
+        Command::Fly(options) => commands::fly::run(&options, planners),
+        Command::Replay(options) => commands::replay::run(&options),
+        Command::Why(options) => commands::why::run(&options),
+        Command::WhyNot(options) => commands::why_not::run(&options),
+        Command::Trace(options) => commands::trace::run(&options),
+        Command::Monitor(options) => commands::monitor::run(&options),
+        Command::Export(options) => commands::export::run(&options),
+        Command::Plan(options) => commands::plan::run(&options, planners),
+        Command::Profile(command) => commands::profile::run(&command, planners),
+        Command::Serve(options) => commands::serve::run(&options),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(trouble) => {
+            if !trouble.message.is_empty() {
+                output::complain(&trouble);
+            }
+            trouble.exit_code()
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Planners of third parties, good and bad, in flight: what the good one plans is flown; what bad ones do is named in the record,
+//! and the flight goes on.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
+mod common;
+
+use apex_cli::Registry;
+use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceVisit};
+use apex_model::solver::{Environment, Solver};
+use common::{Desk, mission};
+use std::process::Command;
+use std::sync::Arc;
+
+const EXAMPLE: &str = include_str!("../examples/swaps.rs");
+const FORM: &str = "(solver auto (index (patrol the structures)) :budget 5s)";
+
+#[test]
+fn the_example_is_short_and_on_the_page() {
+    assert!(EXAMPLE.lines().count() < 60, "{}", EXAMPLE.lines().count());
+    let guide = include_str!("../../../docs/guides/adding-a-solver.md");
+    assert!(guide.contains(&format!("```rust\n{EXAMPLE}```\n")), "the guide shows other code than examples/swaps.rs");
+}
+
+#[test]
+fn the_example_plans_flies_and_is_measured() {
+    let program = std::path::Path::new(env!("CARGO_BIN_EXE_apex")).with_file_name("examples").join("swaps");
+    assert!(program.is_file(), "examples are built by `cargo test -p apex-cli` without --test");
+    let desk = Desk::with_mission("structure-watch");
+    desk.change("m/mission.pdl", FORM, "(solver swaps (index (patrol the structures)) :budget 20ms)");
+    let run = |arguments: &[&str]| {
+        let output = Command::new(&program).args(arguments).current_dir(desk.path(".")).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+        text
+    };
+    let table = run(&["plan", &mission("structure-watch"), "--solver", "swaps", "--budget", "50ms"]);
+    assert!(table.contains("planned by swaps") && table.contains("no plan can cost less"), "{table}");
+    run(&["fly", "m", "--record", "flown.apex", "--no-progress"]);
+    desk.apex(&["trace", "flown.apex", "--type", "plan"]).well().told(&["because swaps answered request 0"]);
+    desk.apex(&["replay", "flown.apex"]).well();
+    let cell = "small-fixed-fixed-4-uniform";
+    run(&[
+        "profile",
+        "build",
+        "mine.txt",
+        "--cells",
+        cell,
+        "--missions",
+        "3",
+        "--budgets",
+        "1ms",
+        "--planners",
+        "swaps,two-opt",
+        "--no-progress",
+    ]);
+    assert!(desk.read("mine.txt").contains("swaps"));
+    desk.apex(&["plan", cell, "--solver", "swaps"]).complained(2, &["no solver `swaps`", "two-opt"]);
+}
+
+/// A planner that misbehaves in the way of its name.
+struct Bad(&'static str);
+
+impl Solver for Bad {
+    fn name(&self) -> &str {
+        self.0
+    }
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::Surveillance(_))
+    }
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let Problem::Surveillance(problem) = problem else { return Err("surveillance only".into()) };
+        let visit = |target: &str, end_s| SurveillanceVisit { target: target.into(), arrive_s: end_s - 1.0, end_s };
+        let target = problem.targets[0].name.as_str();
+        let mut hoard: Vec<Vec<u8>> = Vec::new();
+        let visits = match self.0 {
+            "panics" => panic!("no idea left"),
+            "loops" => loop {
+                environment.budget.charge(1);
+            },
+            "hangs" => loop {
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            },
+            "hoards" => loop {
+                hoard.push(vec![7; 1 << 20]);
+                environment.budget.charge(1);
+                assert!(hoard.len() < 2_000, "nobody stopped it");
+                std::thread::sleep(std::time::Duration::from_micros(100));
+            },
+            "lies" => vec![visit(target, 2.0)],
+            "dreams" => vec![visit("atlantis", 1e9)],
+            "numbs" => vec![visit(target, f64::NAN)],
+            "floods" => vec![visit(target, 100.0); 200_000],
+            _ => Vec::new(),
+        };
+        Ok(Plan::Surveillance(SurveillancePlan {
+            solver: self.0.into(),
+            cycle: Vec::new(),
+            visits,
+            return_s: None,
+            expected_cost: if self.0 == "boasts" { -1.0 } else { 1.0 },
+            expected_cost_bound: None,
+            left_out: Vec::new(),
+            summary: "a wonderful plan".into(),
+        }))
+    }
+}
+
+#[test]
+fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
+    for (name, named) in [
+        ("panics", "the solver panics broke down: no idea left"),
+        ("loops", "the solver loops went on after its 1000 units of work"),
+        ("hangs", "the solver hangs gave no answer within 0.2 s and was given up"),
+        ("hoards", "the solver hoards took more than 64 MiB of memory"),
+        ("lies", "before it can be there"),
+        ("dreams", "visits atlantis, which is no target"),
+        ("numbs", "the plan of `numbs` breaks"),
+        ("floods", "200000 visits, more than 100000"),
+        ("boasts", "claims an expected cost of -1"),
+    ] {
+        let desk = Desk::with_mission("structure-watch");
+        desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
+        // Without a plan this mission fails; here it goes on.
+        let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
+        desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
+        let mut planners = Registry::shipped();
+        planners.add(Arc::new(Bad(name))).unwrap();
+        let (folder, record) = (desk.path("m").display().to_string(), desk.path("r.apex").display().to_string());
+        let arguments = ["apex", "fly", &folder, "--record", &record, "--no-progress", "--until", "5min"];
+        // Only who hangs needs an end of patience: a slow machine must not give up the others.
+        let patience = if name == "hangs" { "0.2s" } else { "60s" };
+        let more = ["--solver-patience", patience, "--solver-memory", if name == "hoards" { "64" } else { "100000" }];
+        let code = apex_cli::try_main(arguments.iter().chain(&more).map(Into::into), planners).unwrap();
+        assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS), "{name}");
+        let trace = desk.apex(&["trace", "r.apex"]).well();
+        assert!(trace.out.contains(named), "{name}: `{named}` is not in\n{}", trace.out);
+        // The executive goes on: it handles the failure, watches the radio, and flies until the time is up.
+        let late = desk.apex(&["trace", "r.apex", "--from", "4:50"]).well();
+        assert!(trace.out.contains("(without-a-plan)") && late.out.contains("signal-level"), "{name}\n{}", trace.out);
+        desk.apex(&["replay", "r.apex"]).well();
+    }
+}

@@ -1,0 +1,379 @@
+//! Invocation (deliberation): one solver at work on a thread of its own, watched and contained.
+//!
+//! While it works its best plan so far can be polled, it can be paused, cancelled, and set on another problem. Whatever it does,
+//! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
+//! in the answer, and the best plan reported before counts. Nothing of a plan is believed here: the checker looks at it next.
+//!
+//! Work is counted, so what is decided by count is the same in every run; patience and memory are the machine's, far off, and
+//! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
+
+use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES};
+use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{Budget, Environment, Solver};
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What a solver may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Work units.
+    pub units: u64,
+    /// Wall time until it is given up, pauses not counted.
+    pub patience: Duration,
+    /// Bytes by which the program may grow meanwhile.
+    pub memory_bytes: u64,
+}
+
+/// What came of an invocation.
+#[derive(Debug)]
+pub struct Answer {
+    /// The plan, unchecked, or the reason why there is none.
+    pub plan: Result<Plan, String>,
+    /// Work units used.
+    pub used: u64,
+    /// Processor seconds of the solver's thread; none where the system does not tell, or where it was left behind.
+    pub cpu_s: Option<f64>,
+    /// What the solver did that it must not do.
+    pub misconduct: Option<String>,
+}
+
+/// Why a solver has to stop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Stop {
+    Cancelled,
+    Overran(u64),
+    Patience(Duration),
+    Memory(u64),
+}
+
+impl Stop {
+    /// What it did; nothing where it was only told to stop.
+    fn words(&self) -> Option<String> {
+        match self {
+            Stop::Cancelled => None,
+            Stop::Overran(units) => Some(format!("went on after its {units} units of work")),
+            Stop::Patience(patience) => {
+                Some(format!("gave no answer within {} s and was given up", patience.as_secs_f64()))
+            }
+            Stop::Memory(bytes) => Some(format!("took more than {} MiB of memory", bytes >> 20)),
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct State {
+    paused: bool,
+    paused_for: Duration,
+    stop: Option<Stop>,
+    best: Option<Plan>,
+}
+
+/// What the solver's thread and its watcher share.
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+    /// Pause or stop: the solver must look.
+    attention: AtomicBool,
+    stopped: AtomicBool,
+    ended: AtomicBool,
+    used: AtomicU64,
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn stop(&self, why: Stop) {
+        self.state().stop.get_or_insert(why);
+        self.stopped.store(true, Ordering::Relaxed);
+        self.attention.store(true, Ordering::Relaxed);
+        self.changed.notify_all();
+    }
+
+    fn pause(&self, paused: bool) {
+        self.state().paused = paused;
+        self.attention.store(paused || self.stopped.load(Ordering::Relaxed), Ordering::Relaxed);
+        self.changed.notify_all();
+    }
+
+    /// Waits while paused.
+    fn wait(&self) {
+        let begun = Instant::now();
+        let mut state = self.state();
+        while state.paused && state.stop.is_none() {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        state.paused_for += begun.elapsed();
+    }
+}
+
+/// Thrown through a solver that does not stop; no panic, so nothing is printed.
+struct Thrown;
+
+struct WatchedBudget {
+    shared: Arc<Shared>,
+    allowed: u64,
+    used: u64,
+    overdue: u64,
+}
+
+impl WatchedBudget {
+    fn look(&mut self, units: u64) {
+        self.shared.wait();
+        if self.shared.stopped.load(Ordering::Relaxed) {
+            self.overdue = self.overdue.saturating_add(units.max(1));
+        }
+    }
+}
+
+impl Budget for WatchedBudget {
+    fn charge(&mut self, units: u64) {
+        self.used = self.used.saturating_add(units);
+        self.shared.used.store(self.used, Ordering::Relaxed);
+        if self.shared.attention.load(Ordering::Relaxed) {
+            self.look(units);
+        }
+        if self.used >= self.allowed.saturating_mul(2).saturating_add(SOLVER_OVERRUN_UNITS) {
+            self.shared.stop(Stop::Overran(self.allowed));
+            self.overdue = u64::MAX;
+        }
+        if self.overdue > SOLVER_OVERRUN_UNITS {
+            resume_unwind(Box::new(Thrown));
+        }
+    }
+    fn exhausted(&self) -> bool {
+        self.used >= self.allowed || self.shared.stopped.load(Ordering::Relaxed)
+    }
+    fn used(&self) -> u64 {
+        self.used
+    }
+    fn left(&self) -> Option<u64> {
+        Some(self.allowed.saturating_sub(self.used))
+    }
+}
+
+enum Ended {
+    Answered(Result<Plan, String>),
+    Thrown,
+    BrokeDown(String),
+    LeftBehind,
+}
+
+/// A solver at work.
+pub struct Invocation {
+    solver: Arc<dyn Solver>,
+    seed: u64,
+    limits: Limits,
+    shared: Arc<Shared>,
+    answers: Receiver<(Ended, Option<f64>)>,
+    begun: Instant,
+    grown_from: Option<u64>,
+}
+
+impl Invocation {
+    /// Sets `solver` to work on `problem`, from the plan `previous` if there is one.
+    ///
+    /// # Errors
+    /// A sentence when the system gives no thread.
+    pub fn begin(
+        solver: Arc<dyn Solver>,
+        problem: Arc<Problem>,
+        previous: Option<Plan>,
+        seed: u64,
+        limits: Limits,
+    ) -> Result<Invocation, String> {
+        let shared = Arc::new(Shared::default());
+        let (sender, answers) = channel();
+        let (worker, watched) = (Arc::clone(&solver), Arc::clone(&shared));
+        let work = move || {
+            let before_s = cpu_s();
+            let ended = solve(&*worker, &problem, previous.as_ref(), seed, limits.units, &watched);
+            let cpu_s = before_s.zip(cpu_s()).map(|(before_s, after_s)| after_s - before_s);
+            watched.ended.store(true, Ordering::Release);
+            // Nobody listens any more to one that was left behind.
+            let _ = sender.send((ended, cpu_s));
+        };
+        let builder = thread::Builder::new().name(format!("solver {}", solver.name())).stack_size(SOLVER_STACK_BYTES);
+        let grown_from = resident_bytes();
+        builder
+            .spawn(work)
+            .map_err(|error| format!("no thread could be started for the solver {}: {error}", solver.name()))?;
+        Ok(Invocation { solver, seed, limits, shared, answers, begun: Instant::now(), grown_from })
+    }
+
+    /// The best plan reported so far, unchecked.
+    pub fn best(&self) -> Option<Plan> {
+        self.shared.state().best.clone()
+    }
+
+    /// Work units used so far.
+    pub fn used(&self) -> u64 {
+        self.shared.used.load(Ordering::Relaxed)
+    }
+
+    /// Lets it wait at its next unit of work.
+    pub fn pause(&self) {
+        self.shared.pause(true);
+    }
+
+    /// Lets it go on.
+    pub fn resume(&self) {
+        self.shared.pause(false);
+    }
+
+    /// Tells it to stop with what it has; [`finish`](Invocation::finish) then has the answer.
+    pub fn cancel(&self) {
+        self.shared.stop(Stop::Cancelled);
+    }
+
+    /// Sets the same solver on another problem, from the best plan so far. The old work is cancelled.
+    ///
+    /// # Errors
+    /// As [`begin`](Invocation::begin).
+    pub fn redirect(self, problem: Arc<Problem>) -> Result<Invocation, String> {
+        self.cancel();
+        Invocation::begin(Arc::clone(&self.solver), problem, self.best(), self.seed, self.limits)
+    }
+
+    /// Waits for the answer, within patience.
+    pub fn finish(self) -> Answer {
+        let mut stopped_at: Option<Instant> = None;
+        let (ended, cpu_s) = loop {
+            match self.answers.recv_timeout(SOLVER_LOOK) {
+                Ok(ended) => break ended,
+                Err(RecvTimeoutError::Disconnected) => break (Ended::BrokeDown("its thread ended".into()), None),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.watch();
+            if self.shared.stopped.load(Ordering::Relaxed) {
+                let since = *stopped_at.get_or_insert_with(Instant::now);
+                if since.elapsed() > SOLVER_GRACE {
+                    break (Ended::LeftBehind, None);
+                }
+            }
+        };
+        self.answer(ended, cpu_s)
+    }
+
+    /// Stops what takes too long or too much.
+    fn watch(&self) {
+        let paused_for = self.shared.state().paused_for;
+        if self.begun.elapsed().saturating_sub(paused_for) > self.limits.patience {
+            self.shared.stop(Stop::Patience(self.limits.patience));
+        }
+        let grown = self.grown_from.zip(resident_bytes()).map(|(from, now)| now.saturating_sub(from));
+        if grown.is_some_and(|bytes| bytes > self.limits.memory_bytes) {
+            self.shared.stop(Stop::Memory(self.limits.memory_bytes));
+        }
+    }
+
+    fn answer(&self, ended: Ended, cpu_s: Option<f64>) -> Answer {
+        let name = self.solver.name();
+        let stop = self.shared.state().stop.as_ref().and_then(Stop::words);
+        let (plan, misconduct) = match ended {
+            Ended::Answered(plan) => (plan, stop),
+            Ended::Thrown => (Err("it was stopped".into()), stop),
+            Ended::BrokeDown(why) => (Err("it broke down".into()), Some(format!("broke down: {why}"))),
+            Ended::LeftBehind => (Err("it did not stop".into()), stop.or(Some("did not stop when told to".into()))),
+        };
+        let misconduct = misconduct.map(|what| format!("the solver {name} {what}"));
+        let plan = plan.or_else(|why| match self.best() {
+            Some(best) => Ok(best),
+            None => Err(misconduct.clone().unwrap_or(why)),
+        });
+        Answer { plan, used: self.used(), cpu_s, misconduct }
+    }
+}
+
+/// Runs the solver on this thread; what it throws ends here.
+fn solve(
+    solver: &dyn Solver,
+    problem: &Problem,
+    previous: Option<&Plan>,
+    seed: u64,
+    units: u64,
+    shared: &Arc<Shared>,
+) -> Ended {
+    let mut budget = WatchedBudget { shared: Arc::clone(shared), allowed: units, used: 0, overdue: 0 };
+    let mut report = |plan: &Plan| shared.state().best = Some(plan.clone());
+    let mut environment = Environment { seed, budget: &mut budget, report: &mut report, previous };
+    // What it leaves half-changed is dropped with it.
+    let outcome = catch_unwind(AssertUnwindSafe(|| solver.solve(problem, &mut environment)));
+    match outcome {
+        Ok(plan) => Ended::Answered(plan),
+        Err(payload) if payload.is::<Thrown>() => Ended::Thrown,
+        Err(payload) => Ended::BrokeDown(panic_text(&*payload)),
+    }
+}
+
+/// What a panic said.
+pub(crate) fn panic_text(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "it gave no message".into())
+}
+
+/// Bytes of memory that the program holds now; none where the system does not tell.
+fn resident_bytes() -> Option<u64> {
+    let told = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = told.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes << 10)
+}
+
+/// Time that this thread has spent on a processor; none where the system does not tell.
+fn cpu_s() -> Option<f64> {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    told.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+/// Sets solvers to work one after the other, and remembers those that never came back.
+#[derive(Debug, Default)]
+pub struct Invocations {
+    left_behind: BTreeMap<String, Arc<Shared>>,
+}
+
+impl Invocations {
+    /// Nobody was left behind yet.
+    pub fn new() -> Invocations {
+        Invocations::default()
+    }
+
+    /// Lets `solver` plan for `problem`, from the plan `previous` if there is one.
+    pub fn solve(
+        &mut self,
+        solver: &Arc<dyn Solver>,
+        problem: &Arc<Problem>,
+        previous: Option<Plan>,
+        seed: u64,
+        limits: Limits,
+    ) -> Answer {
+        let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, misconduct: None };
+        let name = solver.name();
+        self.left_behind.retain(|_, shared| !shared.ended.load(Ordering::Acquire));
+        if self.left_behind.contains_key(name) {
+            return refused(format!("the solver {name} still hangs at an earlier problem"));
+        }
+        match Invocation::begin(Arc::clone(solver), Arc::clone(problem), previous, seed, limits) {
+            Err(why) => refused(why),
+            Ok(invocation) => {
+                let shared = Arc::clone(&invocation.shared);
+                let answer = invocation.finish();
+                if !shared.ended.load(Ordering::Acquire) {
+                    self.left_behind.insert(name.to_string(), shared);
+                }
+                answer
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "invocation_tests.rs"]
+mod tests;

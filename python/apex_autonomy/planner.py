@@ -1,0 +1,154 @@
+"""Planners written in Python: planning functions and flights ask them like those that ship."""
+
+from __future__ import annotations
+
+import abc
+import ctypes
+import json
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from apex_autonomy._apex import Surroundings, command, plan_json
+
+__all__ = ["Environment", "Planner", "apex", "plan"]
+
+
+class PlannerStopped(BaseException):
+    """Thrown into a planner that did not stop when it should; no ``Exception``, so that it is not caught by habit."""
+
+
+class Environment:
+    """What a planner may use."""
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        self._surroundings = surroundings
+
+    @property
+    def seed(self) -> int:
+        """Seed of the planner's chance: equal seed and budget give an equal plan."""
+        return self._surroundings.seed
+
+    @property
+    def previous(self) -> dict[str, Any] | None:
+        """The plan that is flown now, or the best one before the problem changed: a place to begin."""
+        text = self._surroundings.previous_json
+        return None if text is None else json.loads(text)
+
+    @property
+    def exhausted(self) -> bool:
+        """True when the planner must return its best plan now."""
+        return self._surroundings.exhausted
+
+    @property
+    def used(self) -> int:
+        """Units charged so far."""
+        return self._surroundings.used
+
+    def charge(self, units: int) -> bool:
+        """Charge `units` of work, each for a microsecond of flight; false when the planner must return now.
+
+        It waits while the planner is paused.
+        """
+        return self._surroundings.charge(units)
+
+    def report(self, plan: Sequence[str] | dict[str, Any]) -> None:
+        """Tell a better plan than the one before; the last one counts if the planner has to be stopped."""
+        self._surroundings.report_json(json.dumps(plan))
+
+
+class Planner(abc.ABC):
+    """A planner of your own.
+
+    Attributes
+    ----------
+    name : str
+        Its name in ``(solver NAME ..)`` and ``--solver NAME``: lower-case letters, digits, hyphens.
+    kinds : sequence of str
+        The problems it plans for: ``"Surveillance"``, ``"SingleVisit"``.
+    """
+
+    name: str
+    kinds: Sequence[str] = ("Surveillance",)
+
+    @abc.abstractmethod
+    def plan(self, problem: dict[str, Any], environment: Environment) -> Sequence[str] | dict[str, Any]:
+        """Plan for `problem`, the contents of its one member (``docs/reference/planning-problems.md``).
+
+        Returns
+        -------
+        sequence of str, or dict
+            Of surveillance the names of the targets in the order of visits, as often as there is time: it is flown and
+            priced for you. Otherwise, and if you like, a plan as ``plan.schema.json`` describes it, with its kind.
+
+        Raises
+        ------
+        Exception
+            There is no plan; its text says why.
+        """
+
+
+def _interrupt(identity: int) -> None:
+    """Throw `PlannerStopped` into the thread with this identity, at its next step of Python."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(identity), ctypes.py_object(PlannerStopped))
+
+
+def _registered(planners: Iterable[Planner]) -> list[Any]:
+    def call(planner: Planner) -> Callable[[str, Surroundings], str]:
+        def planned(problem: str, surroundings: Surroundings) -> str:
+            [contents] = json.loads(problem).values()
+            return json.dumps(planner.plan(contents, Environment(surroundings)))
+
+        return planned
+
+    return [(planner.name, list(planner.kinds), call(planner), _interrupt) for planner in planners]
+
+
+def plan(
+    problem: dict[str, Any] | str, *, planner: Planner | str | None = None, budget_s: float = 1.0, seed: int = 1
+) -> dict[str, Any]:
+    """Plan for a problem, check the plan and prove a bound.
+
+    Parameters
+    ----------
+    problem : dict or str
+        A problem as ``docs/reference/planning-problems.md`` describes it, or its JSON text.
+    planner : Planner or str, optional
+        Yours, or the name of one that ships; left out, the profile table chooses.
+    budget_s : float
+        Time for deliberation, in the time of a flight.
+    seed : int
+        Seed of the planner's chance.
+
+    Returns
+    -------
+    dict
+        What ``apex plan --json`` prints: ``value``, ``bound``, ``plan`` and more.
+
+    Raises
+    ------
+    PlanningError
+        There is no plan, and why.
+    """
+    text = problem if isinstance(problem, str) else json.dumps(problem)
+    own = [planner] if isinstance(planner, Planner) else []
+    name = planner.name if isinstance(planner, Planner) else planner
+    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, seed, _registered(own)))
+    return answer
+
+
+def apex(*arguments: str, planners: Iterable[Planner] = ()) -> bool:
+    """Run the ``apex`` command in this process, with planners of your own beside those that ship.
+
+    Missions ask them by ``(solver NAME ..)``. It prints what the command prints.
+
+    Returns
+    -------
+    bool
+        True when the command went well.
+
+    Raises
+    ------
+    InputError
+        The arguments are not understood, or a planner's name is taken.
+    """
+    return command([str(argument) for argument in arguments], _registered(planners))

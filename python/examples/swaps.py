@@ -1,0 +1,43 @@
+"""A planner of your own in Python: it plans, and it flies."""
+
+import random
+import sys
+
+from apex_autonomy import Environment, Planner, apex
+
+
+class Swaps(Planner):
+    """Flies a round through all targets, and exchanges two of them as long as that costs less time."""
+
+    name = "py-swaps"
+
+    def plan(self, problem, environment: Environment) -> list[str]:
+        """Return the names of the targets in the order of visits."""
+        travel, targets = problem["travel"], problem["targets"]
+
+        def lap_s(order: list[int]) -> float:
+            legs = zip(order, [*order[1:], order[0]], strict=True)
+            return sum(travel["between_s"][one][other] + targets[other]["dwell_s"] for one, other in legs)
+
+        def flown(order: list[int]) -> list[str]:
+            laps = int(problem["horizon_s"] // max(lap_s(order), 1.0)) + 1
+            # What is beyond the horizon is cut off.
+            return [targets[index]["name"] for index in order] * laps
+
+        dice = random.Random(environment.seed)
+        best = list(range(len(targets)))
+        environment.report(flown(best))
+        # Ten microseconds for each leg that is priced.
+        while len(best) > 1 and environment.charge(10 * len(best)):
+            tried = best.copy()
+            one, other = dice.sample(range(len(best)), 2)
+            tried[one], tried[other] = tried[other], tried[one]
+            if lap_s(tried) < lap_s(best):
+                best = tried
+                environment.report(flown(best))
+        return flown(best)
+
+
+if __name__ == "__main__":
+    # For example: python swaps.py plan missions/structure-watch --solver py-swaps
+    sys.exit(0 if apex(*sys.argv[1:], planners=[Swaps()]) else 1)

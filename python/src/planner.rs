@@ -1,0 +1,239 @@
+//! Planners written in Python: their problem and plan cross the border as the JSON of `docs/reference/planning-problems.md`.
+//!
+//! A planner works on a thread of its own. What it asks of its environment is sent to the thread of the solver, which serves it
+//! under the limits of every solver; so a planner that does not stop is interrupted there.
+
+use crate::errors::{PlanningError, input};
+use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{Environment, Solver};
+use apex_solvers::Registry;
+use apex_solvers::surveillance::scenario::Scenario;
+use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How often a planner that asks nothing is looked at, and how long one may take to stop.
+const LOOK: Duration = Duration::from_millis(20);
+const GRACE: Duration = Duration::from_millis(500);
+
+/// What a planner asks; `Ended` is its last word.
+enum Asked {
+    Charge(u64),
+    Report(String),
+    Ended(Result<String, String>),
+}
+
+/// What it is told: work left, work used.
+#[derive(Clone, Copy)]
+struct Told {
+    exhausted: bool,
+    used: u64,
+}
+
+/// What a planner may use.
+#[pyclass(module = "apex_autonomy", frozen)]
+pub(crate) struct Surroundings {
+    seed: u64,
+    previous: Option<String>,
+    asks: Sender<Asked>,
+    answers: std::sync::Mutex<Receiver<Told>>,
+}
+
+impl Surroundings {
+    fn ask(&self, python: Python<'_>, asked: Asked) -> PyResult<Told> {
+        python.detach(|| {
+            let answers = self.answers.lock().map_err(|_| input("the planner has been stopped"))?;
+            self.asks.send(asked).map_err(|_| input("the planner has been stopped"))?;
+            answers.recv().map_err(|_| input("the planner has been stopped"))
+        })
+    }
+}
+
+#[pymethods]
+impl Surroundings {
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+    #[getter]
+    fn previous_json(&self) -> Option<&str> {
+        self.previous.as_deref()
+    }
+    fn charge(&self, python: Python<'_>, units: u64) -> PyResult<bool> {
+        self.ask(python, Asked::Charge(units)).map(|told| !told.exhausted)
+    }
+    #[getter]
+    fn exhausted(&self, python: Python<'_>) -> PyResult<bool> {
+        self.ask(python, Asked::Charge(0)).map(|told| told.exhausted)
+    }
+    #[getter]
+    fn used(&self, python: Python<'_>) -> PyResult<u64> {
+        self.ask(python, Asked::Charge(0)).map(|told| told.used)
+    }
+    fn report_json(&self, python: Python<'_>, plan: String) -> PyResult<()> {
+        self.ask(python, Asked::Report(plan)).map(|_| ())
+    }
+}
+
+/// A planner whose work is done by Python: `call(problem_json, surroundings) -> plan_json`, `serves(kind) -> bool`.
+struct PythonSolver {
+    name: String,
+    kinds: Vec<String>,
+    call: Arc<Py<PyAny>>,
+    interrupt: Arc<Py<PyAny>>,
+}
+
+impl Solver for PythonSolver {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        let kind = match problem {
+            Problem::Surveillance(_) => "Surveillance",
+            Problem::SingleVisit(_) => "SingleVisit",
+        };
+        self.kinds.iter().any(|served| served == kind)
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let json = |what: serde_json::Result<String>| what.map_err(|error| error.to_string());
+        let text = json(serde_json::to_string(problem))?;
+        let previous = environment.previous.map(|plan| json(serde_json::to_string(plan))).transpose()?;
+        let (asks, asked) = channel();
+        let (tell, answers) = channel();
+        let surroundings = Surroundings {
+            seed: environment.seed,
+            previous,
+            asks: asks.clone(),
+            answers: std::sync::Mutex::new(answers),
+        };
+        let call = Arc::clone(&self.call);
+        let (started, identity) = channel();
+        let work = move || {
+            let answer = Python::attach(|python| {
+                // Nobody listens any more to a planner that has been stopped.
+                let _ = started.send(thread_identity(python));
+                let answer = call.bind(python).call1((text, surroundings))?;
+                answer.extract::<String>()
+            });
+            let _ = asks.send(Asked::Ended(answer.map_err(|error| error.to_string())));
+        };
+        let builder = thread::Builder::new().name(format!("planner {}", self.name));
+        builder.spawn(work).map_err(|error| format!("no thread could be started for the planner: {error}"))?;
+        let guard = Interrupt { identity, interrupt: Arc::clone(&self.interrupt), armed: true };
+        serve(self, problem, environment, &asked, &tell, guard)
+    }
+}
+
+/// Serves a planner until it ends, or does not end when it should.
+fn serve(
+    solver: &PythonSolver,
+    problem: &Problem,
+    environment: &mut Environment<'_>,
+    asked: &Receiver<Asked>,
+    tell: &Sender<Told>,
+    mut guard: Interrupt,
+) -> Result<Plan, String> {
+    let mut exhausted_at: Option<Instant> = None;
+    loop {
+        match asked.recv_timeout(LOOK) {
+            Ok(Asked::Charge(units)) => environment.budget.charge(units),
+            Ok(Asked::Report(text)) => {
+                // A report that is no plan is the planner's mistake, told where it made it: it ends there.
+                let plan = read(&solver.name, problem, &text)?;
+                (environment.report)(&plan);
+            }
+            Ok(Asked::Ended(answer)) => {
+                guard.armed = false;
+                return read(&solver.name, problem, &answer?);
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                if environment.budget.exhausted() && exhausted_at.get_or_insert_with(Instant::now).elapsed() > GRACE {
+                    return Err(format!("the planner {} did not stop when it should", solver.name));
+                }
+                continue;
+            }
+            Err(RecvTimeoutError::Disconnected) => return Err("its thread ended".to_string()),
+        }
+        let told = Told { exhausted: environment.budget.exhausted(), used: environment.budget.used() };
+        // Who does not wait for the answer has been interrupted.
+        let _ = tell.send(told);
+    }
+}
+
+/// Interrupts the planner's thread when it is given up, whatever the reason.
+struct Interrupt {
+    identity: Receiver<Option<u64>>,
+    interrupt: Arc<Py<PyAny>>,
+    armed: bool,
+}
+
+impl Drop for Interrupt {
+    fn drop(&mut self) {
+        if !self.armed {
+            return;
+        }
+        let Ok(Some(identity)) = self.identity.recv_timeout(GRACE) else { return };
+        // What cannot be interrupted is left behind; there is nobody to tell.
+        let _ = Python::attach(|python| self.interrupt.bind(python).call1((identity,)).map(|_| ()));
+    }
+}
+
+fn thread_identity(python: Python<'_>) -> Option<u64> {
+    python.import("threading").ok()?.call_method0("get_ident").ok()?.extract().ok()
+}
+
+/// A plan as JSON, or of surveillance a list of targets' names in the order of visits.
+fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
+    let wrong = |why: String| format!("the planner {name} answered with what is no plan: {why}");
+    if let (Problem::Surveillance(problem), Ok(order)) = (problem, serde_json::from_str::<Vec<String>>(text)) {
+        let scenario = Scenario::new(problem)?;
+        let index = |target: &String| {
+            let found = problem.targets.iter().position(|known| known.name == *target);
+            found.ok_or_else(|| wrong(format!("it visits {target}, which is no target")))
+        };
+        let word = order.iter().map(index).collect::<Result<Vec<usize>, String>>()?;
+        return Ok(Plan::Surveillance(scenario.plan(name, word)));
+    }
+    serde_json::from_str(text).map_err(|error| wrong(error.to_string()))
+}
+
+/// Name, kinds of problems it serves, what calls it, what interrupts its thread.
+type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
+
+/// The planners that ship, and these.
+fn registry(planners: Planners) -> PyResult<Registry> {
+    let mut registry = Registry::shipped();
+    for (name, kinds, call, interrupt) in planners {
+        let solver = PythonSolver { name, kinds, call: Arc::new(call), interrupt: Arc::new(interrupt) };
+        registry.add(Arc::new(solver)).map_err(input)?;
+    }
+    Ok(registry)
+}
+
+/// Runs the `apex` command with these planners beside those that ship; true when it went well.
+#[pyfunction]
+pub(crate) fn command(python: Python<'_>, arguments: Vec<String>, planners: Planners) -> PyResult<bool> {
+    let registry = registry(planners)?;
+    let arguments = std::iter::once("apex".to_string()).chain(arguments).map(Into::into);
+    let code = python.detach(|| apex_cli::try_main(arguments, registry)).map_err(input)?;
+    Ok(code == std::process::ExitCode::SUCCESS)
+}
+
+/// Plans for a problem in JSON; the answer is JSON too.
+#[pyfunction]
+pub(crate) fn plan_json(
+    python: Python<'_>,
+    problem: &str,
+    solver: Option<&str>,
+    budget_s: f64,
+    seed: u64,
+    planners: Planners,
+) -> PyResult<String> {
+    let registry = Arc::new(registry(planners)?);
+    let budget = apex_model::time::Duration::from_seconds(budget_s);
+    python.detach(|| apex_cli::plan(problem, solver, budget, seed, &registry)).map_err(PlanningError::new_err)
+}
