@@ -111,7 +111,8 @@ clean: ## Remove everything that was built.
 
 # Cargo knows whether anything has changed; maturin installs what is there.
 .PHONY: .venv/.apex
-.venv/.apex: .venv/.tools
+# The command is in the package, and with it the web page.
+.venv/.apex: .venv/.tools web/dist/index.html
 	.venv/bin/maturin develop --quiet --locked $(CI_PROFILE) --manifest-path python/Cargo.toml
 
 python-checks: .venv/.apex
