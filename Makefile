@@ -10,6 +10,8 @@ MISSION ?= western-states
 MISSIONS := first-picture structure-watch western-states
 SEED ?= 1
 ROUNDS ?= 20
+# Random worlds with about 13 trips each: a million trips that must not enter a zone.
+TRAVEL_WORLDS ?= 100000
 # What has property tests.
 PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics solvers logs)
 TARGET := $(or $(CARGO_TARGET_DIR),target)
@@ -19,9 +21,10 @@ CI_PROFILE := --profile ci
 CI_APEX := $(TARGET)/ci/apex
 FLIGHTS := $(TARGET)/flights
 RECORD ?= $(MISSION).apex
+EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench spec sim properties nightly clean
+.PHONY: help build fly test check web python bench bench-orienteering bench-travel golden-travel spec sim properties nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -66,6 +69,14 @@ bench-orienteering: .venv/.peers ## Plan orienteering beside PyVRP and OR-Tools 
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- ours 1 10 40 > $(TARGET)/orienteering/ours.json
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- report $(TARGET)/orienteering
 
+bench-travel: $(TARGET)/extremity/.installed ## Travel matrices among zones, beside extremitypathfinder: about two minutes of processor time.
+	cargo run --locked --quiet --release --package apex-benches --bin travel -- world $(TARGET)/extremity/world.txt
+	$(EXTREMITY) matrix $(TARGET)/extremity/world.txt > $(TARGET)/extremity/peer.json
+	cargo run --locked --quiet --release --package apex-benches --bin travel -- report $(TARGET)/extremity/peer.json
+
+golden-travel: $(TARGET)/extremity/.installed ## Ask extremitypathfinder for the committed lengths of shortest ways again.
+	$(EXTREMITY) check crates/geo/src/travel/golden/extremity.txt
+
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
 
@@ -87,8 +98,11 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 10ms,30ms,100ms,1s
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
+	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
+	$(MAKE) golden-travel
 	$(MAKE) bench
 	$(MAKE) bench-orienteering
+	$(MAKE) bench-travel
 
 web: web/dist/index.html ## Build the web page.
 
@@ -102,6 +116,11 @@ clean: ## Remove everything that was built.
 .venv/.peers: benches/peers/requirements.txt
 	python3 -m venv .venv
 	.venv/bin/pip install --quiet --requirement $<
+	touch $@
+
+$(TARGET)/extremity/.installed: benches/peers/extremity-requirements.txt
+	python3 -m venv $(TARGET)/extremity
+	$(TARGET)/extremity/bin/pip install --quiet --requirement $<
 	touch $@
 
 .venv/.tools: python/requirements.txt

@@ -158,13 +158,62 @@ fn options_of_the_application_are_told_with_their_place() {
     change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
 }
 
+/// `structure-watch` whose radio mast has another outline.
+#[track_caller]
+fn mast(outline: &str, phrases: &[&str]) {
+    let square = "[[[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4113], [-121.1005, 37.4095]]]";
+    let place = "obstacles.geojson: feature 1 `radio-mast`: ";
+    watch("obstacles.geojson", square, outline, &[&[place], phrases].concat());
+}
+
+#[test]
+fn outlines_of_airspace_that_make_no_sense_are_told_with_their_corners() {
+    mast(
+        "[[[-121.1005, 37.4095], [-121.0982, 37.4113], [-121.0982, 37.4095], [-121.1005, 37.4113], [-121.1005, 37.4095]]]",
+        &[
+            "its outline crosses itself",
+            "corner 1 ([-121.1005 37.4095] to [-121.0982 37.4113])",
+            "corner 3",
+            "in order",
+        ],
+    );
+    mast("[[[-121.1, 37.4], [-121.0, 37.5], [-121.1, 37.4]]]", &["a ring has 2 corners", "three or more"]);
+    mast(
+        "[[[-121.1, 37.4], [-121.1, 37.5], [-121.1, 37.6], [-121.1, 37.4]]]",
+        &["its polygon encloses nothing", "three or more corners around an area"],
+    );
+    let inner = "[[-121.0995, 37.41], [-121.099, 37.41], [-121.099, 37.4105], [-121.0995, 37.41]]";
+    let outer = "[[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4095]]";
+    mast(&format!("[{outer}, {inner}]"), &["airspace with a hole", "without holes"]);
+    let band = "\"altitude_m_max\": 215";
+    let reversed = format!("{band}, \"active_h\": [[5, 2]]");
+    watch("obstacles.geojson", band, &reversed, &["`radio-mast`", "the span [5, 2] ends before it begins"]);
+}
+
+#[test]
+fn a_start_and_a_target_inside_an_obstacle_are_told() {
+    let desk = Desk::with_mission("structure-watch");
+    let mast =
+        "[-121.1005, 37.4095], [-121.0982, 37.4095], [-121.0982, 37.4113], [-121.1005, 37.4113], [-121.1005, 37.4095]";
+    // Around the farm house, at (37.41671 -121.10048).
+    let farm = "[-121.102, 37.416], [-121.099, 37.416], [-121.099, 37.4175], [-121.102, 37.4175], [-121.102, 37.416]";
+    desk.change("m/obstacles.geojson", mast, farm);
+    desk.apex(&["plan", "m", "--budget", "50ms"]).well().told(&["farmhouse", "inside restricted area Radio mast"]);
+    let desk = Desk::with_mission("structure-watch");
+    let pad = "[-121.106, 37.404], [-121.104, 37.404], [-121.104, 37.406], [-121.106, 37.406], [-121.106, 37.404]";
+    desk.change("m/obstacles.geojson", mast, pad);
+    desk.apex(&["plan", "m"]).complained(2, &["The start cannot be used: inside restricted area Radio mast"]);
+}
+
 #[test]
 fn what_is_no_mission_is_told_apart() {
     let desk = Desk::with_greetings();
     for command in ["fly", "plan"] {
         desk.apex(&[command, "greetings.pdl"]).complained(2, &["no (defapplication ..)", "apex run"]);
-        desk.apex(&[command, "nowhere"]).complained(2, &["cannot read nowhere", "why: "]);
     }
+    desk.apex(&["fly", "nowhere"]).complained(2, &["cannot read nowhere", "why: "]);
+    desk.apex(&["plan", "nowhere"])
+        .complained(2, &["there is no mission, file or test mission called nowhere", "why: "]);
     assert_eq!(desk.names(), ["go.jsonl", "greetings.pdl"]);
     picture("mission.pdl", "(step up", "(step up (", &["error[", "m/mission.pdl:", "fix: "]);
 }

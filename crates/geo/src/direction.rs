@@ -84,6 +84,23 @@ impl Direction {
         (length > 1e-9).then(|| Direction { x: ahead.x / length, y: ahead.y / length, z: ahead.z / length })
     }
 
+    /// The two directions at the angle of this cosine from both; none where the circles of that angle do not meet.
+    pub fn at_angle_from_both(self, other: Direction, cosine: f64) -> Option<[Direction; 2]> {
+        let between = self.dot(other);
+        let share = cosine / (1.0 + between);
+        let normal = Direction {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        };
+        let room = (1.0 - 2.0 * cosine * share) / normal.dot(normal);
+        if !(room > 0.0 && room.is_finite()) {
+            return None;
+        }
+        let (foot, side) = (self.blended(share, other, share), libm::sqrt(room));
+        Some([foot.blended(1.0, normal, side), foot.blended(1.0, normal, -side)])
+    }
+
     /// The sum of two directions, each times its share.
     pub fn blended(self, share: f64, other: Direction, other_share: f64) -> Direction {
         Direction {

@@ -86,11 +86,33 @@ impl Reach {
         nearest(&self.places, position).is_some_and(|(_, distance_m)| distance_m <= self.distance_m_max)
     }
 
-    /// As [`leg_is_within`].
+    /// Where the edges of two places' reaches meet outside of all others: there the shortest ways within reach bend. Taken
+    /// on the sphere just inside what is surely near enough (0.15 % of the distance and 400 m inside).
+    pub fn crossings(&self) -> Vec<Position> {
+        let least = libm::cos(self.sure_rad * (1.0 - 1e-9));
+        if self.sure_rad <= 0.0 || self.sure_rad > 1.5 {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for (number, one) in self.directions.iter().enumerate() {
+            for (other_number, other) in self.directions.iter().enumerate().skip(number + 1) {
+                let inside = |here: &Direction| {
+                    let others = self.directions.iter().enumerate();
+                    let mut others = others.filter(|(third, _)| *third != number && *third != other_number);
+                    others.any(|(_, third)| third.dot(*here) > least)
+                };
+                found.extend(one.at_angle_from_both(*other, least).into_iter().flatten().filter(|here| !inside(here)));
+            }
+        }
+        found.into_iter().map(Direction::position).collect()
+    }
+
+    /// As [`leg_is_within`]; unless `exact`, what is not sure is refused, which is quick.
     pub fn holds_leg(
         &self,
         (from, from_direction): (Position, Direction),
         (to, to_direction): (Position, Direction),
+        exact: bool,
     ) -> bool {
         let quick = self.sure_rad > 0.0 && self.doubtful_rad < 1.5;
         if quick {
@@ -107,7 +129,7 @@ impl Reach {
                 if covered(self.sure_rad) {
                     return true;
                 }
-                if !covered(self.doubtful_rad) {
+                if !exact || !covered(self.doubtful_rad) {
                     return false;
                 }
             }
@@ -179,7 +201,7 @@ mod tests {
             let near = nearest(&places, from).is_some_and(|(_, distance_m)| distance_m <= limit_m);
             prop_assert_eq!(reach.holds(from, from_direction), near);
             let slow = leg_is_within(&places, from, to, limit_m);
-            let quick = reach.holds_leg((from, from_direction), (to, to_direction));
+            let quick = reach.holds_leg((from, from_direction), (to, to_direction), true);
             // Stepping may overlook a gap shorter than a step, never the other way round.
             prop_assert!(quick == slow || (slow && !leg_is_within(&places, from, to, limit_m - LOOK_M_MIN)));
         }

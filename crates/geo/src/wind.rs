@@ -94,7 +94,7 @@ pub fn triangle(track_deg: f64, true_airspeed_mps: f64, wind: Wind) -> Option<Wi
 }
 
 /// Ground speed along a track of unit length; none as for [`triangle`].
-fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64, wind: Wind) -> Option<f64> {
+pub(crate) fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64, wind: Wind) -> Option<f64> {
     let tail_mps = wind.east_mps * east + wind.north_mps * north;
     let from_left_mps = wind.east_mps * north - wind.north_mps * east;
     let squared = true_airspeed_mps * true_airspeed_mps - from_left_mps * from_left_mps;
@@ -105,9 +105,9 @@ fn ground_speed_mps((east, north): (f64, f64), true_airspeed_mps: f64, wind: Win
     (speed_mps >= GROUND_SPEED_MPS_MIN).then_some(speed_mps)
 }
 
-/// A leg cut into sub-steps, so that many start times can be tried without computing its geodesic again.
+/// A leg cut into sub-steps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LegProfile {
+struct LegProfile {
     step_m: f64,
     steps: Vec<LegStep>,
 }
@@ -121,7 +121,7 @@ struct LegStep {
 
 impl LegProfile {
     /// The geodesic from `from` to `to`; none where a position is not finite.
-    pub fn new(from: Position, to: Position) -> Option<LegProfile> {
+    fn new(from: Position, to: Position) -> Option<LegProfile> {
         let (distance_m, azimuth_deg) = geodesy::inverse(from, to);
         if !distance_m.is_finite() {
             return None;
@@ -149,22 +149,12 @@ impl LegProfile {
     }
 
     /// Distance over ground.
-    pub fn length_m(&self) -> f64 {
+    fn length_m(&self) -> f64 {
         self.step_m * self.steps.len() as f64
     }
 
-    /// Number of sub-steps.
-    pub fn steps(&self) -> usize {
-        self.steps.len()
-    }
-
-    /// Length of a sub-step.
-    pub fn step_m(&self) -> f64 {
-        self.step_m
-    }
-
     /// Time to fly the leg, leaving at `start_s`, by the midpoint rule; none where some part cannot be flown.
-    pub fn time_s(&self, altitude_m: f64, true_airspeed_mps: f64, field: &WindField, start_s: f64) -> Option<f64> {
+    fn time_s(&self, altitude_m: f64, true_airspeed_mps: f64, field: &WindField, start_s: f64) -> Option<f64> {
         if true_airspeed_mps.is_nan() || true_airspeed_mps <= 0.0 {
             return None;
         }
@@ -178,30 +168,6 @@ impl LegProfile {
             Some(elapsed_s + self.step_m / speed_mps)
         })
     }
-
-    /// Time for each sub-step in the wind of `time_s`; infinite where it cannot be flown.
-    pub fn step_times_s<'a>(
-        &'a self,
-        altitude_m: f64,
-        true_airspeed_mps: f64,
-        field: &'a WindField,
-        time_s: f64,
-    ) -> impl Iterator<Item = f64> + 'a {
-        let same_everywhere = field.layers.iter().all(|layer| layer.area.is_none());
-        let anywhere = same_everywhere.then(|| at(field, Position::default(), altitude_m, time_s));
-        self.steps.iter().map(move |step| {
-            let wind = anywhere.unwrap_or_else(|| at(field, step.middle.position(), altitude_m, time_s));
-            ground_speed_mps(step.track, true_airspeed_mps, wind).map_or(f64::INFINITY, |speed| self.step_m / speed)
-        })
-    }
-}
-
-/// Is the wind the same at every time from `from_s` to `until_s`?
-pub fn is_steady(field: &WindField, from_s: f64, until_s: f64) -> bool {
-    field.layers.iter().all(|layer| {
-        let never = layer.until_s <= from_s || layer.from_s > until_s;
-        never || (layer.from_s <= from_s && layer.until_s > until_s)
-    })
 }
 
 /// Time to fly the geodesic from `from` to `to` through the field, leaving at `start_s`: integrated in sub-steps by the
@@ -215,20 +181,6 @@ pub fn leg_time_s(
     start_s: f64,
 ) -> Option<f64> {
     LegProfile::new(from, to)?.time_s(altitude_m, true_airspeed_mps, field, start_s)
-}
-
-/// Time to fly a route of straight legs at one altitude, leaving its first point at `start_s`. See [`leg_time_s`].
-pub fn route_time_s(
-    route: &[Position],
-    altitude_m: f64,
-    true_airspeed_mps: f64,
-    field: &WindField,
-    start_s: f64,
-) -> Option<f64> {
-    route.iter().zip(route.iter().skip(1)).try_fold(0.0, |elapsed_s, (from, to)| {
-        let leg_s = leg_time_s(*from, *to, altitude_m, true_airspeed_mps, field, start_s + elapsed_s)?;
-        Some(elapsed_s + leg_s)
-    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
 use super::plan_question::{self, Benchmark, Question};
-use crate::mission::deliberator::{Deliberation, Means, Wish, solve, translate};
+use crate::mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
@@ -42,6 +42,9 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
+    if let Some((mission, _)) = &question.mission {
+        name_obstacles(mission, &mut solved);
+    }
     // In flight the quick bound must do; here somebody has asked how good the plan is.
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     let text = match format {

@@ -2,7 +2,8 @@
 
 use super::Mission;
 use super::bookkeeping::{SharedBookkeeping, lock};
-use super::problem::{NoPlan, pose};
+pub use super::problem::visit_altitude_m;
+use super::problem::{NoPlan, here, pose, survey};
 use apex_model::effect::SolveRequest;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
@@ -22,9 +23,6 @@ use std::sync::Arc;
 /// Deliberation time where neither the mission nor the request says one.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Height above ground from which a site is looked at.
-const VISIT_HEIGHT_M: f64 = 60.0;
-
 /// What one deliberation came to.
 #[derive(Debug, Clone)]
 pub struct Deliberation {
@@ -38,6 +36,8 @@ pub struct Deliberation {
     pub work: u64,
     /// Processor seconds; none where the system does not tell.
     pub cpu_s: Option<f64>,
+    /// Where and when the plan begins; none for the mission's start.
+    pub from: Option<(Position, Time)>,
 }
 
 /// Plans for one mission.
@@ -62,11 +62,11 @@ impl Deliberator for MissionDeliberator {
     fn deliberate(&mut self, request: &SolveRequest, at: Time) -> SolverAnswer {
         let budget = request.budget.unwrap_or(BUDGET_DEFAULT);
         let wanted = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
-        let solved = {
+        let (posed, start) = {
             let books = lock(&self.books);
-            pose(&self.mission, &books, at)
-        }
-        .and_then(|problem| {
+            (pose(&self.mission, &books, at), here(&self.mission, &books))
+        };
+        let solved = posed.and_then(|problem| {
             let previous = self.flown.clone().map(|(plan, made)| ahead(plan, at - made));
             let (solver, seed) = (wanted.as_deref(), self.mission.settings.seed);
             let wish = Wish { means: &self.means, solver, budget, seed, previous };
@@ -78,7 +78,9 @@ impl Deliberator for MissionDeliberator {
                 SolverAnswer { result: Ok(nothing_more(&request.goal, self.made, &reason)), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
-            Ok(solved) => {
+            Ok(mut solved) => {
+                solved.from = Some((start, at));
+                name_obstacles(&self.mission, &mut solved);
                 self.made += 1;
                 self.tell_targets(&solved.plan, at);
                 self.flown = Some((solved.plan.clone(), at));
@@ -190,7 +192,7 @@ pub fn solve(problem: Problem, wish: Wish<'_>, invocations: &mut Invocations) ->
     }
     apex_solvers::bound::state(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
-    Ok(Deliberation { problem, plan, reason, work: answer.used.min(units), cpu_s: answer.cpu_s })
+    Ok(Deliberation { problem, plan, reason, work: answer.used.min(units), cpu_s: answer.cpu_s, from: None })
 }
 
 /// Visits of a plan that are looked at: more than any mission has room for. Without a limit, checking nonsense could take as long
@@ -225,11 +227,27 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
     }
 }
 
+/// Says of sites left out because they lie in a restricted area, in which.
+pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
+    let Plan::Surveillance(plan) = &mut solved.plan else { return };
+    let sites: Vec<&super::Target> =
+        mission.targets.iter().filter(|target| matches!(target.kind, super::TargetKind::Site(_))).collect();
+    let positions: Vec<Position> = sites.iter().map(|target| target.position).collect();
+    let (start, begin) = solved.from.unwrap_or((mission.start, Time::ZERO));
+    let Ok(ways) = survey(mission, &positions, start, begin.seconds()) else { return };
+    for left_out in &mut plan.left_out {
+        let site = sites.iter().position(|target| target.id == left_out.target);
+        if let Some(trouble) = site.and_then(|site| ways.trouble(site)) {
+            left_out.reason = trouble.to_string();
+        }
+    }
+}
+
 /// The plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
     let (steps, repeat) = match (&solved.problem, &solved.plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => (single_visit_steps(problem, plan), false),
-        (_, Plan::Surveillance(plan)) => surveillance_steps(plan, mission),
+        (_, Plan::Surveillance(plan)) => surveillance_steps(plan, mission, solved.from),
         (Problem::Surveillance(_), Plan::SingleVisit(_)) => (Vec::new(), false),
     };
     let name = format!("<plan {number}>");
@@ -260,9 +278,12 @@ fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
 fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<(Symbol, Value)> {
     let mut steps = Vec::new();
     let mut altitude_m = problem.vehicle.cruise_altitude_m;
+    let mut ready_s = problem.start_s;
     for visit in &plan.visits {
         let target = problem.targets.iter().find(|target| target.name == visit.target);
         let Some(manoeuvre) = target.and_then(|target| target.manoeuvres.get(visit.manoeuvre)) else { continue };
+        hold(&mut steps, &visit.route, altitude_m, visit.depart_s - ready_s);
+        ready_s = visit.end_s;
         detour(&mut steps, &visit.route, altitude_m);
         altitude_m = manoeuvre.altitude_m;
         let lines = manoeuvre.lines.iter().map(|(from, to)| Value::list([at(*from, altitude_m), at(*to, altitude_m)]));
@@ -276,8 +297,18 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         ]);
         steps.push((Symbol::new(&format!("observe-{}", visit.target)), form));
     }
+    hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
     detour(&mut steps, &plan.return_route, altitude_m);
     steps
+}
+
+/// Staying where a route begins until it is open; nothing for less than a second.
+fn hold(steps: &mut Vec<(Symbol, Value)>, route: &[Position], altitude_m: f64, seconds: f64) {
+    let Some(here) = route.first().filter(|_| seconds >= 1.0) else { return };
+    let tag = Symbol::new(&format!("hold-{}", steps.len() + 1));
+    let time = Value::Duration(Duration::from_seconds(seconds.round()));
+    let words = [Value::symbol("loiter"), Value::symbol("at"), at(*here, altitude_m), Value::symbol("for"), time];
+    steps.push((tag, Value::list(words)));
 }
 
 /// Way points strictly between the ends of a route: the bends around airspace.
@@ -289,30 +320,54 @@ fn detour(steps: &mut Vec<(Symbol, Value)>, route: &[Position], altitude_m: f64)
     }
 }
 
-fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission) -> (Vec<(Symbol, Value)>, bool) {
+fn surveillance_steps(
+    plan: &SurveillancePlan,
+    mission: &Mission,
+    from: Option<(Position, Time)>,
+) -> (Vec<(Symbol, Value)>, bool) {
     let repeat = !plan.cycle.is_empty();
     let order: Vec<&String> =
         if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };
+    let site = |target: &super::Target| match &target.kind {
+        super::TargetKind::Site(site) => Some((target.clone(), site.dwell_s)),
+        _ => None,
+    };
+    let sites: Vec<(super::Target, f64)> = mission.targets.iter().filter_map(site).collect();
+    let positions: Vec<Position> = sites.iter().map(|(target, _)| target.position).collect();
+    let (start, begin) = from.unwrap_or((mission.start, Time::ZERO));
+    let ways = survey(mission, &positions, start, begin.seconds()).ok();
+    let route = |from: Option<usize>, to: usize| ways.as_ref().map_or_else(Vec::new, |ways| ways.route(from, to));
+    let mut order: Vec<usize> =
+        order.iter().filter_map(|name| sites.iter().position(|(target, _)| target.id == **name)).collect();
+    if repeat {
+        // A cycle is flown again from its first site, so the way from the start is better one without bends.
+        let open = order.iter().position(|site| route(None, *site).len() == 2);
+        order.rotate_left(open.unwrap_or(0));
+    }
     let mut steps = Vec::new();
-    for (index, name) in order.into_iter().enumerate() {
-        let Some(target) = mission.targets.iter().find(|target| target.id == *name) else { continue };
-        let super::TargetKind::Site(site) = &target.kind else { continue };
+    let mut before = None;
+    for (index, number) in order.iter().enumerate() {
+        let Some((target, dwell_s)) = sites.get(*number) else { continue };
+        let altitude_m = visit_altitude_m(target);
+        if before.is_some() || !repeat {
+            detour(&mut steps, &route(before, *number), altitude_m);
+        }
+        before = Some(*number);
         let form = Value::list([
             Value::symbol("visit"),
-            Value::symbol(name),
+            Value::symbol(&target.id),
             Value::symbol("at"),
-            at(target.position, visit_altitude_m(target)),
+            at(target.position, altitude_m),
             Value::symbol("for"),
-            Value::Duration(Duration::from_seconds(site.dwell_s)),
+            Value::Duration(Duration::from_seconds(*dwell_s)),
         ]);
-        steps.push((Symbol::new(&format!("visit-{}-{name}", index + 1)), form));
+        steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), form));
+    }
+    if let (true, Some(first), Some(last)) = (repeat, order.first(), order.last()) {
+        let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(target));
+        detour(&mut steps, &route(Some(*last), *first), altitude_m);
     }
     (steps, repeat)
-}
-
-/// Altitude above mean sea level from which a site is looked at.
-pub fn visit_altitude_m(site: &super::Target) -> f64 {
-    site.elevation_m + VISIT_HEIGHT_M
 }
 
 /// A location rounded to about a metre, so that plans stay readable.
@@ -329,6 +384,17 @@ fn at(position: Position, altitude_m: f64) -> Value {
 mod tests {
     use super::*;
     use apex_model::problem::SingleVisitProblem;
+
+    #[test]
+    fn a_way_that_opens_later_is_waited_for_where_it_begins() {
+        let here = Position::new(40.0, -120.0);
+        let mut steps = Vec::new();
+        hold(&mut steps, &[here, here], 7000.0, 0.5);
+        assert_eq!(steps, []);
+        hold(&mut steps, &[here, here], 7000.0, 90.2);
+        let printed = apex_pdl::print_plan(&Value::symbol("go"), &steps, false);
+        assert!(printed.contains("(step hold-1 (loiter at (40.0 -120.0 7000.0) for P1M30S))"), "{printed}");
+    }
 
     #[test]
     fn a_fault_of_planning_does_not_pass_for_a_mission_with_nothing_left() {

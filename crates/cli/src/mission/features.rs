@@ -175,6 +175,15 @@ impl NamedFeature {
         Ok(polygons)
     }
 
+    /// Has one of its polygons a hole?
+    pub fn has_holes(&self) -> bool {
+        match self.geometry() {
+            Some(GeometryValue::Polygon { coordinates }) => coordinates.len() > 1,
+            Some(GeometryValue::MultiPolygon { coordinates }) => coordinates.iter().any(|polygon| polygon.len() > 1),
+            _ => false,
+        }
+    }
+
     fn ring(&self, ring: &[geojson::Position]) -> Outcome<Vec<Position>> {
         let open = match (ring.first(), ring.last()) {
             (Some(first), Some(last)) if first == last && ring.len() > 1 => ring.get(..ring.len() - 1).unwrap_or(ring),

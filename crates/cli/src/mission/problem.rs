@@ -9,7 +9,7 @@ use apex_model::problem::{
     SurveillanceTarget, WindField,
 };
 use apex_model::time::Time;
-use apex_solvers::surveillance::travel::{Transit, travel_times};
+use apex_solvers::surveillance::travel::{Transit, Ways};
 
 /// Time to turn onto a line and roll level before it begins, beyond the turn itself: the first line is met from any
 /// side, each further one antiparallel and close by. Medians of simulated flights at 95 m/s and 15 degrees of bank.
@@ -21,6 +21,10 @@ const RESERVE_SHARE: f64 = 0.08;
 const END_MARGIN_S: f64 = 3_600.0;
 /// Distance kept from the edges of airspace zones.
 const ZONE_MARGIN_M: f64 = 3_000.0;
+/// Distance kept from obstacles by a vehicle that visits sites.
+const OBSTACLE_MARGIN_M: f64 = 40.0;
+/// Height above ground from which a site is looked at.
+const VISIT_HEIGHT_M: f64 = 60.0;
 /// Steps of altitude among which the planner chooses, above the ground of the target.
 const ALTITUDES_M: [f64; 5] = [4_500.0, 5_500.0, 6_500.0, 7_500.0, 9_000.0];
 /// Cruise altitude of a fixed wing.
@@ -54,7 +58,8 @@ pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem,
     }
 }
 
-fn here(mission: &Mission, books: &Bookkeeping) -> Position {
+/// Where the vehicle is, as far as is known.
+pub(super) fn here(mission: &Mission, books: &Bookkeeping) -> Position {
     books.vehicle.position.unwrap_or(mission.start)
 }
 
@@ -216,14 +221,7 @@ fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Surv
         positions.push(target.position);
         targets.push(site_target(target, site, books, now_s));
     }
-    let start = here(mission, books);
-    let transit = Transit {
-        true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
-        altitude_m: books.vehicle.altitude_m,
-        wind: &mission.forecast,
-        time_s: now_s,
-    };
-    let travel = travel_times(start, &positions, mission.start, &transit);
+    let travel = survey(mission, &positions, here(mission, books), now_s).map_err(NoPlan::Fault)?.times;
     let endurance_s = books.vehicle.endurance_s.map(|left| left * (1.0 - RESERVE_SHARE));
     Ok(SurveillanceProblem {
         targets,
@@ -232,6 +230,33 @@ fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Surv
         return_to_base: false,
         endurance_s,
     })
+}
+
+/// Altitude above mean sea level from which a site is looked at.
+pub fn visit_altitude_m(site: &super::Target) -> f64 {
+    site.elevation_m + VISIT_HEIGHT_M
+}
+
+/// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
+///
+/// # Errors
+/// A sentence that names what is wrong with a zone, the start or the base.
+pub(super) fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
+    let sites = mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)));
+    let heights = sites.map(visit_altitude_m);
+    let (low_m, high_m) =
+        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (f64::min(l, m), f64::max(h, m)));
+    let transit = Transit {
+        true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
+        altitude_m: high_m,
+        wind: &mission.forecast,
+        time_s: now_s,
+        until_s: mission.settings.duration.seconds(),
+        zones: &mission.zones,
+        margin_m: OBSTACLE_MARGIN_M,
+        altitudes_m: (low_m, high_m),
+    };
+    Ways::new(start, positions, mission.start, &transit)
 }
 
 fn site_target(target: &super::Target, site: &Site, books: &Bookkeeping, now_s: f64) -> SurveillanceTarget {

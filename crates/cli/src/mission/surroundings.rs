@@ -2,6 +2,8 @@
 
 use super::{features, tables};
 use crate::trouble::Outcome;
+use apex_geo::plane::{Plane, Point};
+use apex_geo::travel::crossing;
 use apex_model::problem::{
     AirspaceZone, Area, CrewMember, FOREVER_S, Position, TimeWindow, WindField, WindLayer, ZoneKind,
 };
@@ -40,6 +42,15 @@ pub fn airspace(path: &Path) -> Outcome<Vec<AirspaceZone>> {
         if polygons.is_empty() {
             return Err(feature.trouble("airspace must be a Polygon or MultiPolygon"));
         }
+        if feature.has_holes() {
+            return Err(feature
+                .trouble("airspace with a hole")
+                .because("what is inside the hole would be flown as if there were none")
+                .help("cut the area into polygons without holes, as a MultiPolygon or as features of their own"));
+        }
+        for corners in &polygons {
+            in_order(&feature, corners)?;
+        }
         let mut spans = feature.spans_s("active_h")?;
         if spans.is_empty() {
             spans.push(TimeWindow::ALWAYS);
@@ -58,6 +69,46 @@ pub fn airspace(path: &Path) -> Outcome<Vec<AirspaceZone>> {
         }
     }
     Ok(zones)
+}
+
+/// Are all points within a centimetre of one straight line?
+fn in_one_line(points: &[Point]) -> bool {
+    let first = points.first().copied().unwrap_or_default();
+    let distance = |point: &Point| point.minus(first).length();
+    let farthest = points.iter().copied().max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or_default();
+    let Some(along) = farthest.minus(first).unit() else { return true };
+    points.iter().all(|point| along.cross(point.minus(first)).abs() < 0.01)
+}
+
+/// Refuses an outline that crosses itself or encloses nothing.
+fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> Outcome<()> {
+    let plane = Plane::around(corners);
+    let flat: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
+    let Some(flat) = flat else {
+        return Err(feature.trouble("its corners lie more than 8,000 km apart").help("cut the area into smaller ones"));
+    };
+    if in_one_line(&flat) {
+        return Err(feature
+            .trouble("its polygon encloses nothing")
+            .because("its corners lie in one line or at one place")
+            .help("give three or more corners around an area"));
+    }
+    let Some((first, second)) = crossing(&flat) else { return Ok(()) };
+    let edge = |number: usize| {
+        let at = |index: usize| corners.get(index % corners.len()).copied().unwrap_or_default();
+        let (from, to) = (at(number), at(number + 1));
+        format!("[{} {}] to [{} {}]", from.longitude_deg, from.latitude_deg, to.longitude_deg, to.latitude_deg)
+    };
+    Err(feature
+        .trouble("its outline crosses itself")
+        .because(format!(
+            "the edge from corner {} ({}) meets the edge from corner {} ({})",
+            first + 1,
+            edge(first),
+            second + 1,
+            edge(second)
+        ))
+        .help("give the corners in order around the area, each once; two areas are two polygons"))
 }
 
 /// Reads airfields.

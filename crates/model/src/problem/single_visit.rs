@@ -210,7 +210,7 @@ pub struct PlannedVisit {
     pub manoeuvre: usize,
     /// Way points from the exit before to this entry, both included; detours around airspace are in between.
     pub route: Vec<Position>,
-    /// When the vehicle leaves the exit before (or the start).
+    /// When the vehicle leaves the exit before (or the start); later than the visit before has ended where it holds first.
     pub depart_s: f64,
     /// When it is at the entry.
     pub arrive_s: f64,
@@ -233,6 +233,8 @@ pub struct SingleVisitPlan {
     pub visits: Vec<PlannedVisit>,
     /// Way points from the last exit to the base, both included; empty where there is no base.
     pub return_route: Vec<Position>,
+    /// When the vehicle leaves the last exit for the base; later than the last visit's end where it holds first.
+    pub return_depart_s: f64,
     /// When the flight ends: at the base, or at the last exit where there is none.
     pub end_s: f64,
     /// Fuel burnt.

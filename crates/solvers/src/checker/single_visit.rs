@@ -55,7 +55,8 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     } else if let Some(base) = problem.base {
         let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
-        fly(problem, &plan.return_route, &leg, (time_s, plan.end_s), &mut found);
+        let depart_s = plan.return_depart_s.max(time_s);
+        fly(problem, &plan.return_route, &leg, (depart_s, plan.end_s), &mut found);
     } else if (plan.end_s - time_s).abs() > 1e-6 {
         found.push("does not end with its last visit".to_string());
     }

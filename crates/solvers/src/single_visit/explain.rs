@@ -81,21 +81,19 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     let entry = Node::Entry(choice.target, choice.manoeuvre);
     let exit = Node::Exit(choice.target, choice.manoeuvre);
     let there = schedule.travel.way(Node::Start, entry, start_s).map_err(Refusal::Impossible)?;
-    let duration_s =
+    let manoeuvre =
         schedule.problem.targets.get(choice.target).and_then(|target| target.manoeuvres.get(choice.manoeuvre));
-    let duration_s = duration_s.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
-    let mut home_s = 0.0;
+    let mut end_s = there.arrive_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
     if schedule.problem.base.is_some() {
-        let leave_s = start_s + there.time_s + duration_s;
-        let home = schedule.travel.way(exit, Node::Base, leave_s);
-        home_s = home.map_err(|trouble| Refusal::Impossible(format!("on the way home {trouble}")))?.time_s;
+        let home = schedule.travel.way(exit, Node::Base, end_s);
+        end_s = home.map_err(|trouble| Refusal::Impossible(format!("on the way home {trouble}")))?.arrive_s;
     }
-    let over_s = start_s + there.time_s + duration_s + home_s - schedule.limit_s;
+    let over_s = end_s - schedule.limit_s;
     if over_s > 0.0 {
         return Err(Refusal::TooLate { over_s });
     }
     let visit = schedule.visit(Node::Start, start_s, choice)?;
-    let end_s = visit.end_s + schedule.home_s(exit, visit.end_s)?;
+    let end_s = schedule.home_at_s(exit, visit.end_s)?;
     if end_s > schedule.limit_s { Err(Refusal::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 

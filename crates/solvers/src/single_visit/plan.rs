@@ -3,7 +3,7 @@
 use super::explain;
 use super::schedule::{Choice, Judged, Schedule};
 use super::search::Candidate;
-use super::travel::Node;
+use super::travel::{Node, Way};
 use apex_metrics::mission_score;
 use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 
@@ -23,16 +23,18 @@ pub(super) fn plan_of(
 ) -> Result<SingleVisitPlan, String> {
     let mut visits = Vec::with_capacity(best.order.len());
     let mut node = Node::Start;
+    let mut ready_s = schedule.problem.start_s;
     for (choice, timed) in best.order.iter().zip(&best.judged.visits) {
         let entry = Node::Entry(choice.target, choice.manoeuvre);
-        let way = schedule.travel.way(node, entry, timed.depart_s)?;
+        let way = schedule.travel.way(node, entry, ready_s)?;
+        ready_s = timed.end_s;
         node = Node::Exit(choice.target, choice.manoeuvre);
         let target = schedule.problem.targets.get(choice.target).ok_or("a visit names no target")?;
         visits.push(PlannedVisit {
             target: target.name.clone(),
             manoeuvre: choice.manoeuvre,
             route: way.route,
-            depart_s: timed.depart_s,
+            depart_s: way.depart_s,
             arrive_s: timed.arrive_s,
             begin_s: timed.begin_s,
             end_s: timed.end_s,
@@ -40,13 +42,12 @@ pub(super) fn plan_of(
             worth: timed.worth,
         });
     }
-    let left_s = visits.last().map_or(schedule.problem.start_s, |visit| visit.end_s);
-    let return_route = match schedule.problem.base {
-        Some(_) => schedule.travel.way(node, Node::Base, left_s)?.route,
-        None => Vec::new(),
+    let back = match schedule.problem.base {
+        Some(_) => schedule.travel.way(node, Node::Base, ready_s)?,
+        None => Way { route: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
     };
     let left_out = left_out(schedule, &best.order, &best.judged, troubles);
-    Ok(assembled(schedule, solver, best, (visits, return_route, left_out), troubles))
+    Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
 }
 
 /// A plan in progress for those who watch: reasons that take time to find are not looked for. None where a way is missing.
@@ -63,7 +64,7 @@ fn assembled(
     schedule: &Schedule<'_>,
     solver: &str,
     best: &Candidate,
-    (visits, return_route, left_out): (Vec<PlannedVisit>, Vec<apex_model::problem::Position>, Vec<LeftOut>),
+    (visits, back, left_out): (Vec<PlannedVisit>, Way, Vec<LeftOut>),
     troubles: &[Option<String>],
 ) -> SingleVisitPlan {
     let problem = schedule.problem;
@@ -80,7 +81,8 @@ fn assembled(
     let mut plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
-        return_route,
+        return_route: back.route,
+        return_depart_s: back.depart_s,
         end_s: best.judged.end_s,
         fuel_used_kg: problem.vehicle.fuel_flow_kg_per_s * flight_s,
         benefits,

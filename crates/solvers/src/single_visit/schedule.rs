@@ -1,7 +1,6 @@
 //! Judging an order of visits: times, feasibility and score.
 
-use super::travel::{Node, Travel};
-use apex_geo::airspace::Extent;
+use super::travel::{Node, Times, Travel};
 use apex_geo::sun;
 use apex_metrics::mission_score;
 use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
@@ -90,15 +89,15 @@ impl<'a> Schedule<'a> {
     /// A sentence where the problem makes no sense or the vehicle may not even be where it starts.
     pub fn new(problem: &'a SingleVisitProblem) -> Result<Schedule<'a>, String> {
         crate::validate::single_visit(problem)?;
-        let travel = Travel::new(problem)?;
+        let mut travel = Travel::new(problem)?;
         let (limit_s, limit_name) = limit(problem);
         if limit_s <= problem.start_s {
             return Err(format!("There is no time to fly: {limit_name} is used up when the plan begins."));
         }
         let ends = [(Some(problem.start), "start"), (problem.base, "base")];
         for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
-            let extent = Extent::at(problem.vehicle.cruise_altitude_m, problem.start_s);
-            if let Some(trouble) = travel.router().place_trouble(position, extent) {
+            let trouble = if problem.travel.is_none() { travel.place_trouble(position)? } else { None };
+            if let Some(trouble) = trouble {
                 return Err(format!("The {name} cannot be used: {trouble}."));
             }
         }
@@ -148,7 +147,7 @@ impl<'a> Schedule<'a> {
             visits.push(visit);
         }
         budget.charge(UNITS_PER_LEG + self.travel.take_work());
-        let end_s = time_s + self.home_s(node, time_s)?;
+        let end_s = self.home_at_s(node, time_s)?;
         if end_s > self.limit_s {
             return Err(Refusal::TooLate { over_s: end_s - self.limit_s });
         }
@@ -157,13 +156,12 @@ impl<'a> Schedule<'a> {
         Ok(Judged { visits, end_s, score })
     }
 
-    /// The visit of `choice` after leaving `node` at `depart_s`.
-    pub(super) fn visit(&mut self, node: Node, depart_s: f64, choice: Choice) -> Result<Timed, Refusal> {
+    /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
+    pub(super) fn visit(&mut self, node: Node, ready_s: f64, choice: Choice) -> Result<Timed, Refusal> {
         let entry = Node::Entry(choice.target, choice.manoeuvre);
-        let Some(travel_s) = self.travel.time_s(node, entry, depart_s) else {
+        let Some(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
             return Err(Refusal::Impossible("no way leads there".to_string()));
         };
-        let arrive_s = depart_s + travel_s;
         let begin_s = self.begin_s(choice, arrive_s.max(choice.not_before_s))?;
         let target = self.problem.targets.get(choice.target);
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(choice.manoeuvre));
@@ -197,13 +195,13 @@ impl<'a> Schedule<'a> {
         trouble.map_or(Ok(()), |trouble| Err(Refusal::Impossible(trouble)))
     }
 
-    /// Time from `node` to the base; 0 where the problem has none.
-    pub(super) fn home_s(&mut self, node: Node, depart_s: f64) -> Result<f64, Refusal> {
+    /// When the vehicle that is ready to leave `node` at `ready_s` is back at the base; `ready_s` where there is none.
+    pub(super) fn home_at_s(&mut self, node: Node, ready_s: f64) -> Result<f64, Refusal> {
         if self.problem.base.is_none() {
-            return Ok(0.0);
+            return Ok(ready_s);
         }
-        let home_s = self.travel.time_s(node, Node::Base, depart_s);
-        home_s.ok_or_else(|| Refusal::Impossible("no way leads back to the base".to_string()))
+        let home = self.travel.times(node, Node::Base, ready_s);
+        home.map(|times| times.arrive_s).ok_or_else(|| Refusal::Impossible("no way leads back to the base".to_string()))
     }
 
     /// Does every target come after those that must come earlier?

@@ -1,24 +1,19 @@
-//! Ways and times between the places of a single-visit problem, remembered: routes around airspace, legs through wind.
+//! Ways and times between the places of a single-visit problem: legs through wind and around airspace, or given as numbers.
 //!
-//! A way that keeps clear of every zone of any time serves at all times; others are remembered for each pair of instants
-//! between which no zone opens or closes. Times are exact for every departure. Preparing a way is charged as work.
+//! A leg takes all altitudes between its ends' and cruise, so pairs of places differ in the zones that count for them; for
+//! each set of zones there is one network (`apex_geo::travel`), made when it is first needed. Times are exact for every
+//! departure and first in, first out. What a network looks at is charged as work.
 
-use apex_geo::airspace::{Airspace, Extent};
+use apex_geo::direction::Direction;
 use apex_geo::geodesy::Position;
-use apex_geo::passage::{ChangingWind, Passage};
-use apex_geo::route::{Router, Spot};
-use apex_geo::wind::LegProfile;
+use apex_geo::travel::{Air, Network, PlaceId, Setting, Trip, Trouble};
 use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 use std::collections::BTreeMap;
 
-/// Looks for a route whose time fits the span for which airspace was looked at.
-const ROUTE_ROUNDS_MAX: usize = 4;
-/// Work units (a tenth of a microsecond) of testing one leg against airspace and landing places.
-const UNITS_PER_LEG_TEST: u64 = 15;
-/// Work units of one sub-step of a leg: its place and its wind in each span.
-const UNITS_PER_STEP: u64 = 3;
-/// Work units of a way whatever its length: its geodesics.
-const UNITS_PER_WAY: u64 = 30;
+/// Work units of looking at one leg, or at one way on from a bend.
+const UNITS_PER_LOOK: u64 = 5;
+/// Networks of one problem; further sets of zones share one in which every zone counts at every altitude.
+const NETWORKS_MAX: usize = 16;
 
 /// A place by name, for remembering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,49 +28,57 @@ pub(crate) enum Node {
     Exit(usize, usize),
 }
 
-/// A way with its time.
+/// A way with its times.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Way {
-    /// Both ends and the turning points between.
+    /// Both ends and the bends between.
     pub(crate) route: Vec<Position>,
-    /// Time from end to end.
-    pub(crate) time_s: f64,
+    /// When it begins: later than asked for where the vehicle has to hold first.
+    pub(crate) depart_s: f64,
+    /// When it ends.
+    pub(crate) arrive_s: f64,
 }
 
-#[derive(Debug)]
-struct Known {
-    route: Vec<Position>,
-    passage: Passage,
+/// From when until when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Times {
+    /// When the vehicle leaves: later than asked for where it has to hold first.
+    pub(crate) depart_s: f64,
+    /// When it is there.
+    pub(crate) arrive_s: f64,
 }
 
-/// Between which instants of the sorted times of zones a flight begins and ends.
-type ZoneSpan = (usize, usize);
+/// Between which faces of zones the lowest and the highest altitude of a leg lie: the same zones count for equal ones.
+type Band = (usize, usize);
 
-/// The ways from one node to another: numbers of known ways.
-#[derive(Debug, Default)]
-struct Ways {
-    /// Serves at all times; `Some(None)` where there is none such.
-    always: Option<Option<usize>>,
-    timed: Vec<(ZoneSpan, usize)>,
+/// A network with the numbers that nodes have in it.
+struct Layer {
+    band: Band,
+    network: Network,
+    places: Vec<Option<Result<PlaceId, Trouble>>>,
+}
+
+/// Where a node is.
+#[derive(Clone, Copy)]
+struct Spot {
+    position: Position,
+    altitude_m: f64,
+    direction: Direction,
 }
 
 /// The travel model with its memory.
 pub(crate) struct Travel<'a> {
     problem: &'a SingleVisitProblem,
-    router: Router,
-    wind: ChangingWind,
     /// The first manoeuvre of each target among all manoeuvres.
     offsets: Vec<usize>,
-    /// Where each node is and at which altitude.
-    places: Vec<(Spot, f64)>,
-    /// For each node the ways to others.
-    ways: Vec<BTreeMap<usize, Ways>>,
-    known: Vec<Result<Known, String>>,
-    lines: BTreeMap<(usize, usize, ZoneSpan), Option<String>>,
-    /// When zones open or close during the flight, in order.
-    zone_changes_s: Vec<f64>,
-    /// Work done since it was last asked for.
-    work: u64,
+    spots: Vec<Spot>,
+    /// Positions in whose middle the projection is centred.
+    around: Vec<Position>,
+    air: Air,
+    /// Lower and upper faces of zones, in order.
+    faces_m: Vec<f64>,
+    layers: Vec<Layer>,
+    lines: BTreeMap<(usize, usize, (usize, usize)), Option<String>>,
 }
 
 impl<'a> Travel<'a> {
@@ -87,22 +90,9 @@ impl<'a> Travel<'a> {
         let mut around = vec![problem.start];
         around.extend(problem.base);
         around.extend(problem.targets.iter().map(|target| target.position));
-        let airspace = Airspace::new(&problem.zones, problem.zone_margin_m, &around)?;
         let vehicle = &problem.vehicle;
-        let until_s = problem.start_s + 2.0 * vehicle.endurance_s;
-        let ends = problem.zones.iter().flat_map(|zone| [zone.active.from_s, zone.active.until_s]);
-        let mut zone_changes_s: Vec<f64> =
-            ends.filter(|time_s| *time_s > problem.start_s && *time_s <= until_s).collect();
-        zone_changes_s.sort_by(f64::total_cmp);
-        zone_changes_s.dedup();
-        let wind = ChangingWind::new(
-            &problem.wind,
-            vehicle.cruise_altitude_m,
-            vehicle.true_airspeed_mps,
-            problem.start_s,
-            until_s,
-        );
-        let router = Router::new(airspace, problem.landing_places.clone(), problem.landing_distance_m_max);
+        let (begin_s, end_s) = time_s(problem);
+        let air = Air::new(&problem.wind, vehicle.cruise_altitude_m, vehicle.true_airspeed_mps, begin_s, end_s);
         let mut offsets = Vec::with_capacity(problem.targets.len());
         let mut nodes = vec![Node::Start, Node::Base];
         for (target, data) in problem.targets.iter().enumerate() {
@@ -111,35 +101,36 @@ impl<'a> Travel<'a> {
                 nodes.extend([Node::Entry(target, manoeuvre), Node::Exit(target, manoeuvre)]);
             }
         }
-        let places: Vec<(Spot, f64)> = nodes
-            .iter()
-            .map(|node| {
-                let (position, altitude_m) = place(problem, *node);
-                (router.spot(position), altitude_m)
-            })
-            .collect();
-        let ways = nodes.iter().map(|_| BTreeMap::new()).collect();
-        Ok(Travel {
+        let spots = nodes.iter().map(|node| {
+            let (position, altitude_m) = place(problem, *node);
+            Spot { position, altitude_m, direction: Direction::of(position) }
+        });
+        let mut faces_m: Vec<f64> =
+            problem.zones.iter().flat_map(|zone| [zone.altitude_m_min, zone.altitude_m_max]).collect();
+        faces_m.sort_by(f64::total_cmp);
+        faces_m.dedup();
+        let mut travel = Travel {
             problem,
-            router,
-            wind,
             offsets,
-            places,
-            ways,
-            known: Vec::new(),
+            spots: spots.collect(),
+            around,
+            air,
+            faces_m,
+            layers: Vec::new(),
             lines: BTreeMap::new(),
-            zone_changes_s,
-            work: 0,
-        })
-    }
-
-    pub(crate) fn router(&self) -> &Router {
-        &self.router
+        };
+        if problem.travel.is_none() {
+            // Zones that make no sense are told before anything is planned.
+            let cruise_m = vehicle.cruise_altitude_m;
+            travel.layer(travel.band(cruise_m, cruise_m), (cruise_m, cruise_m))?;
+        }
+        Ok(travel)
     }
 
     /// Work units done since the last call, for the budget.
     pub(crate) fn take_work(&mut self) -> u64 {
-        std::mem::take(&mut self.work)
+        let looks: u64 = self.layers.iter_mut().map(|layer| layer.network.take_work()).sum();
+        UNITS_PER_LOOK * looks
     }
 
     fn number(&self, node: Node) -> usize {
@@ -152,12 +143,18 @@ impl<'a> Travel<'a> {
         }
     }
 
-    /// Time from `from` to `to`, leaving at `depart_s`; none where there is no way.
-    pub(crate) fn time_s(&mut self, from: Node, to: Node, depart_s: f64) -> Option<f64> {
+    /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`; none where there is no way.
+    pub(crate) fn times(&mut self, from: Node, to: Node, ready_s: f64) -> Option<Times> {
         if let Some(travel) = &self.problem.travel {
-            return given_s(travel, from, to);
+            let travel_s = given_s(travel, from, to)?;
+            return Some(Times { depart_s: ready_s, arrive_s: ready_s + travel_s });
         }
-        self.find(from, to, depart_s).ok().map(|(_, time_s)| time_s)
+        self.find(from, to, ready_s).ok().map(|(_, times, _)| times)
+    }
+
+    /// Time from being ready to leave `from` at `ready_s` to being at `to`, holding included; none where there is no way.
+    pub(crate) fn time_s(&mut self, from: Node, to: Node, ready_s: f64) -> Option<f64> {
+        self.times(from, to, ready_s).map(|times| times.arrive_s - ready_s)
     }
 
     /// No way from `from` to `to` takes less than this.
@@ -165,129 +162,98 @@ impl<'a> Travel<'a> {
         if let Some(travel) = &self.problem.travel {
             return given_s(travel, from, to).unwrap_or(f64::INFINITY);
         }
-        let (Some((start, _)), Some((end, _))) = (self.places.get(self.number(from)), self.places.get(self.number(to)))
-        else {
+        let (Some(start), Some(end)) = (self.spots.get(self.number(from)), self.spots.get(self.number(to))) else {
             return 0.0;
         };
-        start.direction.distance_m_min(end.direction) / self.wind.ground_speed_mps_max()
+        start.direction.distance_m_min(end.direction) / self.air.ground_speed_mps_max()
     }
 
-    /// The way from `from` to `to`, leaving at `depart_s`.
+    /// The way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
     ///
     /// # Errors
     /// A phrase that says what stands in the way, for example "inside restricted area R-2515".
-    pub(crate) fn way(&mut self, from: Node, to: Node, depart_s: f64) -> Result<Way, String> {
+    pub(crate) fn way(&mut self, from: Node, to: Node, ready_s: f64) -> Result<Way, String> {
         if let Some(travel) = &self.problem.travel {
-            let time_s = given_s(travel, from, to).ok_or("no way leads there")?;
-            return Ok(Way { route: vec![place(self.problem, from).0, place(self.problem, to).0], time_s });
+            let arrive_s = ready_s + given_s(travel, from, to).ok_or("no way leads there")?;
+            let route = vec![place(self.problem, from).0, place(self.problem, to).0];
+            return Ok(Way { route, depart_s: ready_s, arrive_s });
         }
-        let (known, time_s) = self.find(from, to, depart_s).map_err(|known| self.trouble(known))?;
-        match self.known.get(known) {
-            Some(Ok(known)) => Ok(Way { route: known.route.clone(), time_s }),
-            _ => Err(self.trouble(Some(known))),
-        }
+        let (layer, times, trip) = self.find(from, to, ready_s)?;
+        let route = self.layers.get(layer).map_or_else(Vec::new, |layer| layer.network.positions(trip.way));
+        Ok(Way { route, depart_s: times.depart_s, arrive_s: times.arrive_s })
     }
 
-    /// Why the way of this number cannot be flown; without a number airspace is to blame.
-    fn trouble(&self, known: Option<usize>) -> String {
-        match known.and_then(|known| self.known.get(known)) {
-            Some(Ok(_)) => "the wind is too strong on the way".to_string(),
-            Some(Err(trouble)) => trouble.clone(),
-            None => "airspace changes faster than the way can be flown".to_string(),
-        }
+    /// The layer, the times and the trip; climbs and descents take their time.
+    fn find(&mut self, from: Node, to: Node, ready_s: f64) -> Result<(usize, Times, Trip), String> {
+        let (from, to) = (self.number(from), self.number(to));
+        let (Some(start), Some(end)) = (self.spots.get(from).copied(), self.spots.get(to).copied()) else {
+            return Err("no way was found".to_string());
+        };
+        let cruise_m = self.problem.vehicle.cruise_altitude_m;
+        let low_m = start.altitude_m.min(end.altitude_m).min(cruise_m);
+        let high_m = start.altitude_m.max(end.altitude_m).max(cruise_m);
+        let number = self.layer(self.band(low_m, high_m), (low_m, high_m))?;
+        let climb_s = self.climb_s(start.altitude_m, end.altitude_m);
+        let layer = self.layers.get_mut(number).ok_or("no way was found")?;
+        let places = layer.place(from, start.position).and_then(|from| Ok((from, layer.place(to, end.position)?)));
+        let trip = places.and_then(|(from, to)| layer.network.trip(from, to, ready_s));
+        let trip = trip.map_err(|trouble| trouble.to_string())?;
+        let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
+        Ok((number, times, trip))
     }
 
-    /// The number of the way to take and its time.
+    /// The number of the layer for legs between two altitudes.
+    fn layer(&mut self, band: Band, altitudes_m: (f64, f64)) -> Result<usize, String> {
+        if let Some(known) = self.layers.iter().position(|layer| layer.band == band) {
+            return Ok(known);
+        }
+        if self.layers.len() >= NETWORKS_MAX {
+            let all = (f64::NEG_INFINITY, f64::INFINITY);
+            let last = self.band(all.0, all.1);
+            return match self.layers.iter().position(|layer| layer.band == last) {
+                Some(known) => Ok(known),
+                None => self.made(last, all),
+            };
+        }
+        self.made(band, altitudes_m)
+    }
+
+    fn made(&mut self, band: Band, altitudes_m: (f64, f64)) -> Result<usize, String> {
+        let problem = self.problem;
+        let setting = Setting {
+            zones: &problem.zones,
+            margin_m: problem.zone_margin_m,
+            turn_radius_m: 0.0,
+            landing_places: &problem.landing_places,
+            landing_distance_m_max: problem.landing_distance_m_max,
+            around: &self.around,
+            altitudes_m,
+            time_s: time_s(problem),
+        };
+        let network = Network::new(&setting, self.air.clone())?;
+        let places = vec![None; self.spots.len()];
+        self.layers.push(Layer { band, network, places });
+        Ok(self.layers.len() - 1)
+    }
+
+    fn band(&self, low_m: f64, high_m: f64) -> Band {
+        let below = |altitude_m: f64| self.faces_m.partition_point(|face_m| *face_m <= altitude_m);
+        (below(low_m), below(high_m))
+    }
+
+    /// Why it is not allowed to be at `position` at cruise altitude when the plan begins.
     ///
     /// # Errors
-    /// The number of the way that cannot be flown; none where airspace changes too fast.
-    fn find(&mut self, from: Node, to: Node, depart_s: f64) -> Result<(usize, f64), Option<usize>> {
-        let (from, to) = (self.number(from), self.number(to));
-        if let Some(known) = self.always(from, to) {
-            let time_s = self.flown_s(known, (from, to), depart_s).ok_or(Some(known))?;
-            return Ok((known, time_s));
-        }
-        let (Some((start, _)), Some((end, _))) = (self.places.get(from), self.places.get(to)) else {
-            return Err(None);
-        };
-        let distance_m = start.direction.distance_m(end.direction);
-        let mut span_s = 1.5 * distance_m / self.problem.vehicle.true_airspeed_mps + 600.0;
-        for _ in 0..ROUTE_ROUNDS_MAX {
-            let known = self.timed(from, to, (depart_s, depart_s + span_s));
-            let time_s = self.flown_s(known, (from, to), depart_s).ok_or(Some(known))?;
-            if self.zone_changes_s.is_empty() || time_s <= span_s {
-                return Ok((known, time_s));
-            }
-            span_s = 1.5 * time_s;
-        }
-        Err(None)
-    }
-
-    /// The direct way, where it is allowed at all times.
-    fn always(&mut self, from: usize, to: usize) -> Option<usize> {
-        let ways = self.ways.get(from).and_then(|ways| ways.get(&to));
-        if let Some(always) = ways.and_then(|ways| ways.always) {
-            return always;
-        }
-        let (Some((start, from_m)), Some((end, to_m))) = (self.places.get(from).copied(), self.places.get(to).copied())
-        else {
-            return None;
-        };
-        let last_s = self.zone_changes_s.last().copied().unwrap_or(self.problem.start_s);
-        let extent = self.extent(from_m, to_m, self.problem.start_s, last_s.max(self.problem.start_s));
-        self.work += UNITS_PER_LEG_TEST;
-        let always = match self.router.trouble_between(&start, &end, extent) {
-            Some(_) => None,
-            None => Some(self.remember(Ok(vec![start.position, end.position]))),
-        };
-        if let Some(ways) = self.ways.get_mut(from) {
-            ways.entry(to).or_default().always = Some(always);
-        }
-        always
-    }
-
-    /// The number of the way for a flight from and until these times.
-    fn timed(&mut self, from: usize, to: usize, (from_s, until_s): (f64, f64)) -> usize {
-        let span = self.zone_span(from_s, until_s);
-        let ways = self.ways.get(from).and_then(|ways| ways.get(&to));
-        let found = ways.and_then(|ways| ways.timed.iter().find(|(other, _)| *other == span));
-        if let Some((_, known)) = found {
-            return *known;
-        }
-        let ends = (self.places.get(from).copied(), self.places.get(to).copied());
-        let route = match ends {
-            (Some((start, from_m)), Some((end, to_m))) => {
-                let extent = self.extent(from_m, to_m, from_s, until_s);
-                let (route, tested) = self.router.route_between(&start, &end, extent);
-                self.work += UNITS_PER_LEG_TEST * tested as u64;
-                route.map_err(|trouble| trouble.to_string())
-            }
-            _ => Err("no way was found".to_string()),
-        };
-        let known = self.remember(route);
-        if let Some(ways) = self.ways.get_mut(from) {
-            ways.entry(to).or_default().timed.push((span, known));
-        }
-        known
-    }
-
-    fn remember(&mut self, route: Result<Vec<Position>, String>) -> usize {
-        let known = route.and_then(|route| {
-            let legs = route.iter().zip(route.iter().skip(1));
-            let legs: Option<Vec<LegProfile>> = legs.map(|(from, to)| LegProfile::new(*from, *to)).collect();
-            Ok(Known { passage: Passage::new(legs.ok_or("a position is not on the map")?), route })
-        });
-        let steps = known.as_ref().map_or(0, |known| known.passage.steps());
-        self.work += UNITS_PER_WAY + UNITS_PER_STEP * steps as u64;
-        self.known.push(known);
-        self.known.len() - 1
-    }
-
-    /// Time to fly a known way: through the wind, and no less than climbs and descents take.
-    fn flown_s(&mut self, known: usize, (from, to): (usize, usize), depart_s: f64) -> Option<f64> {
-        let flown_s = self.known.get_mut(known)?.as_mut().ok()?.passage.time_s(&self.wind, depart_s)?;
-        let (from_m, to_m) = (self.places.get(from)?.1, self.places.get(to)?.1);
-        Some(flown_s.max(self.climb_s(from_m, to_m)))
+    /// As [`Travel::new`].
+    pub(crate) fn place_trouble(&mut self, position: Position) -> Result<Option<Trouble>, String> {
+        let cruise_m = self.problem.vehicle.cruise_altitude_m;
+        let number = self.layer(self.band(cruise_m, cruise_m), (cruise_m, cruise_m))?;
+        let now_s = self.problem.start_s;
+        let Some(layer) = self.layers.get_mut(number) else { return Ok(None) };
+        Ok(match layer.network.add(position) {
+            Ok(place) => layer.network.place_trouble(place, (now_s, now_s)),
+            Err(trouble) => Some(trouble),
+        })
     }
 
     /// Why the lines of a manoeuvre are not allowed from `begin_s` to `end_s`; none where they are.
@@ -298,19 +264,28 @@ impl<'a> Travel<'a> {
         begin_s: f64,
         end_s: f64,
     ) -> Option<String> {
-        let key = (target, manoeuvre, self.zone_span(begin_s, end_s));
+        let (entry, altitude_m) = place(self.problem, Node::Entry(target, manoeuvre));
+        let number = match self.layer(self.band(altitude_m, altitude_m), (altitude_m, altitude_m)) {
+            Ok(number) => number,
+            Err(trouble) => return Some(trouble),
+        };
+        let entry_node = self.number(Node::Entry(target, manoeuvre));
+        let layer = self.layers.get_mut(number)?;
+        let epochs = (layer.network.epoch(begin_s), layer.network.epoch(end_s));
+        let key = (target, manoeuvre, epochs);
         if let Some(known) = self.lines.get(&key) {
             return known.clone();
         }
-        let (entry, altitude_m) = place(self.problem, Node::Entry(target, manoeuvre));
-        let extent = Extent { altitude_m_min: altitude_m, altitude_m_max: altitude_m, from_s: begin_s, until_s: end_s };
         let lines = self.problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
         let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
-        self.work += 2 * UNITS_PER_LEG_TEST * lines.len() as u64;
         let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
         let mut legs = lines.iter().copied().chain(turns);
-        let trouble = self.router.place_trouble(entry, extent);
-        let trouble = trouble.or_else(|| legs.find_map(|(from, to)| self.router.leg_trouble(from, to, extent)));
+        let trouble = match layer.place(entry_node, entry) {
+            Ok(place) => layer.network.place_trouble(place, (begin_s, end_s)),
+            Err(trouble) => Some(trouble),
+        };
+        let network = &mut layer.network;
+        let trouble = trouble.or_else(|| legs.find_map(|(from, to)| network.leg_trouble(from, to, (begin_s, end_s))));
         let trouble = trouble.map(|trouble| trouble.to_string());
         self.lines.insert(key, trouble.clone());
         trouble
@@ -325,23 +300,25 @@ impl<'a> Travel<'a> {
         };
         change_s(from_m, vehicle.cruise_altitude_m) + change_s(vehicle.cruise_altitude_m, to_m)
     }
+}
 
-    /// The altitudes and times that a leg takes: it may be anywhere between its ends' altitudes and cruise.
-    fn extent(&self, from_m: f64, to_m: f64, from_s: f64, until_s: f64) -> Extent {
-        let cruise_m = self.problem.vehicle.cruise_altitude_m;
-        Extent {
-            altitude_m_min: from_m.min(to_m).min(cruise_m),
-            altitude_m_max: from_m.max(to_m).max(cruise_m),
-            from_s,
-            until_s,
+impl Layer {
+    /// The place of a node, added when it is first needed.
+    fn place(&mut self, node: usize, position: Position) -> Result<PlaceId, Trouble> {
+        if let Some(Some(known)) = self.places.get(node) {
+            return known.clone();
         }
+        let place = self.network.add(position);
+        if let Some(slot) = self.places.get_mut(node) {
+            *slot = Some(place.clone());
+        }
+        place
     }
+}
 
-    /// Between which changes of zones the times lie: which zones count is the same for all flights of one such span.
-    fn zone_span(&self, from_s: f64, until_s: f64) -> ZoneSpan {
-        let at = |time_s: f64| self.zone_changes_s.partition_point(|change_s| *change_s <= time_s);
-        (at(from_s), at(until_s))
-    }
+/// The time in which the flight lies.
+fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
+    (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
 }
 
 /// A travel time given as a number; none where there is no way.

@@ -1,0 +1,315 @@
+//! What may be flown over, and when: zones, corridors and the reach of landing places, asked about places and legs.
+//!
+//! Bound: a leg asks the zones whose boxes it meets, O(corners) each.
+
+use super::bends::{Bend, bends};
+use super::boxes::Boxes;
+use super::course::Block;
+use super::solid::Solid;
+use super::spans::{Span, gaps, merged};
+use super::trouble::Trouble;
+use crate::direction::Direction;
+use crate::landing::{self, Reach};
+use crate::plane::{Plane, Point};
+use apex_model::problem::Position;
+
+/// All of time.
+const ALWAYS: Span = (f64::NEG_INFINITY, f64::INFINITY);
+/// Margins are asked for less this share: who touches them keeps them.
+const TOUCH: f64 = 1e-9;
+
+/// A zone on the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Zone {
+    pub(crate) name: String,
+    /// Stay inside, instead of keep out.
+    pub(crate) keep_in: bool,
+    pub(crate) solid: Solid,
+    /// Distance to be kept.
+    pub(crate) margin: f64,
+    /// Ways bend around its corners at this distance, no less than the margin.
+    pub(crate) bend_radius: f64,
+    /// When it is active, merged; infinite where it has no end in the time looked at.
+    pub(crate) active_s: Vec<Span>,
+}
+
+impl Zone {
+    fn is_always_active(&self) -> bool {
+        self.active_s.first() == Some(&ALWAYS)
+    }
+}
+
+/// A place made ready for questions about legs.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Spot {
+    pub(crate) position: Position,
+    pub(crate) direction: Direction,
+    pub(crate) point: Point,
+    /// Zones closer than their margin, with their distance: a leg from here need not keep more.
+    close: Vec<(usize, f64)>,
+    /// How ways bend here; none where they may come and go in every direction.
+    bend: Option<Bend>,
+    /// A place to go to, not only to pass.
+    is_place: bool,
+}
+
+impl Spot {
+    /// Is a leg in direction `along`, to or from here, of use to a shortest way?
+    pub(crate) fn takes(&self, along: Point) -> bool {
+        self.bend.is_none_or(|bend| bend.takes(along))
+    }
+}
+
+/// Everything that ways must obey.
+#[derive(Clone, Debug)]
+pub(crate) struct Ground {
+    zones: Vec<Zone>,
+    tree: Boxes,
+    /// The zones to stay in: for each span of time those that are active.
+    corridors: Vec<(Span, Vec<usize>)>,
+    reach: Option<Reach>,
+    plane: Option<Plane>,
+}
+
+impl Ground {
+    pub(crate) fn new(
+        zones: Vec<Zone>,
+        must_stay: bool,
+        reach: Option<Reach>,
+        plane: Option<Plane>,
+        (begin_s, end_s): Span,
+    ) -> Ground {
+        let boxes = zones.iter().map(|zone| {
+            // What is kept in is asked by every leg, not found by boxes.
+            let margin = if zone.keep_in { f64::NEG_INFINITY } else { zone.margin };
+            let by = Point { x: margin, y: margin };
+            (zone.solid.low.minus(by), zone.solid.high.plus(1.0, by))
+        });
+        let tree = Boxes::new(boxes);
+        let mut changes_s: Vec<f64> = vec![f64::NEG_INFINITY, f64::INFINITY];
+        let permitted = zones.iter().filter(|zone| zone.keep_in).flat_map(|zone| &zone.active_s);
+        changes_s.extend(permitted.flat_map(|(from_s, until_s)| [*from_s, *until_s]));
+        changes_s.sort_by(f64::total_cmp);
+        changes_s.dedup();
+        let active = |span: Span| {
+            let middle_s = 0.5 * (span.0.max(begin_s) + span.1.min(end_s));
+            let holds =
+                |zone: &Zone| zone.active_s.iter().any(|(from_s, until_s)| *from_s <= middle_s && middle_s < *until_s);
+            let numbers = zones.iter().enumerate().filter(|(_, zone)| zone.keep_in && holds(zone));
+            (span, numbers.map(|(number, _)| number).collect::<Vec<usize>>())
+        };
+        let spans = changes_s.iter().copied().zip(changes_s.iter().copied().skip(1));
+        let corridors = if must_stay { spans.map(active).collect() } else { Vec::new() };
+        Ground { zones, tree, corridors, reach, plane }
+    }
+
+    /// Instants at which something opens or shuts, in order.
+    pub(crate) fn changes_s(&self) -> Vec<f64> {
+        let ends = self.zones.iter().flat_map(|zone| &zone.active_s).flat_map(|(from_s, until_s)| [*from_s, *until_s]);
+        let mut changes_s: Vec<f64> = ends.filter(|time_s| time_s.is_finite()).collect();
+        changes_s.sort_by(f64::total_cmp);
+        changes_s.dedup();
+        changes_s
+    }
+
+    /// `position` made ready.
+    pub(crate) fn spot(&self, position: Position) -> Result<Spot, Trouble> {
+        let direction = Direction::of(position);
+        let point = match &self.plane {
+            Some(plane) => plane.project(position).filter(|point| point.x.is_finite() && point.y.is_finite()),
+            None => None,
+        };
+        // Without zones the projection does not matter.
+        let point = match point {
+            Some(point) => point,
+            None if self.zones.is_empty() && direction.dot(direction).is_finite() => Point::default(),
+            None => return Err(Trouble::TooFar),
+        };
+        Ok(self.spot_at(position, direction, point))
+    }
+
+    /// A point of the plane made ready.
+    pub(crate) fn spot_on_plane(&self, point: Point) -> Result<Spot, Trouble> {
+        if !(point.x.is_finite() && point.y.is_finite()) {
+            return Err(Trouble::TooFar);
+        }
+        Ok(self.spot_at(Position::default(), Direction::default(), point))
+    }
+
+    fn spot_at(&self, position: Position, direction: Direction, point: Point) -> Spot {
+        let mut close = Vec::new();
+        self.tree.any(point, point, |number| {
+            if let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in && zone.margin > 0.0) {
+                let distance = zone.solid.distance(point);
+                if distance < zone.margin {
+                    close.push((number, distance));
+                }
+            }
+            false
+        });
+        Spot { position, direction, point, close, bend: None, is_place: true }
+    }
+
+    /// Places where ways may bend: around zones' corners and where the reaches of two landing places meet.
+    pub(crate) fn bends(&self) -> Vec<Spot> {
+        let mut found = Vec::new();
+        for zone in &self.zones {
+            for bend in bends(&zone.solid, zone.keep_in, zone.bend_radius) {
+                let position = self.plane.map_or(Position::default(), |plane| plane.position(bend.point));
+                let direction = self.plane.map_or(Direction::default(), |_| Direction::of(position));
+                let spot = Spot {
+                    position,
+                    direction,
+                    point: bend.point,
+                    close: Vec::new(),
+                    bend: Some(bend),
+                    is_place: false,
+                };
+                if !self.is_shut_for_ever(&spot) {
+                    found.push(spot);
+                }
+            }
+        }
+        for position in self.reach.as_ref().map(Reach::crossings).unwrap_or_default() {
+            if let Ok(spot) = self.spot(position) {
+                let spot = Spot { close: Vec::new(), is_place: false, ..spot };
+                if !self.is_shut_for_ever(&spot) {
+                    found.push(spot);
+                }
+            }
+        }
+        found
+    }
+
+    fn is_shut_for_ever(&self, spot: &Spot) -> bool {
+        let reach = self.reach.as_ref();
+        self.open_s(spot).is_empty() || reach.is_some_and(|reach| !reach.holds(spot.position, spot.direction))
+    }
+
+    /// When it is allowed to be at `spot`.
+    pub(crate) fn open_s(&self, spot: &Spot) -> Vec<Span> {
+        let mut shut = Vec::new();
+        self.tree.any(spot.point, spot.point, |number| {
+            if let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in) {
+                let margin = self.margin(number, zone, spot, spot);
+                if zone.solid.meets(spot.point, spot.point, margin) {
+                    shut.extend(zone.active_s.iter().copied());
+                }
+            }
+            false
+        });
+        shut.extend(self.corridors.iter().filter(|(_, among)| !self.permits(spot.point, among)).map(|(span, _)| *span));
+        gaps(ALWAYS, &merged(shut, 0.0))
+    }
+
+    /// Why it is not allowed to be at `spot` at some time of `time_s`; none where it is at all times of it.
+    pub(crate) fn place_trouble(&self, spot: &Spot, (from_s, until_s): Span) -> Option<Trouble> {
+        let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
+        let mut inside = None;
+        self.tree.any(spot.point, spot.point, |number| {
+            let zone = self.zones.get(number).filter(|zone| !zone.keep_in && zone.active_s.iter().any(meets));
+            inside = zone.filter(|zone| zone.solid.holds(spot.point)).map(|zone| Trouble::Inside(zone.name.clone()));
+            inside.is_some()
+        });
+        if inside.is_some() {
+            return inside;
+        }
+        let mut outside = self.corridors.iter().filter(|(span, _)| meets(span));
+        if outside.any(|(_, among)| !self.permits(spot.point, among)) {
+            return Some(Trouble::Outside);
+        }
+        let reach = self.reach.as_ref()?;
+        if reach.holds(spot.position, spot.direction) {
+            return None;
+        }
+        let nearest = landing::nearest(reach.places(), spot.position);
+        Some(Trouble::NoLandingPlace(nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m)))
+    }
+
+    /// Which parts of the leg are shut at which times; empty where none is.
+    ///
+    /// # Errors
+    /// Some part is shut for ever: what shuts it.
+    pub(crate) fn blocks(&self, from: &Spot, to: &Spot) -> Result<Vec<Block>, Trouble> {
+        let mut blocks = Vec::new();
+        let mut trouble = None;
+        let (a, b) = (from.point, to.point);
+        self.tree.any(a, b, |number| {
+            let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in) else { return false };
+            let margin = self.margin(number, zone, from, to);
+            if zone.is_always_active() {
+                if zone.solid.meets(a, b, margin) {
+                    trouble = Some(Trouble::Crosses(zone.name.clone()));
+                }
+            } else {
+                for part in zone.solid.near(a, b, margin) {
+                    blocks.extend(zone.active_s.iter().map(|time_s| Block { part, time_s: *time_s }));
+                }
+            }
+            trouble.is_some()
+        });
+        if let Some(trouble) = trouble {
+            return Err(trouble);
+        }
+        for (time_s, among) in &self.corridors {
+            let outside = self.outside(a, b, among);
+            if *time_s == ALWAYS && !outside.is_empty() {
+                return Err(Trouble::LeavesPermitted);
+            }
+            blocks.extend(outside.into_iter().map(|part| Block { part, time_s: *time_s }));
+        }
+        let reach = self.reach.as_ref().filter(|reach| {
+            let exact = from.is_place && to.is_place;
+            !reach.holds_leg((from.position, from.direction), (to.position, to.direction), exact)
+        });
+        reach.map_or(Ok(blocks), |reach| Err(Trouble::LeavesReach(reach.distance_m_max())))
+    }
+
+    /// Why a leg itself is not allowed at some time of `time_s`, whatever ways lead around; none where it is.
+    pub(crate) fn leg_trouble(&self, from: &Spot, to: &Spot, (from_s, until_s): Span) -> Option<Trouble> {
+        let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
+        let mut crossed = None;
+        self.tree.any(from.point, to.point, |number| {
+            let zone = self.zones.get(number).filter(|zone| !zone.keep_in && zone.active_s.iter().any(meets));
+            crossed = zone
+                .filter(|zone| zone.solid.meets(from.point, to.point, self.margin(number, zone, from, to)))
+                .map(|zone| Trouble::LegCrosses(zone.name.clone()));
+            crossed.is_some()
+        });
+        if crossed.is_some() {
+            return crossed;
+        }
+        let mut corridors = self.corridors.iter().filter(|(span, _)| meets(span));
+        if corridors.any(|(_, among)| !self.outside(from.point, to.point, among).is_empty()) {
+            return Some(Trouble::LegLeavesPermitted);
+        }
+        let reach = self.reach.as_ref()?;
+        let held = reach.holds_leg((from.position, from.direction), (to.position, to.direction), true);
+        (!held).then(|| Trouble::LeavesReach(reach.distance_m_max()))
+    }
+
+    /// Margin of a zone for a leg: no more than its ends keep.
+    fn margin(&self, number: usize, zone: &Zone, from: &Spot, to: &Spot) -> f64 {
+        let kept = |spot: &Spot| spot.close.iter().find(|(close, _)| *close == number).map_or(zone.margin, |(_, d)| *d);
+        kept(from).min(kept(to)) * (1.0 - TOUCH)
+    }
+
+    fn permits(&self, point: Point, among: &[usize]) -> bool {
+        let mut solids = among.iter().filter_map(|number| self.zones.get(*number)).map(|zone| &zone.solid);
+        solids.any(|solid| crate::plane::inside(point, solid.corners()) || solid.distance(point) <= solid.tolerance)
+    }
+
+    /// The parts of the leg that lie in none of the zones `among` which it must stay in.
+    fn outside(&self, a: Point, b: Point, among: &[usize]) -> Vec<Span> {
+        let along = b.minus(a);
+        let solids = || among.iter().filter_map(|number| self.zones.get(*number)).map(|zone| &zone.solid);
+        let mut cuts: Vec<f64> = solids().flat_map(|solid| solid.pieces(a, b)).flat_map(|(s, t)| [s, t]).collect();
+        cuts.extend([0.0, 1.0]);
+        cuts.sort_by(f64::total_cmp);
+        let blur = solids().fold(0.0, |most: f64, solid| most.max(2.0 * solid.tolerance)) / along.length();
+        let pieces = cuts.iter().copied().zip(cuts.iter().copied().skip(1)).filter(|(s, t)| t - s > blur);
+        let pieces: Vec<Span> = if along.length() > 0.0 { pieces.collect() } else { vec![(0.0, 1.0)] };
+        let left = |(s, t): &Span| !self.permits(a.plus(0.5 * (s + t), along), among);
+        merged(pieces.into_iter().filter(left).collect(), 1e-12)
+    }
+}

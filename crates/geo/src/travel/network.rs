@@ -1,0 +1,297 @@
+//! The network of legs between places and bends, made once for a set of zones.
+//!
+//! Legs between bends are found when the network is made, those of a place when it is first asked for. A leg is kept if it
+//! is not shut for ever; at which times it is shut is part of it. Bound: O(n^2) questions to the ground for n bends; a place
+//! adds n.
+
+use super::air::Air;
+use super::course::{Block, Course, Timing, first_open};
+use super::ground::{Ground, Spot};
+use super::setting::{self, PlaneZone, Setting};
+use super::spans::Span;
+use super::trouble::Trouble;
+use crate::plane::Point;
+use apex_model::problem::Position;
+use std::collections::BTreeMap;
+
+/// Bends of one network: two hundred zones of five corners with two bends each. Further ones are left out, which can make
+/// ways longer and never lets them cross a zone.
+pub const BENDS_MAX: usize = 2_000;
+
+/// The number of a place of a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PlaceId(pub(crate) usize);
+
+/// A straight leg that is not shut for ever.
+#[derive(Clone, Debug)]
+struct Leg {
+    course: Course,
+    blocks: Vec<Block>,
+    /// Forwards and backwards.
+    timings: [Timing; 2],
+}
+
+/// A leg in one of its directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Ride {
+    leg: usize,
+    backwards: bool,
+}
+
+impl Ride {
+    fn reversed(self) -> Ride {
+        Ride { backwards: !self.backwards, ..self }
+    }
+}
+
+/// The bend at the other end of a ride.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Join {
+    pub(crate) bend: usize,
+    pub(crate) ride: Ride,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    pub(super) spot: Spot,
+    /// When it is allowed to be there.
+    pub(super) open_s: Vec<Span>,
+    /// Rides to bends, once they are known.
+    joins: Option<Vec<Join>>,
+}
+
+/// Places, bends and the legs between them.
+#[derive(Clone, Debug)]
+pub struct Network {
+    pub(super) ground: Ground,
+    pub(super) air: Air,
+    pub(super) time_s: Span,
+    /// When zones open or shut, in order.
+    pub(super) changes_s: Vec<f64>,
+    on_plane: bool,
+    bends: Vec<Spot>,
+    /// For each bend when it is allowed to be there.
+    pub(super) bends_open_s: Vec<Vec<Span>>,
+    /// For each bend the rides to other bends.
+    joins: Vec<Vec<Join>>,
+    pub(super) places: Vec<Place>,
+    /// Between places, the one of the lower number first; no leg where it is shut for ever.
+    direct: BTreeMap<(usize, usize), Result<usize, Trouble>>,
+    legs: Vec<Leg>,
+    pub(super) found: super::ways::Found,
+    pub(super) work: u64,
+}
+
+impl Network {
+    /// The network of a setting on the Earth, flown through `air`.
+    ///
+    /// # Errors
+    /// A sentence that names the zone that is no polygon, crosses itself or is too far away.
+    pub fn new(setting: &Setting<'_>, air: Air) -> Result<Network, String> {
+        Ok(Network::over(setting::ground(setting)?, air, setting.time_s, false))
+    }
+
+    /// The network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
+    ///
+    /// # Errors
+    /// A sentence that names the zone that is no polygon.
+    pub fn on_plane(
+        zones: &[PlaneZone],
+        (margin, turn_radius): (f64, f64),
+        air: Air,
+        time_s: Span,
+    ) -> Result<Network, String> {
+        Ok(Network::over(setting::drawn(zones, margin, turn_radius, time_s)?, air, time_s, true))
+    }
+
+    fn over(ground: Ground, air: Air, time_s: Span, on_plane: bool) -> Network {
+        let mut bends = ground.bends();
+        bends.truncate(BENDS_MAX);
+        let bends_open_s = bends.iter().map(|bend| ground.open_s(bend)).collect();
+        let joins = bends.iter().map(|_| Vec::new()).collect();
+        let changes_s = ground.changes_s();
+        let mut network = Network {
+            changes_s,
+            ground,
+            air,
+            time_s,
+            on_plane,
+            bends: Vec::new(),
+            bends_open_s,
+            joins,
+            places: Vec::new(),
+            direct: BTreeMap::new(),
+            legs: Vec::new(),
+            found: super::ways::Found::default(),
+            work: 0,
+        };
+        for (number, bend) in bends.iter().enumerate() {
+            for (other, there) in bends.iter().enumerate().skip(number + 1) {
+                let Some(ride) = network.tangent(bend, there) else { continue };
+                if let Some(joins) = network.joins.get_mut(number) {
+                    joins.push(Join { bend: other, ride });
+                }
+                if let Some(joins) = network.joins.get_mut(other) {
+                    joins.push(Join { bend: number, ride: ride.reversed() });
+                }
+            }
+        }
+        network.bends = bends;
+        network
+    }
+
+    /// The number of bends, for people and tests.
+    pub fn bends(&self) -> usize {
+        self.bends.len()
+    }
+
+    /// Legs looked at and labels set since the last call, for budgets.
+    pub fn take_work(&mut self) -> u64 {
+        std::mem::take(&mut self.work)
+    }
+
+    /// Adds a place.
+    ///
+    /// # Errors
+    /// It is not on the map.
+    pub fn add(&mut self, position: Position) -> Result<PlaceId, Trouble> {
+        let spot = if self.on_plane { Err(Trouble::TooFar) } else { self.ground.spot(position) };
+        spot.map(|spot| self.admit(spot))
+    }
+
+    /// Adds a place of the plane.
+    ///
+    /// # Errors
+    /// It is not finite.
+    pub fn add_point(&mut self, point: Point) -> Result<PlaceId, Trouble> {
+        self.ground.spot_on_plane(point).map(|spot| self.admit(spot))
+    }
+
+    fn admit(&mut self, spot: Spot) -> PlaceId {
+        let open_s = self.ground.open_s(&spot);
+        self.places.push(Place { spot, open_s, joins: None });
+        PlaceId(self.places.len() - 1)
+    }
+
+    /// Why it is not allowed to be at `place` at some time of `time_s`; none where it is at all times of it.
+    pub fn place_trouble(&self, place: PlaceId, time_s: Span) -> Option<Trouble> {
+        self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
+    }
+
+    /// How many times zones have opened or shut by `time_s`: what is allowed is the same at times of equal numbers.
+    pub fn epoch(&self, time_s: f64) -> usize {
+        self.changes_s.partition_point(|change_s| *change_s <= time_s)
+    }
+
+    /// Why the straight leg between two positions is not allowed at some time of `time_s`.
+    pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<Trouble> {
+        let spots = self.ground.spot(from).and_then(|from| Ok((from, self.ground.spot(to)?)));
+        match spots {
+            Ok((from, to)) => self.ground.leg_trouble(&from, &to, (from_s, until_s)),
+            Err(trouble) => Some(trouble),
+        }
+    }
+
+    /// The ride between two bends or a place and a bend, if it is of use to a shortest way.
+    fn tangent(&mut self, from: &Spot, to: &Spot) -> Option<Ride> {
+        let along = to.point.minus(from.point);
+        if !from.takes(along) || !to.takes(along) {
+            return None;
+        }
+        let leg = self.straight(from, to).ok()?;
+        Some(Ride { leg, backwards: false })
+    }
+
+    fn straight(&mut self, from: &Spot, to: &Spot) -> Result<usize, Trouble> {
+        self.work += 1;
+        let blocks = self.ground.blocks(from, to)?;
+        let course = if self.on_plane {
+            Course::on_plane(from.point, to.point)
+        } else {
+            Course::on_earth(from.direction, to.direction)
+        };
+        let course = course.ok_or(Trouble::TooFar)?;
+        self.legs.push(Leg { course, blocks, timings: Default::default() });
+        Ok(self.legs.len() - 1)
+    }
+
+    /// The straight ride between two places.
+    ///
+    /// # Errors
+    /// What shuts it for ever.
+    pub(super) fn direct(&mut self, from: PlaceId, to: PlaceId) -> Result<Ride, Trouble> {
+        let key = (from.0.min(to.0), from.0.max(to.0));
+        let backwards = from.0 > to.0;
+        if let Some(known) = self.direct.get(&key) {
+            return known.clone().map(|leg| Ride { leg, backwards });
+        }
+        let spots = self.places.get(key.0).zip(self.places.get(key.1));
+        let (a, b) = spots.map(|(a, b)| (a.spot.clone(), b.spot.clone())).ok_or(Trouble::TooFar)?;
+        let leg = self.straight(&a, &b);
+        self.direct.insert(key, leg.clone());
+        leg.map(|leg| Ride { leg, backwards })
+    }
+
+    /// Rides from a place to bends.
+    pub(super) fn joins_of_place(&mut self, place: PlaceId) -> Vec<Join> {
+        let Some(found) = self.places.get(place.0) else { return Vec::new() };
+        if let Some(joins) = &found.joins {
+            return joins.clone();
+        }
+        let spot = found.spot.clone();
+        let bends = std::mem::take(&mut self.bends);
+        let tangents = bends.iter().enumerate();
+        let joins: Vec<Join> =
+            tangents.filter_map(|(bend, there)| Some(Join { bend, ride: self.tangent(&spot, there)? })).collect();
+        self.bends = bends;
+        if let Some(place) = self.places.get_mut(place.0) {
+            place.joins = Some(joins.clone());
+        }
+        joins
+    }
+
+    /// Rides between a bend and others.
+    pub(super) fn joins_of_bend(&self, bend: usize) -> &[Join] {
+        self.joins.get(bend).map_or(&[], Vec::as_slice)
+    }
+
+    /// When a ride that begins at `depart_s` ends.
+    pub(super) fn arrive(&mut self, ride: Ride, depart_s: f64) -> f64 {
+        let Some(leg) = self.legs.get_mut(ride.leg) else { return f64::INFINITY };
+        let timing = leg.timings.get_mut(usize::from(ride.backwards));
+        timing.map_or(f64::INFINITY, |timing| leg.course.arrive(&self.air, ride.backwards, timing, depart_s))
+    }
+
+    /// When to begin a ride so as to end it at `arrive_s`.
+    pub(super) fn retreat(&self, ride: Ride, arrive_s: f64) -> f64 {
+        let leg = self.legs.get(ride.leg);
+        leg.map_or(f64::NEG_INFINITY, |leg| leg.course.retreat(&self.air, ride.backwards, arrive_s, 1.0))
+    }
+
+    /// Departures at which a ride is shut.
+    pub(super) fn closed(&mut self, ride: Ride) -> &[Span] {
+        let Some(leg) = self.legs.get_mut(ride.leg) else { return &[] };
+        let timing = leg.timings.get_mut(usize::from(ride.backwards));
+        timing.map_or(&[], |timing| leg.course.closed(&self.air, ride.backwards, &leg.blocks, timing))
+    }
+
+    /// The first departure from `ready_s` on at which the ride is not shut.
+    pub(super) fn first_open(&mut self, ride: Ride, ready_s: f64) -> f64 {
+        first_open(self.closed(ride), ready_s)
+    }
+
+    /// Length of a ride.
+    pub(super) fn length(&self, ride: Ride) -> f64 {
+        self.legs.get(ride.leg).map_or(f64::INFINITY, |leg| leg.course.length())
+    }
+
+    /// Where a bend is.
+    pub(super) fn bend(&self, bend: usize) -> Option<&Spot> {
+        self.bends.get(bend)
+    }
+}
+
+/// The ride the other way.
+pub(super) fn reversed(join: &Join) -> Ride {
+    join.ride.reversed()
+}

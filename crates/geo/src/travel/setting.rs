@@ -1,0 +1,139 @@
+//! What ways must obey, as data: from a mission on the Earth, or drawn on a plane.
+
+use super::bends::crossing;
+use super::ground::{Ground, Zone};
+use super::solid::Solid;
+use super::spans::{Span, merged};
+use crate::landing::Reach;
+use crate::plane::{Plane, Point};
+use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
+
+/// What a flight between some altitudes during some time must obey.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    /// Zones of airspace.
+    pub zones: &'a [AirspaceZone],
+    /// Distance kept from the edges of restricted zones, where the ends of a leg keep it.
+    pub margin_m: f64,
+    /// The vehicle cannot turn more tightly than this: ways bend around corners of zones on arcs of at least this radius.
+    pub turn_radius_m: f64,
+    /// Emergency landing places.
+    pub landing_places: &'a [LandingPlace],
+    /// Never farther than this from the nearest of them; none is no limit.
+    pub landing_distance_m_max: Option<f64>,
+    /// Positions in whose middle the projection is centred.
+    pub around: &'a [Position],
+    /// Lowest and highest altitude of the flight above mean sea level: zones above and below play no part.
+    pub altitudes_m: (f64, f64),
+    /// Beginning and end of the time looked at: zones active at other times play no part.
+    pub time_s: (f64, f64),
+}
+
+/// A zone drawn on a plane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlaneZone {
+    /// Its name.
+    pub name: String,
+    /// True: stay inside (one of these); false: keep out.
+    pub keep_in: bool,
+    /// Corners in order, either sense, not closed.
+    pub corners: Vec<Point>,
+    /// When it is active; empty for always.
+    pub active_s: Vec<(f64, f64)>,
+}
+
+/// A projection around `positions` on which all zones lie.
+pub(crate) fn ground(setting: &Setting<'_>) -> Result<Ground, String> {
+    let plane = Plane::around(setting.around);
+    let (low_m, high_m) = setting.altitudes_m;
+    let mut flat: Vec<(PlaneZone, f64)> = Vec::new();
+    let mut must_stay = false;
+    for zone in setting.zones {
+        let keep_in = zone.kind == ZoneKind::Permitted;
+        must_stay |= keep_in;
+        let counts = if keep_in {
+            zone.altitude_m_min <= low_m && high_m < zone.altitude_m_max
+        } else {
+            zone.altitude_m_min <= high_m && low_m < zone.altitude_m_max
+        };
+        let corners = corners(zone, &plane)?;
+        if !counts {
+            continue;
+        }
+        let active_s = vec![(zone.active.from_s, zone.active.until_s)];
+        let stretch = corners.iter().fold(1.0, |most: f64, corner| most.max(plane.stretch(*corner)));
+        let same = |(other, _): &&mut (PlaneZone, f64)| {
+            other.keep_in == keep_in && other.name == zone.name && other.corners == corners
+        };
+        match flat.iter_mut().find(same) {
+            Some((other, _)) => other.active_s.extend(active_s),
+            None => flat.push((PlaneZone { name: zone.name.clone(), keep_in, corners, active_s }, stretch)),
+        }
+    }
+    let zones = flat.iter().filter_map(|(zone, stretch)| {
+        made(zone, setting.margin_m * stretch, setting.turn_radius_m * stretch, setting.time_s)
+    });
+    let reach = setting.landing_distance_m_max.map(|limit_m| Reach::new(setting.landing_places.to_vec(), limit_m));
+    Ok(Ground::new(zones.collect(), must_stay, reach, Some(plane), setting.time_s))
+}
+
+/// Zones on a plane, each kept at `margin`.
+pub(crate) fn drawn(zones: &[PlaneZone], margin: f64, turn_radius: f64, time_s: Span) -> Result<Ground, String> {
+    if let Some(zone) = zones.iter().find(|zone| Solid::new(&zone.corners).is_none()) {
+        return Err(no_polygon(&zone.name, zone.corners.len()));
+    }
+    let must_stay = zones.iter().any(|zone| zone.keep_in);
+    let zones = zones.iter().filter_map(|zone| made(zone, margin, turn_radius, time_s));
+    Ok(Ground::new(zones.collect(), must_stay, None, None, time_s))
+}
+
+fn no_polygon(name: &str, corners: usize) -> String {
+    format!("Zone {name} has {corners} corners, of which fewer than three differ; a polygon needs three.")
+}
+
+fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
+    let name = &zone.name;
+    let flat = zone.corners.iter().map(|corner| {
+        plane.project(*corner).ok_or_else(|| {
+            let (latitude, longitude) = (corner.latitude_deg, corner.longitude_deg);
+            format!("Zone {name} has a corner at ({latitude} {longitude}), too far from the mission.")
+        })
+    });
+    let flat: Vec<Point> = flat.collect::<Result<_, String>>()?;
+    if Solid::new(&flat).is_none() {
+        return Err(no_polygon(name, flat.len()));
+    }
+    if let Some((first, second)) = crossing(&flat) {
+        return Err(format!(
+            "Zone {name} crosses itself: its edge from corner {} and its edge from corner {} meet. Give its corners in order around it.",
+            first + 1,
+            second + 1
+        ));
+    }
+    Ok(flat)
+}
+
+/// The zone with its times inside `time_s`; none where it is never active then.
+fn made(zone: &PlaneZone, margin: f64, turn_radius: f64, time_s: Span) -> Option<Zone> {
+    let (begin_s, end_s) = time_s;
+    let inside = |(from_s, until_s): &(f64, f64)| {
+        let meets = *from_s <= end_s && *until_s > begin_s && until_s > from_s;
+        let from_s = if *from_s <= begin_s { f64::NEG_INFINITY } else { *from_s };
+        let until_s = if *until_s > end_s { f64::INFINITY } else { *until_s };
+        meets.then_some((from_s, until_s))
+    };
+    let always = vec![(f64::NEG_INFINITY, f64::INFINITY)];
+    let active_s =
+        if zone.active_s.is_empty() { always } else { merged(zone.active_s.iter().filter_map(inside).collect(), 0.0) };
+    let solid = Solid::new(&zone.corners)?;
+    let margin = if zone.keep_in { 0.0 } else { margin.max(0.0) };
+    let bend_radius = margin.max(turn_radius);
+    (!active_s.is_empty()).then(|| Zone {
+        name: zone.name.clone(),
+        keep_in: zone.keep_in,
+        solid,
+        margin,
+        bend_radius,
+        active_s,
+    })
+}

@@ -1,0 +1,240 @@
+//! Ways between places, and when they arrive.
+//!
+//! Between two places the straight leg is flown where it is never shut. Elsewhere a set of ways is found once, each the best
+//! for leaving at some instant (the beginning, and whenever zones or the wind change); from then on the pair's arrival is
+//! that of the best of them, holding at the departure where that is needed. On one way nobody overtakes, so that leaving
+//! later never means arriving earlier. Bound of a question: O(ways x legs), mostly O(1).
+
+use super::course::first_open;
+use super::network::{Network, PlaceId, Ride};
+use super::search::{FoundWay, Tree};
+use super::spans::{Span, merged};
+use super::trouble::Trouble;
+use crate::plane::Point;
+use apex_model::problem::Position;
+use std::collections::BTreeMap;
+
+/// Instants of departure for which ways are searched.
+const INSTANTS_MAX: usize = 16;
+
+/// The number of a way of a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WayId(usize);
+
+/// When to leave and when one is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trip {
+    /// Later than asked for where it is better to hold first.
+    pub depart_s: f64,
+    /// At the end.
+    pub arrive_s: f64,
+    /// By which way.
+    pub way: WayId,
+}
+
+#[derive(Clone, Debug)]
+struct Way {
+    from: PlaceId,
+    to: PlaceId,
+    bends: Vec<usize>,
+    rides: Vec<Ride>,
+    /// Departures at which some part is shut: open spans, sorted.
+    closed_s: Vec<Span>,
+}
+
+/// The ways found so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    ways: Vec<Way>,
+    /// Numbers of sets of ways.
+    between: BTreeMap<(usize, usize), Result<usize, Trouble>>,
+    sets: Vec<Vec<WayId>>,
+    /// Straight ways, and whether they are never shut.
+    straight: BTreeMap<(usize, usize), Result<(WayId, bool), Trouble>>,
+    trees: BTreeMap<usize, Vec<Tree>>,
+    instants_s: Option<Vec<f64>>,
+}
+
+impl Network {
+    /// The first arrival at `to` of who is at `from` at `ready_s`.
+    ///
+    /// # Errors
+    /// What stands in the way.
+    pub fn trip(&mut self, from: PlaceId, to: PlaceId, ready_s: f64) -> Result<Trip, Trouble> {
+        let key = (from.0, to.0);
+        let set = match self.found.between.get(&key) {
+            Some(Ok(set)) => *set,
+            Some(Err(trouble)) => return Err(trouble.clone()),
+            None => {
+                let set = self.find(from, to).map(|ways| {
+                    self.found.sets.push(ways);
+                    self.found.sets.len() - 1
+                });
+                self.found.between.insert(key, set.clone());
+                set?
+            }
+        };
+        let mut best: Option<Trip> = None;
+        for index in 0..self.found.sets.get(set).map_or(0, Vec::len) {
+            let way = self.found.sets.get(set).and_then(|ways| ways.get(index)).copied();
+            let trip = way.and_then(|way| self.trip_by(way, ready_s));
+            if let Some(trip) = trip.filter(|trip| best.is_none_or(|best| trip.arrive_s < best.arrive_s)) {
+                best = Some(trip);
+            }
+        }
+        best.ok_or(Trouble::Shut)
+    }
+
+    /// The first arrival by one way; none where it is shut or `from` must not be held at for so long.
+    fn trip_by(&mut self, number: WayId, ready_s: f64) -> Option<Trip> {
+        let way = self.found.ways.get(number.0)?;
+        let depart_s = first_open(&way.closed_s, ready_s);
+        let (from, rides) = (way.from, way.rides.len());
+        if depart_s > ready_s && self.may_hold_until_s(from, ready_s).is_none_or(|until_s| until_s < depart_s) {
+            return None;
+        }
+        let mut now_s = depart_s;
+        for index in 0..rides {
+            let ride = self.found.ways.get(number.0).and_then(|way| way.rides.get(index)).copied()?;
+            now_s = self.arrive(ride, now_s);
+        }
+        now_s.is_finite().then_some(Trip { depart_s, arrive_s: now_s, way: number })
+    }
+
+    /// Both ends of a way and the bends between, on the Earth.
+    pub fn positions(&self, way: WayId) -> Vec<Position> {
+        self.spots(way).into_iter().map(|(position, _)| position).collect()
+    }
+
+    /// The same on the plane.
+    pub fn points(&self, way: WayId) -> Vec<Point> {
+        self.spots(way).into_iter().map(|(_, point)| point).collect()
+    }
+
+    fn spots(&self, way: WayId) -> Vec<(Position, Point)> {
+        let Some(way) = self.found.ways.get(way.0) else { return Vec::new() };
+        let ends = |place: PlaceId| self.places.get(place.0).map(|place| &place.spot);
+        let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
+        let spots = ends(way.from).into_iter().chain(between).chain(ends(way.to));
+        spots.map(|spot| (spot.position, spot.point)).collect()
+    }
+
+    /// Length of a way over ground.
+    pub fn length_of(&self, way: WayId) -> f64 {
+        self.found.ways.get(way.0).map_or(f64::INFINITY, |way| way.rides.iter().map(|ride| self.length(*ride)).sum())
+    }
+
+    /// Trips from every place to every place for who is ready at `ready_s`: a row for each place of departure. A place to
+    /// itself takes no time.
+    pub fn matrix(&mut self, from: &[PlaceId], to: &[PlaceId], ready_s: f64) -> Vec<Vec<Option<Trip>>> {
+        let row = |here: &PlaceId| {
+            let mut tree = None;
+            to.iter().map(|there| self.trip_now(*here, *there, ready_s, &mut tree)).collect()
+        };
+        from.iter().map(row).collect()
+    }
+
+    /// As [`Network::trip`], by the way that is best for leaving at `ready_s`.
+    fn trip_now(&mut self, from: PlaceId, to: PlaceId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
+        let straight = self.straight_way(from, to).ok();
+        let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));
+        if straight.is_some_and(|(_, free)| free) {
+            return direct;
+        }
+        if tree.is_none() {
+            *tree = Some(self.tree(from, ready_s));
+        }
+        let found = tree.as_ref().and_then(|tree| self.way_over(tree, to));
+        let around = found.and_then(|found| {
+            let way = self.keep(from, to, found);
+            self.trip_by(way, ready_s)
+        });
+        match (direct, around) {
+            (Some(direct), Some(around)) if around.arrive_s < direct.arrive_s => Some(around),
+            (direct, around) => direct.or(around),
+        }
+    }
+
+    /// The straight way, and whether it is never shut.
+    fn straight_way(&mut self, from: PlaceId, to: PlaceId) -> Result<(WayId, bool), Trouble> {
+        if let Some(known) = self.found.straight.get(&(from.0, to.0)) {
+            return known.clone();
+        }
+        let straight = self.direct(from, to).map(|ride| {
+            let free = self.closed(ride).is_empty();
+            let found = FoundWay { arrive_s: 0.0, rides: vec![ride], bends: Vec::new() };
+            (self.keep(from, to, found), free)
+        });
+        self.found.straight.insert((from.0, to.0), straight.clone());
+        straight
+    }
+
+    fn find(&mut self, from: PlaceId, to: PlaceId) -> Result<Vec<WayId>, Trouble> {
+        let straight = self.straight_way(from, to);
+        if let Ok((way, true)) = straight {
+            return Ok(vec![way]);
+        }
+        for place in [from, to] {
+            let trouble = self.place_trouble(place, (f64::NEG_INFINITY, f64::INFINITY));
+            if let Some(trouble) = trouble.filter(|_| !self.is_ever_open(place)) {
+                return Err(trouble);
+            }
+        }
+        let mut ways: Vec<WayId> = straight.iter().map(|(way, _)| *way).collect();
+        if !self.found.trees.contains_key(&from.0) {
+            let instants_s = self.instants_s();
+            let trees = instants_s.into_iter().map(|instant_s| self.tree(from, instant_s)).collect();
+            self.found.trees.insert(from.0, trees);
+        }
+        let trees = self.found.trees.remove(&from.0).unwrap_or_default();
+        for tree in &trees {
+            let Some(found) = self.way_over(tree, to) else { continue };
+            let known = |way: &WayId| self.found.ways.get(way.0).is_some_and(|way| way.rides == found.rides);
+            if !ways.iter().any(known) {
+                ways.push(self.keep(from, to, found));
+            }
+        }
+        self.found.trees.insert(from.0, trees);
+        if ways.is_empty() { Err(straight.err().unwrap_or(Trouble::Shut)) } else { Ok(ways) }
+    }
+
+    /// May one ever be at `place`, as far as zones and landing places go?
+    fn is_ever_open(&self, place: PlaceId) -> bool {
+        let Some(open_s) = self.places.get(place.0).map(|place| &place.open_s) else { return false };
+        open_s.iter().any(|(from_s, until_s)| self.place_trouble(place, (*from_s, until_s.next_down())).is_none())
+    }
+
+    fn instants_s(&mut self) -> Vec<f64> {
+        if let Some(instants_s) = &self.found.instants_s {
+            return instants_s.clone();
+        }
+        let (begin_s, end_s) = self.time_s;
+        let mut all_s = self.changes_s.clone();
+        all_s.extend_from_slice(self.air.changes_s());
+        all_s.retain(|time_s| begin_s < *time_s && *time_s < end_s);
+        all_s.push(begin_s);
+        all_s.sort_by(f64::total_cmp);
+        all_s.dedup();
+        let every = all_s.len().div_ceil(INSTANTS_MAX).max(1);
+        let chosen: Vec<f64> = all_s.into_iter().step_by(every).collect();
+        self.found.instants_s = Some(chosen.clone());
+        chosen
+    }
+
+    /// Remembers a way, with the departures at which some part of it is shut.
+    fn keep(&mut self, from: PlaceId, to: PlaceId, found: FoundWay) -> WayId {
+        let mut closed_s: Vec<Span> = Vec::new();
+        for (number, ride) in found.rides.iter().enumerate() {
+            for (mut first_s, mut second_s) in self.closed(*ride).to_vec() {
+                for before in found.rides.iter().take(number).rev() {
+                    first_s = if first_s.is_finite() { self.retreat(*before, first_s) } else { first_s };
+                    second_s = if second_s.is_finite() { self.retreat(*before, second_s) } else { second_s };
+                }
+                closed_s.push((first_s, second_s));
+            }
+        }
+        let closed_s = merged(closed_s, 0.0);
+        self.found.ways.push(Way { from, to, bends: found.bends, rides: found.rides, closed_s });
+        WayId(self.found.ways.len() - 1)
+    }
+}
