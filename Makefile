@@ -24,7 +24,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench bench-orienteering bench-travel golden-travel spec sim properties nightly clean
+.PHONY: help build fly test check web python bench bench-orienteering bench-curves bench-travel golden-travel spec sim properties nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -76,6 +76,10 @@ bench-travel: $(TARGET)/extremity/.installed ## Travel matrices among zones, bes
 
 golden-travel: $(TARGET)/extremity/.installed ## Ask extremitypathfinder for the committed lengths of shortest ways again.
 	$(EXTREMITY) check crates/geo/src/travel/golden/extremity.txt
+
+bench-curves: ## Value against processor time for all planners, and growth with targets: data and picture of docs/pictures/anytime-curves.
+	cargo run --locked --quiet --release --package apex-benches --bin curves -- measure docs/pictures/anytime-curves.csv
+	cargo run --locked --quiet --release --package apex-benches --bin curves -- draw docs/pictures/anytime-curves.csv docs/pictures/anytime-curves.svg
 
 sim: $(CI_APEX) ## Fly all missions in the world of SEED=n and replay each.
 	$(call fly_all,$(CI_APEX),$(FLIGHTS)/seed-$(SEED),--seed $(SEED))
