@@ -22,6 +22,8 @@ pub enum Subject {
     EveryAttribute,
     /// Messages.
     Messages,
+    /// Messages that begin with this word.
+    MessagesOf(Symbol),
 }
 
 /// How much of it.
@@ -182,7 +184,9 @@ pub fn kept(library: &Library) -> Vec<Kept> {
     let of = |subject: Subject| {
         let own = demands.iter().filter(|demand| demand.subject == subject);
         match &subject {
-            Subject::Messages => messages(own, limit(library, Limit::EventHistory)),
+            Subject::Messages | Subject::MessagesOf(_) => {
+                messages(subject.clone(), own, limit(library, Limit::EventHistory))
+            }
             Subject::EveryAttribute => samples(subject.clone(), own, None, Duration::ZERO, most),
             Subject::Attribute(name) => {
                 let declaration = library.state_variables.get(name);
@@ -235,10 +239,21 @@ fn samples<'a>(
     Kept { subject, span, count, bytes, rate_per_s, logged: logged.unwrap_or_default() }
 }
 
-fn messages<'a>(demands: impl Iterator<Item = &'a Demand>, count: u64) -> Kept {
-    let (span, _) = longest(demands);
+fn messages<'a>(subject: Subject, demands: impl Iterator<Item = &'a Demand>, most: u64) -> Kept {
+    let (span, logged) = longest(demands);
+    let logged = logged.unwrap_or_default();
+    let count = if span == Some(Duration::ZERO) && logged > 0 { logged.min(most) } else { most };
     let bytes = Some(count * size_of::<Occurrence>() as u64);
-    Kept { subject: Subject::Messages, span, count: Some(count), bytes, rate_per_s: None, logged: 0 }
+    Kept { subject, span, count: Some(count), bytes, rate_per_s: None, logged }
+}
+
+impl Subject {
+    fn noun(&self) -> &'static str {
+        match self {
+            Subject::Attribute(_) | Subject::EveryAttribute => "samples",
+            Subject::Messages | Subject::MessagesOf(_) => "messages",
+        }
+    }
 }
 
 impl fmt::Display for Subject {
@@ -247,6 +262,7 @@ impl fmt::Display for Subject {
             Subject::Attribute(name) => write!(f, "{name}"),
             Subject::EveryAttribute => f.write_str("every other variable"),
             Subject::Messages => f.write_str("messages"),
+            Subject::MessagesOf(word) => write!(f, "messages ({word} ..)"),
         }
     }
 }
@@ -261,7 +277,7 @@ fn size(bytes: u64) -> String {
 
 impl Kept {
     fn words(&self) -> String {
-        let what = if self.subject == Subject::Messages { "messages" } else { "samples" };
+        let what = self.subject.noun();
         let amount = match (self.count, self.bytes) {
             (Some(count), Some(bytes)) => format!("at most {count} {what}, {}", size(bytes)),
             _ => "samples unknown: its rate is not declared".into(),
@@ -269,6 +285,7 @@ impl Kept {
         let span = match self.span {
             None => "all".to_string(),
             Some(Duration::ZERO) if self.subject == Subject::Messages => "those of the newest instant".to_string(),
+            Some(Duration::ZERO) if matches!(self.subject, Subject::MessagesOf(_)) => "its log".to_string(),
             Some(Duration::ZERO) if self.logged > 0 => "its log, else the newest two".to_string(),
             Some(Duration::ZERO) => "the newest two".to_string(),
             Some(span) => format!("the last {span}"),
@@ -290,7 +307,8 @@ pub fn report(library: &Library) -> String {
                 Reach::Span(span) => format!("{span}"),
                 Reach::Unbounded => "no bound".into(),
                 Reach::Log { time, count } => {
-                    [time.map(|time| format!("log of {time}")), count.map(|count| format!("log of {count} samples"))]
+                    let noun = kept.subject.noun();
+                    [time.map(|time| format!("log of {time}")), count.map(|count| format!("log of {count} {noun}"))]
                         .into_iter()
                         .flatten()
                         .reduce(|all, next| format!("{all}, {next}"))
@@ -303,7 +321,7 @@ pub fn report(library: &Library) -> String {
     for demand in demands.iter().filter(|demand| demand.is_unbounded()) {
         let (because, instead) = (demand.reason(), demand.help());
         let limit = match demand.subject {
-            Subject::Messages => limit(library, Limit::EventHistory),
+            Subject::Messages | Subject::MessagesOf(_) => limit(library, Limit::EventHistory),
             Subject::Attribute(_) | Subject::EveryAttribute => limit(library, Limit::HistorySamples),
         };
         let _ = writeln!(text, "without bound, up to the limit of {limit}: {}: {}", place(demand), demand.text);

@@ -116,3 +116,34 @@ fn odd_samples_are_counted_and_told_and_late_ones_can_be_seen() {
     let aside: Vec<_> = history.late_samples().map(|sample| sample.at).collect();
     assert_eq!(aside, [seconds(2.0)], "it is kept aside");
 }
+
+/// What is kept of messages that begin with `seen`, in whole seconds, while a procedure that logs them is at work and after
+/// its end; nobody asks for them.
+fn messages_kept(limits: &str) -> [Option<Vec<i64>>; 2] {
+    let mut agent = agent(&format!(
+        "(procedure (index (do-domain))
+           (step watch (watch))
+           (step finish (terminate) (waitfor (bye))))
+         (procedure (index (watch)) (log ((:events seen) {limits})) (step rest (terminate) (waitfor (stop))))"
+    ));
+    let seconds_of = |agent: &Agent, from: f64| {
+        let kept = agent.histories.events_of(&Symbol::new("seen"), seconds(from), seconds(100.0))?;
+        Some(kept.iter().map(|event| event.at.0 / 1_000_000_000).collect())
+    };
+    let said = |at: f64| [message(at, "(seen site)"), message(at, "(heard site)")];
+    let events: Vec<Event> = [1.0, 2.0, 3.0, 6.0, 7.0, 12.0].into_iter().flat_map(said).collect();
+    run_from(&mut agent, &events, seconds(0.0), 12.0);
+    let during = seconds_of(&agent, 6.0);
+    run_from(&mut agent, &[message(13.0, "(stop)"), message(14.0, "(noise)")], seconds(13.0), 14.0);
+    [during, seconds_of(&agent, 6.0)]
+}
+
+#[test]
+fn a_log_keeps_messages_by_their_first_word_while_its_procedure_is_at_work() {
+    assert_eq!(messages_kept(""), [Some(vec![6, 7, 12]), None]);
+    assert_eq!(messages_kept(":time-limit 6s"), [Some(vec![6, 7, 12]), None]);
+    assert_eq!(messages_kept(":frequency-limit 3s"), [Some(vec![6, 12]), None]);
+    // Dropped as too many or too old is unknown, not absent.
+    assert_eq!(messages_kept(":count-limit 2"), [None, None]);
+    assert_eq!(messages_kept(":time-limit 5s"), [None, None]);
+}

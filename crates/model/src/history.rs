@@ -6,6 +6,7 @@
 
 use crate::agent_limits::{Limit, Limits};
 use crate::event::StateVariable;
+use crate::event_log::{EventLogs, OpenEventLog};
 use crate::history_table::HistoryTable;
 use crate::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
 use crate::symbol::Symbol;
@@ -34,6 +35,17 @@ pub struct Occurrence {
     pub sequence: u64,
     /// Its form.
     pub form: Value,
+}
+
+impl Occurrence {
+    /// The symbol that the message begins with, or is.
+    pub fn head(&self) -> Option<&Symbol> {
+        let head = match &self.form {
+            Value::List(items) => items.first()?,
+            other => other,
+        };
+        head.as_symbol()
+    }
 }
 
 /// What recording did with a sample.
@@ -128,6 +140,8 @@ pub struct Histories {
     events: VecDeque<Occurrence>,
     events_forgotten_until: Option<Time>,
     event_lookback: Duration,
+    #[serde(default)]
+    event_logs: EventLogs,
 }
 
 impl History {
@@ -332,8 +346,9 @@ impl Histories {
     /// because of the limit, and none was before.
     pub fn record_event(&mut self, event: Occurrence) -> bool {
         let before = self.events_overflowed;
+        let log_overflows = self.event_logs.record(&event, self.most.events);
         self.keep_event(event);
-        self.events_overflowed && !before
+        log_overflows || (self.events_overflowed && !before)
     }
 
     fn keep_event(&mut self, event: Occurrence) {
@@ -384,6 +399,31 @@ impl Histories {
         self.event_lookback = self.event_lookback.max(lookback);
     }
 
+    /// Somebody may ask for messages that begin with `head`, up to `lookback` before the newest of them.
+    pub fn require_events_of(&mut self, head: &Symbol, lookback: Duration) {
+        self.event_logs.require(head, lookback);
+    }
+
+    /// Messages that begin with `head` with `start <= at <= end`, oldest first; none when they are no longer kept.
+    pub fn events_of(&self, head: &Symbol, start: Time, end: Time) -> Option<Vec<&Occurrence>> {
+        let of_it = |event: &&Occurrence| event.at <= end && event.head() == Some(head);
+        if self.events_cover(start) {
+            return Some(self.events_from(start).filter(of_it).collect());
+        }
+        let (kept, whole) = self.event_logs.of(head, start)?;
+        whole.then(|| kept.filter(|event| event.at >= start).filter(of_it).collect())
+    }
+
+    /// Opens a policy of messages: those that are still remembered count; the number closes it again.
+    pub fn open_event_log(&mut self, log: OpenEventLog) -> u64 {
+        let number = self.next_log;
+        self.next_log = self.next_log.saturating_add(1);
+        let forgotten = self.events_forgotten_until;
+        let remembered = self.events.iter().filter(|event| forgotten.is_none_or(|until| event.at > until));
+        self.event_logs.open(number, log, remembered, forgotten, self.most.events);
+        number
+    }
+
     /// Opens a log policy; the number closes it again.
     pub fn open_log(&mut self, log: OpenLog) -> u64 {
         let number = self.next_log;
@@ -399,6 +439,7 @@ impl Histories {
         if let Some(log) = self.logs.remove(&number) {
             self.refresh(&log.variable);
         }
+        self.event_logs.close(number);
     }
 
     fn refresh(&mut self, variable: &StateVariable) {

@@ -21,6 +21,7 @@ pub mod effect;
 pub mod episode_bank;
 pub mod estimate;
 pub mod event;
+pub mod event_log;
 pub mod evidence_list;
 pub mod expression;
 mod ground;

@@ -64,13 +64,13 @@ pub struct ResourceNeed {
 /// `(log ..)` clause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogPolicy {
-    /// The state variable, `(ATTR OBJ)`.
-    pub variable: Template,
+    /// The state variable, `(ATTR OBJ)`, or messages by their first word, `(:events HEAD)`.
+    pub subject: Template,
     /// Not more often than this.
     pub frequency_limit: Option<Duration>,
     /// Not longer than this.
     pub time_limit: Option<Duration>,
-    /// Not more samples than this.
+    /// Not more samples or messages than this.
     pub count_limit: Option<u64>,
 }
 

@@ -93,7 +93,9 @@ fn is_clock(name: &Symbol) -> bool {
 
 /// Functions that read the clock, or look into a window that ends now.
 fn looks_back(function: &Symbol) -> bool {
-    ["elapsed", "duration-of", "mean-over", "min-over", "max-over", "samples-over"].iter().any(|name| function.is(name))
+    ["elapsed", "duration-of", "mean-over", "min-over", "max-over", "samples-over", "events-over"]
+        .iter()
+        .any(|name| function.is(name))
 }
 
 /// The bounds of `expr` from `view.now` to `until`; [`Bounds::ANY`] where that is beyond what is known of its form. None when

@@ -15,6 +15,7 @@ use apex_model::children::Children;
 use apex_model::clause::Level;
 use apex_model::controller::{Controller, ItemsController, ProcedureController};
 use apex_model::event::StateVariable;
+use apex_model::event_log::OpenEventLog;
 use apex_model::history::OpenLog;
 use apex_model::procedure::{Procedure, ProcedureKind};
 use apex_model::symbol::Symbol;
@@ -56,34 +57,45 @@ pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, reference: ProcedureRef, 
 
 fn open_logs(cycle: &mut Cycle<'_>, id: TaskId, procedure: &Procedure) {
     for policy in &procedure.log {
-        let value = match instantiate(&policy.variable, &cycle.view(id, Level::Procedure)) {
+        let value = match instantiate(&policy.subject, &cycle.view(id, Level::Procedure)) {
             Ok(value) => value,
             Err(error) => {
                 cycle.trouble(Some(id), error.message, Some(error.place));
                 continue;
             }
         };
-        let Some(variable) = state_variable(&value) else {
-            let message = format!("(log {value}) names no state variable; write (ATTRIBUTE OBJECT)");
-            cycle.trouble(Some(id), message, Some(procedure.place));
-            continue;
+        let spacing = policy.frequency_limit.unwrap_or(Duration::ZERO);
+        let time = policy.time_limit.unwrap_or(Duration::MAX);
+        let count = policy.count_limit.unwrap_or(u64::MAX);
+        let histories = &mut cycle.agent.histories;
+        let number = match (first_word(&value), state_variable(&value)) {
+            (Some(head), _) => histories.open_event_log(OpenEventLog { head, spacing, time, count }),
+            (None, Some(variable)) => histories.open_log(OpenLog { variable, spacing, time, count }),
+            (None, None) => {
+                let message = format!(
+                    "(log {value}) names no state variable and no messages; write (ATTRIBUTE OBJECT) or (:events WORD)"
+                );
+                cycle.trouble(Some(id), message, Some(procedure.place));
+                continue;
+            }
         };
-        let log = OpenLog {
-            variable,
-            spacing: policy.frequency_limit.unwrap_or(Duration::ZERO),
-            time: policy.time_limit.unwrap_or(Duration::MAX),
-            count: policy.count_limit.unwrap_or(u64::MAX),
-        };
-        let number = cycle.agent.histories.open_log(log);
         if let Some(task) = cycle.agent.task_mut(id) {
             task.extras_mut().logs.push(number);
         }
     }
 }
 
+/// The first word of the messages that `(:events WORD)` means.
+fn first_word(value: &Value) -> Option<Symbol> {
+    match value.as_list()? {
+        [keyword, word] if keyword.as_symbol()?.is(":events") => word.as_symbol().cloned(),
+        _ => None,
+    }
+}
+
 fn state_variable(value: &Value) -> Option<StateVariable> {
     let (first, rest) = value.as_list()?.split_first()?;
-    let attribute: &Symbol = first.as_symbol()?;
+    let attribute = first.as_symbol().filter(|attribute| !attribute.is(":events"))?;
     let object = match rest {
         [one] => one.clone(),
         several => Value::list(several.iter().cloned()),

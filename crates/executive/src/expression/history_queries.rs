@@ -5,7 +5,7 @@
 use super::Surroundings;
 use super::arithmetic::{add, compare, described, instant};
 use apex_model::event::StateVariable;
-use apex_model::history::{History, Sample};
+use apex_model::history::{History, Occurrence, Sample};
 use apex_model::limits::LIST_ITEMS_MAX;
 use apex_model::quantity::Quantity;
 use apex_model::time::Time;
@@ -16,6 +16,9 @@ type Outcome = Result<Value, String>;
 
 /// Calls the history query `name`; none when there is no such function.
 pub(super) fn call(name: &str, arguments: &[Value], surroundings: &dyn Surroundings) -> Option<Outcome> {
+    if name == "events-over" {
+        return Some(events(arguments, surroundings));
+    }
     let known = matches!(
         name,
         "current-value"
@@ -66,6 +69,22 @@ fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surround
         }
         _ => Err(format!("{name} does not take these arguments: {}", super::printed(rest))),
     }
+}
+
+/// `(events-over WORD WINDOW)`: messages that begin with the word.
+fn events(arguments: &[Value], surroundings: &dyn Surroundings) -> Outcome {
+    let (Some(Value::Symbol(word)), Some(window @ ([_] | [_, _]))) = (arguments.first(), arguments.get(1..)) else {
+        let given = super::printed(arguments);
+        return Err(format!("events-over needs a word ('arrived) and a window, found {given}"));
+    };
+    let (start, end) = span(window, surroundings.now())?;
+    let Some(events) = surroundings.histories().events_of(word, start, end) else {
+        return Err(format!(
+            "messages ({word} ..) of {start} are no longer kept; a (log (:events {word})) clause keeps them longer"
+        ));
+    };
+    let pair = |event: &Occurrence| Value::list([Value::Time(event.at), event.form.clone()]);
+    Ok(Value::list(events.into_iter().take(LIST_ITEMS_MAX).map(pair)))
 }
 
 fn value_of(sample: Option<&Sample>) -> Value {

@@ -93,6 +93,7 @@ pub(super) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
             Subject::Attribute(attribute) => histories.require_lookback(attribute, lookback),
             Subject::EveryAttribute => histories.require_lookback_of_all(lookback),
             Subject::Messages => histories.require_event_lookback(lookback),
+            Subject::MessagesOf(head) => histories.require_events_of(head, lookback),
         }
     }
 }
@@ -113,7 +114,11 @@ pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> 
 /// What is told when the first message was dropped that somebody may still ask for.
 pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
     let most = limits.of(Limit::EventHistory);
-    forgotten(&format!("more than {most} messages within what conditions ask for"), Limit::EventHistory, limits)
+    forgotten(
+        &format!("more than {most} messages within what conditions, queries or logs ask for"),
+        Limit::EventHistory,
+        limits,
+    )
 }
 
 fn forgotten(over: &str, limit: Limit, limits: &Limits) -> String {

@@ -119,17 +119,24 @@ impl Survey<'_> {
     }
 
     fn log(&mut self, policy: &LogPolicy, place: Place) {
-        let head = match &policy.variable {
-            Template::Constant(form) => head(form).cloned(),
-            Template::List(parts) => match parts.first() {
-                Some(Template::Constant(Value::Symbol(name))) => Some(name.clone()),
-                _ => None,
-            },
-            Template::Hole(_) | Template::Splice(_) => None,
+        let symbol = |part: Option<&Template>| match part {
+            Some(Template::Constant(Value::Symbol(name))) => Some(name.clone()),
+            _ => None,
+        };
+        let (head, word) = match &policy.subject {
+            Template::Constant(form) => {
+                (head(form).cloned(), form.as_list().and_then(|parts| parts.get(1)).and_then(Value::as_symbol).cloned())
+            }
+            Template::List(parts) => (symbol(parts.first()), symbol(parts.get(1))),
+            Template::Hole(_) | Template::Splice(_) => (None, None),
         };
         let reach = Reach::Log { time: policy.time_limit, count: policy.count_limit };
-        let text = || format!("(log {})", words::template(&policy.variable));
-        self.demand(head.map_or(Subject::EveryAttribute, Subject::Attribute), reach, Why::Log, text, place);
+        let text = || format!("(log {})", words::template(&policy.subject));
+        let subject = match (head, word) {
+            (Some(head), Some(word)) if head.is(":events") => Subject::MessagesOf(word),
+            (head, _) => head.map_or(Subject::EveryAttribute, Subject::Attribute),
+        };
+        self.demand(subject, reach, Why::Log, text, place);
     }
 
     fn procedure(&mut self, number: usize, procedure: &Procedure) {
@@ -413,8 +420,32 @@ impl Survey<'_> {
         }
     }
 
+    /// A query of messages looks back as far as its window.
+    fn event_query(&mut self, arguments: &[Expr], whole: &Expr) {
+        let (text, place) = (|| words::expression(whole), whole.place);
+        let asked = match arguments {
+            [_, window] | [_, window, _] => {
+                reach::duration(window, self.library).or_else(|| reach::before_now(window, self.library))
+            }
+            _ => None,
+        };
+        let (reach, why) = match asked {
+            Some(span) => (Reach::Span(span), Why::Window),
+            None => (Reach::Unbounded, Why::QueryTime),
+        };
+        match arguments.first().map(|argument| &argument.kind) {
+            Some(ExprKind::Constant(Value::Symbol(word))) => {
+                self.demand(Subject::MessagesOf(word.clone()), reach, why, text, place);
+            }
+            _ => self.demand(Subject::Messages, reach, why, text, place),
+        }
+    }
+
     /// A query of a history looks back as far as its window; as far as possible when that is not written out.
     fn query(&mut self, function: &Symbol, arguments: &[Expr], whole: &Expr) {
+        if function.is("events-over") {
+            return self.event_query(arguments, whole);
+        }
         if !QUERIES.contains(&function.folded()) {
             return;
         }

@@ -75,7 +75,8 @@ fn is_earliest(limit: &Constraint) -> bool {
 
 fn logs(procedure: &Procedure, report: &mut Report<'_>) {
     for policy in procedure.log.iter().filter(|policy| policy.time_limit.is_none() && policy.count_limit.is_none()) {
-        let head = crate::matching::View::Template(&policy.variable).head().cloned();
+        let head = crate::matching::View::Template(&policy.subject).head().cloned();
+        let messages = head.as_ref().is_some_and(|head| head.is(":events"));
         let place = procedure.place;
         let span = match &head {
             Some(head) => report.locator.word_in_clause(place, "log", head),
@@ -84,7 +85,11 @@ fn logs(procedure: &Procedure, report: &mut Report<'_>) {
         let name = head.map_or_else(|| "a variable".to_string(), |head| format!("`{head}`"));
         warn(
             span,
-            format!("every sample of {name} is logged"),
+            if messages {
+                "every such message is logged".to_string()
+            } else {
+                format!("every sample of {name} is logged")
+            },
             format!(
                 "the policy has neither a time limit nor a count limit: {}",
                 kept("all are kept while the procedure is at work")

@@ -134,7 +134,7 @@ fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
             used.entry(attribute).or_default().push(condition.place);
         });
         for policy in &procedure.log {
-            if let Some(head) = View::Template(&policy.variable).head() {
+            if let Some(head) = View::Template(&policy.subject).head().filter(|head| !head.is(":events")) {
                 used.entry(head).or_default().push(procedure.place);
             }
         }

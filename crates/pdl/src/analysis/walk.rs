@@ -242,7 +242,7 @@ pub(crate) fn step<'l>(step: &'l Step, visit: Visit<'_, 'l>) {
 pub(crate) fn procedure<'l>(procedure: &'l Procedure, visit: Visit<'_, 'l>) {
     pattern(&procedure.index, visit);
     profile(&procedure.profile, visit);
-    procedure.log.iter().for_each(|policy| template(&policy.variable, visit));
+    procedure.log.iter().for_each(|policy| template(&policy.subject, visit));
     exprs(procedure.expected_duration.iter().chain(&procedure.interrupt_cost), visit);
     transitions(&procedure.transitions).for_each(|(_, each)| condition(each, visit));
     hooks(&procedure.hooks).into_iter().for_each(|(_, forms)| exprs(forms, visit));

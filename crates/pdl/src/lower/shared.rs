@@ -141,18 +141,18 @@ impl Lowering {
         }
     }
 
-    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`
+    /// `(log (ATTR OBJ)..)` and `(log ((ATTR OBJ) :frequency-limit D ..)..)`; for messages `(:events HEAD)` stands for `(ATTR OBJ)`.
     pub(crate) fn log(&mut self, clause: &Datum) -> Option<Vec<LogPolicy>> {
         self.all(clause.tail(), |lowering, item| {
             let nested = Lowering::is_nested(item);
-            let (variable, options) = match item.as_list().and_then(<[Datum]>::split_first) {
-                Some((variable, options)) if nested => (variable, options),
+            let (subject, options) = match item.as_list().and_then(<[Datum]>::split_first) {
+                Some((subject, options)) if nested => (subject, options),
                 Some(_) => (item, [].as_slice()),
                 None => {
                     return lowering.missing_part(
                         item.span,
-                        "a log policy names a state variable",
-                        "(log (ATTRIBUTE OBJECT) ..)",
+                        "a log policy names a state variable or messages",
+                        "(log (ATTRIBUTE OBJECT) (:events WORD) ..)",
                     );
                 }
             };
@@ -164,15 +164,33 @@ impl Lowering {
             let count = lowering.optional(&options, "count-limit", |lowering, datum| match datum.kind {
                 DatumKind::Integer(count) if count > 0 => u64::try_from(count).ok(),
                 _ => {
-                    let message = "a count limit is a whole number of samples, 1 or more";
+                    let message = "a count limit is a whole number of samples or messages, 1 or more";
                     let diagnostic = Diagnostic::error(codes::NOTHING_TO_LOG, datum.span, message)
                         .help("leave it out to keep all, or write how many: `:count-limit 5000`");
                     lowering.refuse(diagnostic)
                 }
             })?;
-            let variable = lowering.template(variable)?;
-            Some(LogPolicy { variable, frequency_limit: frequency, time_limit: time, count_limit: count })
+            lowering.logged_messages(subject)?;
+            let subject = lowering.template(subject)?;
+            Some(LogPolicy { subject, frequency_limit: frequency, time_limit: time, count_limit: count })
         })
+    }
+
+    /// Messages that are logged are named by their first word.
+    fn logged_messages(&mut self, subject: &Datum) -> Option<()> {
+        let Some((first, rest)) = subject.as_list().and_then(<[Datum]>::split_first) else { return Some(()) };
+        if !first.is(":events") {
+            return Some(());
+        }
+        let word = |datum: &Datum| datum.as_symbol().is_some_and(|symbol| !symbol.folded().starts_with(':'));
+        match rest {
+            [one] if word(one) => Some(()),
+            _ => {
+                let message = "`:events` is followed by the first word of the messages, and nothing else";
+                let help = "write one word, and a policy for each: `(log (:events arrived) (:events left))`";
+                self.refuse(Diagnostic::error(codes::NOTHING_TO_LOG, subject.span, message).help(help))
+            }
+        }
     }
 
     /// A limit of a log in time: more than nothing.

@@ -94,13 +94,13 @@ fn profile_text(needs: &[ResourceNeed]) -> String {
 
 fn log_text(policies: &[LogPolicy]) -> String {
     let policy = |policy: &LogPolicy| {
-        let variable = template_text(&policy.variable);
+        let subject = template_text(&policy.subject);
         let limits = [
             policy.frequency_limit.map_or(String::new(), |limit| format!(":frequency-limit {limit}")),
             policy.time_limit.map_or(String::new(), |limit| format!(":time-limit {limit}")),
             policy.count_limit.map_or(String::new(), |limit| format!(":count-limit {limit}")),
         ];
-        if limits.iter().all(String::is_empty) { variable } else { list_text(&variable, limits) }
+        if limits.iter().all(String::is_empty) { subject } else { list_text(&subject, limits) }
     };
     if policies.is_empty() { String::new() } else { list_text("log", policies.iter().map(policy)) }
 }
