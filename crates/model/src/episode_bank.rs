@@ -78,57 +78,6 @@ struct Before {
     found_at: Option<Time>,
 }
 
-/// One episode of a bank.
-struct Row<'a> {
-    band: &'a Band,
-    held: &'a mut bool,
-    state: &'a mut State,
-    deadline: &'a mut Time,
-    gap_max: &'a Duration,
-    leaf: &'a LeafId,
-}
-
-/// A sample that comes to all rows.
-struct Arrival {
-    at: Time,
-    value: f64,
-    /// Since the sample before.
-    gap: Duration,
-    /// For some row that is too long.
-    gaps: bool,
-    /// Its number.
-    sample: i64,
-    /// The instant of the sample before.
-    last: Time,
-}
-
-impl Arrival {
-    /// Comes to a row: a new deadline of it, or the end of time.
-    #[inline]
-    fn reach(&self, row: Row<'_>, told: &mut Vec<Told>) -> Time {
-        let Row { band, held, state, deadline, gap_max, leaf } = row;
-        let Arrival { at, value, gap, gaps, sample, last } = *self;
-        let holds = (value >= band.least) & (value <= band.most);
-        if holds == *held && !(gaps && holds && gap > *gap_max) {
-            return Time::END;
-        }
-        let cut = (*held && gap > *gap_max).then_some(gap);
-        if let Some(Open { recognised_at, .. }) = state.open {
-            let samples = length(state.first, sample.saturating_sub(1));
-            let (leaf, what, start) = (*leaf, What::Over, state.start);
-            told.push(Told { leaf, what, start, last, samples, recognised_at });
-        }
-        if state.negated && *held && !holds {
-            let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
-            told.push(Told { leaf, what, start, last, samples: 0, recognised_at: at });
-        }
-        state.turn(at, sample, *held, holds, cut);
-        *held = holds;
-        *deadline = if holds { at + state.duration_min } else { Time::END };
-        *deadline
-    }
-}
-
 impl State {
     /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
     fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
@@ -301,25 +250,30 @@ impl EpisodeBank {
     /// have one from now on. These stay in the bank, as open ones.
     pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<Told>) {
         let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
+        let gaps = gap > self.gap_least;
         (self.previous, self.newest) = (self.newest, at);
         self.samples = self.samples.saturating_add(1);
-        let arrival = Arrival { at, value, gap, gaps: gap > self.gap_least, sample: self.samples, last: self.previous };
+        let (sample, last) = (self.samples, self.previous);
         let mut floor = self.deadline_floor;
-        if let ([band], [held], [state], [deadline], [gap_max], [leaf]) = (
-            self.bands.as_slice(),
-            self.holds.as_mut_slice(),
-            self.states.as_mut_slice(),
-            self.deadlines.as_mut_slice(),
-            self.gaps.as_slice(),
-            self.leaves.as_slice(),
-        ) {
-            // Alone, as when a monitor looks back: nothing need be walked.
-            floor = floor.min(arrival.reach(Row { band, held, state, deadline, gap_max, leaf }, told));
-        } else {
-            let rows =
-                self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
-            for (((((band, held), state), deadline), gap_max), leaf) in rows.zip(&self.leaves) {
-                floor = floor.min(arrival.reach(Row { band, held, state, deadline, gap_max, leaf }, told));
+        let rows =
+            self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
+        for (((((band, held), state), deadline), gap_max), leaf) in rows.zip(&self.leaves) {
+            let holds = (value >= band.least) & (value <= band.most);
+            if holds != *held || (gaps && holds && gap > *gap_max) {
+                let cut = (*held && gap > *gap_max).then_some(gap);
+                if let Some(Open { recognised_at, .. }) = state.open {
+                    let samples = length(state.first, sample.saturating_sub(1));
+                    let (leaf, what, start) = (*leaf, What::Over, state.start);
+                    told.push(Told { leaf, what, start, last, samples, recognised_at });
+                }
+                if state.negated && *held && !holds {
+                    let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
+                    told.push(Told { leaf, what, start, last, samples: 0, recognised_at: at });
+                }
+                state.turn(at, sample, *held, holds, cut);
+                *held = holds;
+                *deadline = if holds { at + state.duration_min } else { Time::END };
+                floor = floor.min(*deadline);
             }
         }
         self.deadline_floor = floor;

@@ -2,8 +2,8 @@
 //! What: what a part has found, told apart by whether it can still grow: the input of relations in time.
 //! Runs: whenever a relation or an absence looks at its parts.
 //! Reads: the part, surroundings.
-//! Writes: takes final results of measurements, episodes and events out of the part, so that each is looked at once.
-//! Bound: O(new results + objects) for measurements, episodes and events; for others what their results cost.
+//! Writes: takes final results of measurements, persisted values, episodes and events out of the part, so that each is looked at once.
+//! Bound: O(new results + objects) for measurements, persisted values, episodes and events; for others what their results cost.
 //! PDL: Allen relations, `:absent`.
 //! Paper: Table 1 row 11; section III, incremental interpretation.
 
@@ -70,6 +70,15 @@ pub(super) fn take(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
                 extents.from = leaf.runs.values().next().map_or(site.window.start, |state| state.newest.at);
             }
             passing_episodes(leaf, site, asking, &mut extents);
+        }
+        PartKind::Persisted(leaf) => {
+            extents.settled.append(&mut leaf.settled);
+            let newest = persistence::results(leaf, site, asking);
+            extents.passing.extend(newest.into_iter().map(|result| Extent { result, open: false }));
+            extents.anywhere = true;
+            extents.doubt = persistence::in_doubt(leaf, asking.now);
+            // Asked for the instants at which windows to come begin.
+            persistence::truth(leaf, site, asking);
         }
         _ => composite(part, asking, &mut extents),
     }

@@ -34,6 +34,7 @@ mod regression;
 mod relation;
 mod replay;
 mod retention;
+mod retention_of_queries;
 mod runs;
 mod samples;
 mod significance;

@@ -133,8 +133,13 @@ pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn S
     }
     super::absence::take_back(leaf, *at);
     let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
-    if known < surroundings.now() {
+    let (now, mut looked) = (surroundings.now(), known);
+    if known < now {
         look_then(part, known, surroundings, troubles);
+        while let Some((wake, _)) = wake_of(part, looked).filter(|(wake, _)| *wake < now) {
+            look_then(part, wake, surroundings, troubles);
+            looked = wake;
+        }
     }
 }
 

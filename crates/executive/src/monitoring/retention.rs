@@ -12,7 +12,6 @@ use super::reach;
 use crate::control::selection::head;
 use crate::explanation::words;
 use crate::expression::arithmetic::duration;
-use crate::expression::history_queries::QUERIES;
 use crate::memory::{Demand, Reach, Subject, Why};
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
@@ -27,7 +26,6 @@ use apex_model::procedure::{
     Activity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions,
 };
 use apex_model::source::Place;
-use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::sync::Arc;
@@ -60,8 +58,8 @@ pub(crate) fn prepare_condition(histories: &mut Histories, library: &Library, co
 }
 
 /// Walks through definitions and notes what looks back.
-struct Survey<'a> {
-    library: &'a Library,
+pub(super) struct Survey<'a> {
+    pub(super) library: &'a Library,
     /// What is known of the procedures, where it is known already.
     index: Option<&'a LibraryIndex>,
     /// Nobody reads the texts of the demands.
@@ -93,7 +91,7 @@ impl Survey<'_> {
         library.functions.values().for_each(|function| self.exprs(&function.body));
     }
 
-    fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: impl Fn() -> String, place: Place) {
+    pub(super) fn demand(&mut self, subject: Subject, reach: Reach, why: Why, text: impl Fn() -> String, place: Place) {
         let text = if self.wordless { String::new() } else { text() };
         self.demands.push(Demand { subject, reach, why, text, place });
     }
@@ -417,60 +415,6 @@ impl Survey<'_> {
             | ExprKind::Local(_)
             | ExprKind::Indexical(_)
             | ExprKind::Named(_) => {}
-        }
-    }
-
-    /// A query of messages looks back as far as its window.
-    fn event_query(&mut self, arguments: &[Expr], whole: &Expr) {
-        let (text, place) = (|| words::expression(whole), whole.place);
-        let asked = match arguments {
-            [_, window] | [_, window, _] => {
-                reach::duration(window, self.library).or_else(|| reach::before_now(window, self.library))
-            }
-            _ => None,
-        };
-        let (reach, why) = match asked {
-            Some(span) => (Reach::Span(span), Why::Window),
-            None => (Reach::Unbounded, Why::QueryTime),
-        };
-        match arguments.first().map(|argument| &argument.kind) {
-            Some(ExprKind::Constant(Value::Symbol(word))) => {
-                self.demand(Subject::MessagesOf(word.clone()), reach, why, text, place);
-            }
-            _ => self.demand(Subject::Messages, reach, why, text, place),
-        }
-    }
-
-    /// A query of a history looks back as far as its window; as far as possible when that is not written out.
-    fn query(&mut self, function: &Symbol, arguments: &[Expr], whole: &Expr) {
-        if function.is("events-over") {
-            return self.event_query(arguments, whole);
-        }
-        if !QUERIES.contains(&function.folded()) {
-            return;
-        }
-        let (text, place) = (|| words::expression(whole), whole.place);
-        let asked = match (function.folded(), arguments) {
-            ("most-recent-svvalue", [_, _]) => Some(Duration::ZERO),
-            ("most-recent-svvalue", [_, _, _, prior_to]) => reach::before_now(prior_to, self.library),
-            ("mean-over" | "min-over" | "max-over" | "samples-over", [_, _, window]) => {
-                reach::duration(window, self.library).or_else(|| reach::before_now(window, self.library))
-            }
-            (_, [_, _, instant] | [_, _, instant, _]) => reach::before_now(instant, self.library),
-            _ => None,
-        };
-        let (reach, why) = match asked {
-            Some(span) => (Reach::Span(span), Why::Window),
-            None => (Reach::Unbounded, Why::QueryTime),
-        };
-        match arguments.first().map(|argument| &argument.kind) {
-            Some(ExprKind::Constant(Value::Symbol(attribute))) => {
-                self.demand(Subject::Attribute(attribute.clone()), reach, why, text, place);
-            }
-            _ => {
-                let why = if reach == Reach::Unbounded { Why::QueryVariable } else { why };
-                self.demand(Subject::EveryAttribute, reach, why, text, place);
-            }
         }
     }
 }

@@ -16,6 +16,7 @@ use super::time_bounds::duration_of;
 use super::{Asking, Site, Troubles, Truth, remember};
 use crate::expression::{EvaluationError, Surroundings};
 use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
@@ -288,7 +289,16 @@ pub(super) fn results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_
         results.extend(evaluated.closed_by_time);
         results.extend(evaluated.found);
     }
-    results.sort_by_key(|result| result.recognised_at);
+    // Those of one instant in the order in which their objects were heard of.
+    let rank = |result: &Satisfaction| {
+        let object = result.evidence.iter().find_map(|evidence| match evidence {
+            Evidence::Run { variable, .. } => Some(&variable.object),
+            Evidence::Aggregate(aggregate) => Some(&aggregate.variable.object),
+            _ => None,
+        });
+        object.and_then(|object| part.objects.get(object)).map(|state| state.rank)
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
     results
 }
 
