@@ -110,7 +110,11 @@ impl EventLogs {
 
     /// Messages that begin with `head`, oldest first, and whether all of them since `start` are there; none where nobody asked
     /// for them before.
-    pub(crate) fn of(&self, head: &Symbol, start: Time) -> Option<(impl Iterator<Item = &Occurrence>, bool)> {
+    pub(crate) fn of<'a>(
+        &'a self,
+        head: &Symbol,
+        start: Time,
+    ) -> Option<(impl Iterator<Item = &'a Occurrence> + use<'a>, bool)> {
         let log = self.logs.get(head)?;
         Some((log.kept.iter(), log.forgotten_until.is_none_or(|forgotten| forgotten < start)))
     }
