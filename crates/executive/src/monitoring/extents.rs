@@ -257,7 +257,7 @@ impl Runs {
         let alike = |run: &PartRun| {
             self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)
         };
-        if !self.open.iter().any(alike) {
+        if !self.open.iter().any(alike) || keeps_results(part) {
             return Vec::new();
         }
         let mut used = harvest::Used::default();
@@ -267,6 +267,13 @@ impl Runs {
         asking.used = before;
         results
     }
+}
+
+/// Are results of parts within remembered as they were found, and not made anew at every look?
+fn keeps_results(part: &Part) -> bool {
+    let mut keeps = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
+    for_each_inner(part, &mut |inner| keeps |= keeps_results(inner));
+    keeps
 }
 
 /// The parts directly within `part`.
