@@ -68,6 +68,7 @@ bench-orienteering: .venv/.peers ## Plan orienteering beside PyVRP and OR-Tools 
 	.venv/bin/python benches/peers/orienteering_peers.py $(TARGET)/orienteering ortools 1 10 > $(TARGET)/orienteering/ortools.json
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- ours 1 10 40 > $(TARGET)/orienteering/ours.json
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- report $(TARGET)/orienteering
+	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- proven 1 10
 
 bench-travel: $(TARGET)/extremity/.installed ## Travel matrices among zones, beside extremitypathfinder: about two minutes of processor time.
 	cargo run --locked --quiet --release --package apex-benches --bin travel -- world $(TARGET)/extremity/world.txt

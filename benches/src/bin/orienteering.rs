@@ -1,7 +1,8 @@
 //! How good plans of orienteering are, beside peers, at equal processor time.
 //!
 //! `problems FOLDER` writes problems of our own as files for the peers; `ours SECONDS..` plans them and prints JSON; `report FOLDER`
-//! sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side. Gaps are to the best plan that anybody found, ours
+//! sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side; `proven SECONDS..` counts which problems of few
+//! targets are solved to proven optimality. Gaps are to the best plan that anybody found, ours
 //! of a long run among them: proven optima exist for the narrow windows only.
 #![allow(clippy::print_stdout, reason = "the table is what the program is for")]
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
@@ -15,6 +16,8 @@ use std::path::Path;
 
 /// Of the 76 problems with windows every so-many-th is measured.
 const EVERY: usize = 10;
+/// Of these every so-many-th is cut to few targets.
+const EVERY_OF_FEW: usize = 4;
 /// Units of work of a second.
 const UNITS_PER_S: u64 = 1_000_000;
 /// Peers count in hundredths.
@@ -26,12 +29,13 @@ fn main() {
         ["problems", folder] => problems(Path::new(folder)),
         ["ours", spans @ ..] => println!("{}", ours(spans)),
         ["report", folder] => report(Path::new(folder)),
+        ["proven", spans @ ..] => proven(spans),
         _ => tell_usage(),
     }
 }
 
 fn tell_usage() {
-    println!("orienteering problems FOLDER | ours SECONDS.. | report FOLDER");
+    println!("orienteering problems FOLDER | ours SECONDS.. | report FOLDER | proven SECONDS..");
 }
 
 /// The problems that are measured: name and problem.
@@ -173,4 +177,40 @@ fn report(folder: &Path) {
     println!("| mean with windows | | |{}", gaps.iter().map(mean).collect::<String>());
     println!("| worst with windows | | |{}", gaps.iter().map(worst).collect::<String>());
     println!("\nreplanning after a change, 1,000 targets: {}", ours.get("replan").unwrap_or(&Value::Null));
+}
+
+/// The problem with its first `count` targets.
+fn cut(mut problem: SingleVisitProblem, count: usize) -> SingleVisitProblem {
+    problem.targets.truncate(count);
+    if let Some(travel) = problem.travel.as_mut() {
+        travel.from_start_s.truncate(count);
+        travel.to_base_s.truncate(count);
+        travel.between_s.truncate(count);
+        travel.between_s.iter_mut().for_each(|row| row.truncate(count));
+    }
+    problem
+}
+
+/// How many problems of 20 and of 40 targets are solved with a bound that proves it.
+fn proven(spans: &[&str]) {
+    for count in [20, 40] {
+        for seconds in spans {
+            let units = UNITS_PER_S * seconds.parse::<u64>().expect("whole seconds");
+            let (mut solved, mut all, mut gap, mut cpu_s) = (0, 0, 0.0_f64, 0.0);
+            for (name, text) in generate::windows_suite().into_iter().step_by(EVERY_OF_FEW) {
+                let problem = cut(formats::read(&name, &text).expect("our own text").problem, count);
+                let (plan, took_s, _) = planned(&SingleVisit, &problem, units);
+                let bound = plan.benefits_bound.unwrap_or(f64::INFINITY);
+                all += 1;
+                solved += usize::from(bound <= plan.benefits + 1e-6);
+                gap = gap.max(bound / plan.benefits - 1.0);
+                cpu_s += took_s;
+            }
+            println!(
+                "{count} targets, {seconds} s: {solved} of {all} proven optimal, the widest gap {:.1} %, {:.1} s each",
+                100.0 * gap,
+                cpu_s / all as f64
+            );
+        }
+    }
 }

@@ -37,6 +37,10 @@ const CHANGED: (f64, f64) = (0.1, 0.02);
 /// Share of the budget that the bound may take, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
+/// So few targets are found out about: the bound may take this share, and find a better route.
+const FEW: usize = 40;
+const BOUND_SHARE_OF_FEW: f64 = 0.5;
+const BOUND_UNITS_MAX_OF_FEW: u64 = 30_000_000;
 
 /// What the search found.
 pub(super) struct Found {
@@ -68,19 +72,24 @@ pub(super) fn run(
     tell(schedule, choices(&network, &first), environment);
     network.find_neighbours();
     let budget = &mut *environment.budget;
-    let bound_units = match budget.left() {
-        Some(left) => ((BOUND_SHARE * left as f64) as u64).min(BOUND_UNITS_MAX),
-        None => ROUND_UNITS,
+    let (share, most) = match network.targets <= FEW {
+        true => (BOUND_SHARE_OF_FEW, BOUND_UNITS_MAX_OF_FEW),
+        false => (BOUND_SHARE, BOUND_UNITS_MAX),
     };
+    let bound_units = budget.left().map_or(ROUND_UNITS, |left| ((share * left as f64) as u64).min(most));
     let heat = match previous {
         Some(_) => CHANGED,
         None if network.visits().len() > annealing::ALL_MISSING_MAX => FRESH_OF_MANY,
         None => FRESH,
     };
-    let best = search(&network, first, (environment.seed, heat, bound_units), budget);
+    let mut best = search(&network, first, (environment.seed, heat, bound_units), budget);
     // The knapsack alone looks at every leg twice.
     let pays = bound_units as usize > network.nodes.len() * network.nodes.len() / 100;
-    let bound = pays.then(|| bound::highest_value(&network, best.value, bound_units, budget));
+    let proven = pays.then(|| bound::highest_value(&network, best.value, bound_units, budget));
+    if let Some(better) = proven.as_ref().and_then(|proven| proven.better.as_deref()) {
+        best = Route::of(&network, better);
+    }
+    let bound = proven.map(|proven| proven.bound);
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
 }
 

@@ -120,8 +120,13 @@ proptest! {
         let network = network(&problem);
         let best = highest(&network, &mut Vec::new());
         prop_assume!(best > 0.0);
-        let bound = bound::highest_value(&network, 0.0, 20_000, &mut WorkBudget::new(1 << 40));
+        let bound::Proven { bound, better } =
+            bound::highest_value(&network, 0.0, 40_000, &mut WorkBudget::new(1 << 40));
         prop_assert!(bound >= best - 1e-9, "{bound} of {best}");
+        if let Some(route) = better {
+            prop_assert!(naive_end(&network, &route).is_some());
+            prop_assert!((Route::of(&network, &route).value - best).abs() < 1e-9 && bound < best + 1e-6);
+        }
         let plan = solved(&problem, 3_000, seed);
         prop_assert!((plan.benefits - best).abs() < 1e-9, "{} of {best}", plan.benefits);
         prop_assert!(plan.benefits_bound.unwrap() >= best - 1e-9);

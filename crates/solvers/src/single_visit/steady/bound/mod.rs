@@ -3,14 +3,18 @@
 //! Routes are relaxed to walks through time: a walk may come back to a target, though not at once from the next, and times
 //! are rounded down to the bucket they lie in. A price on each target, to be paid at every visit and given back once, keeps
 //! walks from coming back: whatever the prices, `prices + best walk` bounds every route (a Lagrange relaxation), and prices
-//! are moved towards what the best walk visits too often. Where walks would take too long, a knapsack of the shortest legs
-//! is all there is. Bound: O(rounds x nodes squared x buckets), within the units given.
+//! are moved towards what the best walk visits too often. Few targets are then settled by labels that remember where they
+//! have been, pruned by these walks. Where walks would take too long, a knapsack of the shortest legs is all there is.
+//! Bound: O(rounds x nodes squared x buckets), within the units given.
 
+mod completion;
 mod knapsack;
+mod labels;
 mod walks;
 
 use super::network::Network;
 use apex_model::solver::Budget;
+use completion::Completion;
 use walks::Walks;
 
 /// Rounds of prices.
@@ -22,17 +26,54 @@ const ROUNDING: f64 = 1e-9;
 /// Steps of a walk that are looked at for one unit of work.
 const STEPS_PER_UNIT: u64 = 120;
 
+/// What is known of the most that a route can be worth.
+pub(super) struct Proven {
+    /// No route is worth more.
+    pub(super) bound: f64,
+    /// The visits of a route that is worth more than what was reached, if one was found on the way.
+    pub(super) better: Option<Vec<u32>>,
+}
+
 /// The least bound found within `units`. `reached` is what some route is worth.
-pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget: &mut dyn Budget) -> f64 {
-    let mut best = knapsack::bound(network);
-    if whole(network, best) <= reached {
-        return whole(network, best).max(reached);
+pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget: &mut dyn Budget) -> Proven {
+    let until = budget.used().saturating_add(units);
+    let settled = |bound: f64| Proven { bound: whole(network, bound).max(reached), better: None };
+    let quick = knapsack::bound(network);
+    if whole(network, quick) <= reached {
+        return settled(quick);
     }
-    let Some(mut walks) = Walks::new(network, units.saturating_mul(STEPS_PER_UNIT) / 40) else {
-        return whole(network, best).max(reached);
+    let few = network.targets <= labels::TARGETS_MAX;
+    // Where labels can settle it, prices need not be the best.
+    let for_prices = if few { units / 2 } else { units };
+    let Some(mut walks) = Walks::new(network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) else {
+        return settled(quick);
     };
+    let (best, prices) = best_prices(network, &mut walks, (quick, reached), for_prices, budget);
+    if !few || whole(network, best) <= reached || budget.exhausted() {
+        return settled(best);
+    }
+    let (completion, steps) = Completion::new(network, &walks, &prices);
+    budget.charge(1 + steps / STEPS_PER_UNIT);
+    let least = if all_whole(network) { 1.0 } else { ROUNDING * (1.0 + reached.abs()) };
+    match labels::best(network, &completion, &prices, (reached, least), (until, budget)) {
+        Some(labels::Proven { bound, better }) => {
+            Proven { bound: whole(network, bound.min(best)).max(reached), better }
+        }
+        None => settled(best),
+    }
+}
+
+/// Moves prices for `units`: the least bound, and the prices that it was found with.
+fn best_prices(
+    network: &Network,
+    walks: &mut Walks,
+    (mut best, reached): (f64, f64),
+    units: u64,
+    budget: &mut dyn Budget,
+) -> (f64, Vec<f64>) {
     let until = budget.used().saturating_add(units);
     let mut prices = vec![0.0; network.targets];
+    let mut kept = prices.clone();
     let (mut share, mut stale) = (1.0, 0);
     for _ in 0..ROUNDS_MAX {
         if budget.used() >= until || budget.exhausted() {
@@ -43,6 +84,7 @@ pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget:
         let bound = value + prices.iter().sum::<f64>();
         if bound < best - 1e-6 * best.abs() {
             (best, stale) = (bound, 0);
+            kept.clone_from(&prices);
             if whole(network, best) <= reached {
                 break;
             }
@@ -56,7 +98,7 @@ pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget:
             break;
         }
     }
-    whole(network, best).max(reached)
+    (best, kept)
 }
 
 /// Moves prices along what a walk visits too often or not at all; false where there is nowhere to go.
@@ -75,6 +117,9 @@ fn step(prices: &mut [f64], counts: &[u32], gap: f64) -> bool {
 /// Where all values are whole numbers, so is what a route is worth.
 fn whole(network: &Network, bound: f64) -> f64 {
     let lifted = bound + ROUNDING * (1.0 + bound.abs());
-    let values = || network.nodes.iter().map(|node| node.value);
-    if values().all(|value| value == libm::floor(value) && value < 1e9) { libm::floor(lifted) } else { lifted }
+    if all_whole(network) { libm::floor(lifted) } else { lifted }
+}
+
+fn all_whole(network: &Network) -> bool {
+    network.nodes.iter().map(|node| node.value).all(|value| value == libm::floor(value) && value < 1e9)
 }

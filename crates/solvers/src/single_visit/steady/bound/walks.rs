@@ -60,6 +60,11 @@ impl Walks {
         Some(Walks { bucket, first, states, counts: vec![0; network.targets] })
     }
 
+    /// Length of a bucket, each node's first state, first bucket and number of buckets, and the number of all states.
+    pub(super) fn layout(&self) -> (i32, Vec<(usize, i32, i32)>, usize) {
+        (self.bucket, self.first.clone(), self.states.len())
+    }
+
     /// How often the last best walk sees each target.
     pub(super) fn counts(&self) -> &[u32] {
         &self.counts
