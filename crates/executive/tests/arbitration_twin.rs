@@ -70,6 +70,14 @@ fn agree(world: &World) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// As [`agree`], and in the end all are in these states.
+fn agree_on(world: &World, states: &[State]) {
+    agree(world).unwrap();
+    let mut twin = Twin::new(world);
+    world.moments.iter().for_each(|moment| twin.happen(moment));
+    assert_eq!(twin.states, states);
+}
+
 /// Who is displaced for one resource has let go of the others too, also of one that is looked at only later: the fuel of
 /// t0 goes to t2, and t3, which is as weak and was made later, keeps its own.
 #[test]
@@ -92,10 +100,7 @@ fn what_the_displaced_held_besides_is_free_at_once() {
         node([0, 0, 0, 6], None),
     ];
     let world = World { nodes, moments: vec![Moment::Changes(vec![1, 2], Vec::new())] };
-    agree(&world).unwrap();
-    let mut twin = Twin::new(&world);
-    world.moments.iter().for_each(|moment| twin.happen(moment));
-    assert_eq!(twin.states, [State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
+    agree_on(&world, &[State::Interrupted, State::Ongoing, State::Ongoing, State::Ongoing]);
 }
 
 /// Who goes before another one counts as much as that one only as long as it is there: with t2 the priority goes that kept
@@ -113,10 +118,7 @@ fn who_lent_a_priority_takes_it_away_by_leaving() {
     ];
     let moments = vec![Moment::Changes(vec![0], Vec::new()), Moment::Changes(Vec::new(), vec![2])];
     let world = World { nodes, moments };
-    agree(&world).unwrap();
-    let mut twin = Twin::new(&world);
-    world.moments.iter().for_each(|moment| twin.happen(moment));
-    assert_eq!(twin.states, [State::Ongoing, State::Interrupted, State::Absent]);
+    agree_on(&world, &[State::Ongoing, State::Interrupted, State::Absent]);
 }
 
 /// Fuel is used up at the instant at which t3 loses the camera: t4 below it can never begin, and what handles that waits for t3.

@@ -153,12 +153,13 @@ pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
     }
 }
 
-/// Who begins by being granted what it needs, while others are refused.
+/// Who begins by being granted what it needs, while others are refused; only who may go before others by rank.
 fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
     if arbitration.refused.is_empty() {
         return Vec::new();
     }
-    arbitration.granted.iter().copied().filter(|id| cycle.state(*id) == TaskState::Enabled).collect()
+    let begins = |id: &TaskId| cycle.state(*id) == TaskState::Enabled && priority::is_ranked(cycle.agent, *id);
+    arbitration.granted.iter().copied().filter(begins).collect()
 }
 
 /// Work that has begun comes first among its equals, unless one goes before it by rank that has not begun. When such ones

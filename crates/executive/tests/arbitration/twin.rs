@@ -1,5 +1,5 @@
-//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023 and 0031, one by one, with every set
-//! of holders tried. It shares nothing with the executive.
+//! The naive arbiter: the rules of `pdl.md` section 9 and of decisions 0008, 0010, 0013, 0023, 0029, 0031 and 0035, one by one,
+//! with every set of holders tried. It shares nothing with the executive.
 
 use super::world::{FUEL, Moment, Node, RESOURCES, World};
 
@@ -17,6 +17,15 @@ pub enum State {
 struct Awaited {
     task: usize,
     earliest: Option<i64>,
+}
+
+/// What one arbitration says, in the order in which it came to it.
+struct Outcome {
+    granted: Vec<usize>,
+    /// Who loses what it holds, and to whom.
+    displaced: Vec<(usize, usize)>,
+    /// Whose needs can never be met.
+    impossible: Vec<usize>,
 }
 
 /// All that the rules look at.
@@ -190,22 +199,16 @@ impl Twin {
 
     fn contend(&mut self) -> bool {
         let mut claimants: Vec<usize> = (0..self.nodes.len()).filter(|task| self.is_eligible(*task)).collect();
-        let (granted, displaced, impossible) = loop {
-            let (granted, displaced, impossible) = self.arbitrate(&claimants);
-            // No step of a task that stops working begins.
-            let stops = |task: &usize| {
-                let parent = self.nodes[*task].parent;
-                self.states[*task] == State::Enabled
-                    && parent.is_some_and(|parent| displaced.contains(&parent) && !granted.contains(&parent))
-            };
-            let orphans: Vec<usize> = granted.iter().copied().filter(|task| stops(task)).collect();
-            if orphans.is_empty() {
-                break (granted, displaced, impossible);
+        let Outcome { granted, displaced, impossible } = loop {
+            let outcome = self.arbitrate(&claimants);
+            let barred = self.barred(&outcome);
+            if barred.is_empty() {
+                break outcome;
             }
-            claimants.retain(|task| !orphans.contains(task));
+            claimants.retain(|task| !barred.contains(task));
         };
         let changed = !(granted.is_empty() && impossible.is_empty());
-        for task in displaced {
+        for (task, _) in displaced {
             self.change(task, State::Interrupted);
         }
         for task in impossible {
@@ -230,6 +233,22 @@ impl Twin {
             }
         }
         changed
+    }
+
+    /// No step of a task that stops working begins: of such steps, those are out whose task stops for somebody who does begin;
+    /// if there is none of these, the last.
+    fn barred(&self, outcome: &Outcome) -> Vec<usize> {
+        let parent_stops_for = |task: usize| {
+            let parent = self.nodes[task].parent.filter(|parent| !outcome.granted.contains(parent))?;
+            outcome.displaced.iter().find(|(loser, _)| *loser == parent).map(|(_, winner)| *winner)
+        };
+        let begins = |task: &&usize| self.states[**task] == State::Enabled;
+        let granted = outcome.granted.iter().filter(begins);
+        let orphans: Vec<(usize, usize)> = granted.filter_map(|task| Some((*task, parent_stops_for(*task)?))).collect();
+        let is_orphan = |task: usize| orphans.iter().any(|(orphan, _)| *orphan == task);
+        let certain: Vec<usize> =
+            orphans.iter().filter(|(_, cause)| !is_orphan(*cause)).map(|(task, _)| *task).collect();
+        if certain.is_empty() { orphans.last().map(|(task, _)| *task).into_iter().collect() } else { certain }
     }
 
     fn priority(&self, task: usize) -> f64 {
@@ -281,8 +300,8 @@ impl Twin {
         (0..4).any(|which| self.needs[a][which] > 0.0 && self.needs[b][which] > 0.0)
     }
 
-    /// Who is granted, who loses, and whose needs can never be met.
-    fn arbitrate(&self, claimants: &[usize]) -> (Vec<usize>, Vec<usize>, Vec<usize>) {
+    /// All claimants, the best first.
+    fn arbitrate(&self, claimants: &[usize]) -> Outcome {
         let mut remaining = claimants.to_vec();
         let mut held: Vec<usize> = (0..self.nodes.len()).filter(|each| self.states[*each] == State::Ongoing).collect();
         let (mut granted, mut awaited): (Vec<usize>, Vec<Awaited>) = (Vec::new(), Vec::new());
@@ -320,7 +339,7 @@ impl Twin {
                 Some(set) => {
                     for loser in members(set) {
                         held.retain(|each| *each != loser);
-                        displaced.push(loser);
+                        displaced.push((loser, best));
                         remaining.push(loser);
                     }
                     granted.push(best);
@@ -334,7 +353,7 @@ impl Twin {
                 }
             }
         }
-        (granted, displaced, impossible)
+        Outcome { granted, displaced, impossible }
     }
 
     /// Does `a` go before `b` by its rank?

@@ -133,6 +133,15 @@ proptest! {
     }
 }
 
+/// Walks that come back to a target beat every route here, until the targets between remember it.
+#[test]
+fn few_targets_with_wide_windows_are_proven() {
+    for seed in [2, 3, 6, 9, 14, 15, 22, 33] {
+        let plan = solved(&small(seed, 14), 60_000, seed);
+        assert_eq!(plan.benefits_bound, Some(plan.benefits), "seed {seed}: {}", plan.summary);
+    }
+}
+
 #[test]
 fn equal_seed_and_budget_give_an_equal_plan_and_more_budget_none_worse() {
     let problem = small(5, 40);
