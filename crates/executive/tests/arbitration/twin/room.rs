@@ -1,0 +1,64 @@
+//! Room: what fits beside whom, who keeps a place in the line, and when one who was refused can begin.
+
+use super::{Awaited, State, Twin};
+
+impl Twin {
+    /// Who was refused before `task` and keeps its place, but for relatives and, where nobody has to yield, for those who
+    /// cannot begin before `task` is done.
+    pub(super) fn counts(&self, task: usize, awaited: &[Awaited], fills_gaps: bool) -> Vec<usize> {
+        let done = self.nodes[task].expected.map(|expected| i64::from(self.now + expected));
+        let in_gap = |each: &Awaited| fills_gaps && done.zip(each.earliest).is_some_and(|(done, begin)| done <= begin);
+        awaited.iter().filter(|each| !self.related(task, each.task) && !in_gap(each)).map(|each| each.task).collect()
+    }
+
+    /// When a refused task can begin at the earliest: when the first of those is done who are in its way for what it lacks
+    /// first, if all of them say when.
+    pub(super) fn earliest(
+        &self,
+        task: usize,
+        working: &[usize],
+        counts: &[usize],
+        awaited: &[Awaited],
+    ) -> Option<i64> {
+        let uses = [working, counts].concat();
+        let which = (0..4).find(|which| !self.fits(task, *which, &uses))?;
+        let strangers: Vec<usize> =
+            uses.iter().copied().filter(|each| self.needs[*each][which] > 0.0 && !self.related(task, *each)).collect();
+        let all = self.used(&uses, which);
+        let matters = |each: &usize| {
+            let others: Vec<usize> = uses.iter().copied().filter(|other| other != each).collect();
+            self.used(&others, which) + 1e-9 < all
+        };
+        let some: Vec<usize> = strangers.iter().copied().filter(matters).collect();
+        let rivals = if some.is_empty() { strangers } else { some };
+        let done = |rival: usize| match awaited.iter().find(|each| each.task == rival) {
+            Some(waits) => waits.earliest,
+            None => {
+                let now = if self.states[rival] == State::Ongoing { self.now - self.since[rival] } else { 0 };
+                let worked = i64::from(self.worked[rival] + now);
+                Some(i64::from(self.now) + i64::from(self.nodes[rival].expected?) - worked)
+            }
+        };
+        let ends: Option<Vec<i64>> = rivals.into_iter().map(done).collect();
+        ends?.into_iter().min()
+    }
+
+    /// Is there room for what the task needs of this resource, or does it stay within what its family has?
+    pub(super) fn fits(&self, task: usize, which: usize, uses: &[usize]) -> bool {
+        let before = self.used(uses, which);
+        let after = self.used(&[uses, &[task]].concat(), which);
+        self.needs[task][which] == 0.0 || after <= self.totals[which] + 1e-9 || after <= before + 1e-9
+    }
+
+    /// How much is used: a task and what is below it do not compete, strangers add up.
+    fn used(&self, users: &[usize], which: usize) -> f64 {
+        let children =
+            |parent: Option<usize>| (0..self.nodes.len()).filter(move |each| self.nodes[*each].parent == parent);
+        fn family(twin: &Twin, users: &[usize], which: usize, task: usize) -> f64 {
+            let own = if users.contains(&task) { twin.needs[task][which] } else { 0.0 };
+            let below = (0..twin.nodes.len()).filter(|each| twin.nodes[*each].parent == Some(task));
+            own.max(below.map(|each| family(twin, users, which, each)).sum())
+        }
+        children(None).map(|task| family(self, users, which, task)).sum()
+    }
+}
