@@ -183,6 +183,41 @@ fn what_cannot_be_printed_is_told_with_what_to_do() {
 }
 
 #[test]
+fn a_surveillance_plan_is_drawn_around_obstacles() {
+    let desk = Desk::with_mission("structure-watch");
+    let out = desk.apex(&["plan", "m", "--budget", "20ms", "--format", "geojson"]).well().out;
+    let drawn: Value = serde_json::from_str(&out).unwrap();
+    let of = |kind: &str| -> Vec<Value> {
+        let features = drawn["features"].as_array().unwrap().iter();
+        features.filter(|feature| feature["properties"]["kind"] == kind).cloned().collect()
+    };
+    let number = |value: &Value| value.as_f64().unwrap();
+    let path = of("path")[0]["geometry"]["coordinates"].as_array().unwrap().clone();
+    let visits: usize =
+        of("target").iter().filter_map(|target| target["properties"]["observations"].as_u64()).sum::<u64>() as usize;
+    assert!(path.len() > visits + 1, "{} points for {visits} visits: no bends", path.len());
+    for pair in path.windows(2) {
+        for step in 0..=100 {
+            let share = f64::from(step) / 100.0;
+            let at = |index: usize| number(&pair[0][index]) * (1.0 - share) + number(&pair[1][index]) * share;
+            let (x, y, altitude_m) = (at(0), at(1), at(2));
+            for zone in of("restricted") {
+                let facts = &zone["properties"];
+                let ring = zone["geometry"]["coordinates"][0].as_array().unwrap();
+                let crossings = ring.windows(2).filter(|edge| {
+                    let (x0, y0, x1, y1) =
+                        (number(&edge[0][0]), number(&edge[0][1]), number(&edge[1][0]), number(&edge[1][1]));
+                    (y0 > y) != (y1 > y) && x < x0 + (x1 - x0) * (y - y0) / (y1 - y0)
+                });
+                let high =
+                    number(&facts["altitude_m_min"]) <= altitude_m && altitude_m < number(&facts["altitude_m_max"]);
+                assert!(!high || crossings.count() % 2 == 0, "({y} {x}) lies in {}", facts["name"]);
+            }
+        }
+    }
+}
+
+#[test]
 fn names_that_nothing_has_are_told_with_the_nearest() {
     let desk = Desk::with_mission("structure-watch");
     let plan = |name: &str, phrases: &[&str]| {

@@ -7,6 +7,7 @@
 mod place;
 mod single_visit;
 mod surveillance;
+mod travel_times;
 
 pub use place::{AirspaceZone, Area, FOREVER_S, LandingPlace, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 pub use single_visit::{
@@ -14,9 +15,9 @@ pub use single_visit::{
     SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
 };
 pub use surveillance::{
-    CostFunction, EventRate, SurveillancePlan, SurveillanceProblem, SurveillanceTarget, SurveillanceVisit, TravelTimes,
-    UNREACHABLE_S,
+    CostFunction, EventRate, SurveillancePlan, SurveillanceProblem, SurveillanceTarget, SurveillanceVisit,
 };
+pub use travel_times::{LaterTimes, TravelTimes, UNREACHABLE_S};
 
 use serde::{Deserialize, Serialize};
 

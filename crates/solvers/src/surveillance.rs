@@ -5,3 +5,6 @@ pub mod travel;
 
 #[cfg(test)]
 pub(crate) mod examples;
+
+#[cfg(test)]
+mod changing_wind_tests;

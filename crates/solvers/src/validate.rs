@@ -1,5 +1,7 @@
 //! Does a problem make sense? Solvers ask this first, so that nonsense is named and never searched.
 
+mod travel;
+
 use apex_model::problem::{
     AirspaceZone, CostFunction, Manoeuvre, Position, SingleVisitProblem, SurveillanceProblem, SurveillanceTarget,
     TravelTimes,
@@ -66,18 +68,10 @@ fn cost_function(name: &str, cost: &CostFunction) -> Result<(), String> {
 }
 
 fn travel_times(problem: &SurveillanceProblem) -> Result<(), String> {
-    let TravelTimes { from_start_s, between_s, to_base_s } = &problem.travel;
     let count = problem.targets.len();
-    let square = between_s.len() == count && between_s.iter().all(|row| row.len() == count);
-    if from_start_s.len() != count || !square || (problem.return_to_base && to_base_s.len() != count) {
-        return Err(format!("The travel times do not fit {count} targets: give one row and one column per target."));
-    }
-    let mut times = from_start_s.iter().chain(to_base_s).chain(between_s.iter().flatten());
-    if times.any(|time_s| time_s.is_nan() || *time_s < 0.0) {
-        return Err("A travel time is negative or not a number.".to_string());
-    }
+    travel::times(&problem.travel, count, problem.return_to_base)?;
     for (index, target) in problem.targets.iter().enumerate() {
-        let least_s = (0..count).map(|from| problem.travel.between(from, index)).fold(f64::INFINITY, f64::min);
+        let least_s = (0..count).map(|from| problem.travel.between_s_min(from, index)).fold(f64::INFINITY, f64::min);
         if target.dwell_s + least_s <= 0.0 {
             return Err(format!(
                 "Observing target {} takes no time at all; give it a dwell of at least a second.",
@@ -132,17 +126,7 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
 
 /// Travel times given as numbers: one for each pair, and nothing beside them that a vehicle in the air would need.
 fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(), String> {
-    let TravelTimes { from_start_s, between_s, to_base_s } = travel;
-    let count = problem.targets.len();
-    let square = between_s.len() == count && between_s.iter().all(|row| row.len() == count);
-    if from_start_s.len() != count || !square || (problem.base.is_some() && to_base_s.len() != count) {
-        return Err(format!("The travel times do not fit {count} targets: give one row and one column per target."));
-    }
-    // Row by row and without leaving early: a thousand targets have a million times.
-    let sound = |times: &Vec<f64>| times.iter().fold(true, |sound, time_s| sound & (*time_s >= 0.0));
-    if ![from_start_s, to_base_s].into_iter().chain(between_s).all(sound) {
-        return Err("A travel time is negative or not a number.".to_string());
-    }
+    travel::times(travel, problem.targets.len(), problem.base.is_some())?;
     let flown = [
         (!problem.zones.is_empty(), "zones"),
         (problem.landing_distance_m_max.is_some(), "a distance to landing places"),

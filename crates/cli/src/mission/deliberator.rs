@@ -335,13 +335,19 @@ fn surveillance_steps(
     let sites: Vec<(super::Target, f64)> = mission.targets.iter().filter_map(site).collect();
     let positions: Vec<Position> = sites.iter().map(|(target, _)| target.position).collect();
     let (start, begin) = from.unwrap_or((mission.start, Time::ZERO));
-    let ways = survey(mission, &positions, start, begin.seconds()).ok();
-    let route = |from: Option<usize>, to: usize| ways.as_ref().map_or_else(Vec::new, |ways| ways.route(from, to));
+    let mut ways = survey(mission, &positions, start, begin.seconds()).ok();
+    // A cycle is flown again and again by the ways of its first lap.
+    let mut departs_s = vec![0.0];
+    departs_s.extend(plan.visits.iter().map(|visit| visit.end_s));
+    let mut route = |from: Option<usize>, to: usize, number: usize| {
+        let depart_s = departs_s.get(number).or(departs_s.last()).copied().unwrap_or(0.0);
+        ways.as_mut().map_or_else(Vec::new, |ways| ways.route(from, to, depart_s))
+    };
     let mut order: Vec<usize> =
         order.iter().filter_map(|name| sites.iter().position(|(target, _)| target.id == **name)).collect();
     if repeat {
         // A cycle is flown again from its first site, so the way from the start is better one without bends.
-        let open = order.iter().position(|site| route(None, *site).len() == 2);
+        let open = order.iter().position(|site| route(None, *site, 0).len() == 2);
         order.rotate_left(open.unwrap_or(0));
     }
     let mut steps = Vec::new();
@@ -350,7 +356,7 @@ fn surveillance_steps(
         let Some((target, dwell_s)) = sites.get(*number) else { continue };
         let altitude_m = visit_altitude_m(target);
         if before.is_some() || !repeat {
-            detour(&mut steps, &route(before, *number), altitude_m);
+            detour(&mut steps, &route(before, *number, index), altitude_m);
         }
         before = Some(*number);
         let form = Value::list([
@@ -365,7 +371,7 @@ fn surveillance_steps(
     }
     if let (true, Some(first), Some(last)) = (repeat, order.first(), order.last()) {
         let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(target));
-        detour(&mut steps, &route(Some(*last), *first), altitude_m);
+        detour(&mut steps, &route(Some(*last), *first, order.len()), altitude_m);
     }
     (steps, repeat)
 }

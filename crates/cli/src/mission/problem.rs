@@ -241,7 +241,7 @@ pub fn visit_altitude_m(site: &super::Target) -> f64 {
 ///
 /// # Errors
 /// A sentence that names what is wrong with a zone, the start or the base.
-pub(super) fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
+pub(crate) fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
     let sites = mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)));
     let heights = sites.map(visit_altitude_m);
     let (low_m, high_m) =

@@ -10,6 +10,7 @@ use apex_model::problem::{
     SurveillancePlan, SurveillanceProblem,
 };
 use apex_sim::Airframe;
+use apex_solvers::surveillance::travel::Ways;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.
@@ -169,9 +170,8 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         };
         let Some(manoeuvre) = target.manoeuvres.get(visit.manoeuvre) else { continue };
         let at = |position: Position| Place { position, altitude_m: high(manoeuvre.altitude_m) };
-        let bends = visit.route.iter().skip(1).take(visit.route.len().saturating_sub(2));
         let mut way = vec![before];
-        way.extend(bends.map(|bend| Place { position: *bend, altitude_m: high(altitude_m) }));
+        way.extend(bends(&visit.route, high(altitude_m)));
         let lines: Vec<Place> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
         way.push(lines.first().copied().unwrap_or(at(target.position)));
         before = lines.last().copied().unwrap_or(at(target.position));
@@ -184,9 +184,8 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
     let base = problem.base.map(|position| Place { position, altitude_m: high(problem.start_altitude_m) });
     let mut return_way = Vec::new();
     if let Some(base) = base {
-        let bends = plan.return_route.iter().skip(1).take(plan.return_route.len().saturating_sub(2));
         return_way.push(before);
-        return_way.extend(bends.map(|bend| Place { position: *bend, altitude_m: high(altitude_m) }));
+        return_way.extend(bends(&plan.return_route, high(altitude_m)));
         return_way.push(base);
     }
     Chart {
@@ -230,6 +229,18 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
     facts
 }
 
+/// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
+fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
+    let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
+    crate::mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
+}
+
+/// What lies strictly between the ends of a route.
+fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = Place> {
+    let between = route.iter().skip(1).take(route.len().saturating_sub(2));
+    between.map(move |position| Place { position: *position, altitude_m })
+}
+
 fn of_surveillance(
     problem: &SurveillanceProblem,
     plan: &SurveillancePlan,
@@ -257,18 +268,21 @@ fn of_surveillance(
     }
     let start = start.or(mission.map(|mission| mission.start));
     let start = start.map(|position| Place { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
-    let mut before = start;
+    let mut ways = mission.and_then(|mission| flown_ways(mission, problem));
+    let (mut before, mut from, mut depart_s) = (start, None, 0.0);
     let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
     for visit in &plan.visits {
-        let Some(here) = targets.iter().find(|target| target.name == visit.target).map(|target| target.place) else {
-            continue;
-        };
-        let way = before.into_iter().chain([here]).collect();
+        let Some(to) = targets.iter().position(|target| target.name == visit.target) else { continue };
+        let Some(here) = targets.get(to).map(|target| target.place) else { continue };
+        let route = ways.as_mut().map_or_else(Vec::new, |ways| ways.route(from, to, depart_s));
+        let way: Vec<Place> = before.into_iter().chain(bends(&route, here.altitude_m)).chain([here]).collect();
+        (from, depart_s) = (Some(to), visit.end_s);
         let (target, arrive_s, end_s) = (visit.target.clone(), visit.arrive_s, visit.end_s);
         visits.push(Visit { target, way, lines: Vec::new(), arrive_s, begin_s: arrive_s, end_s });
         before = Some(here);
     }
     let base = start.filter(|_| problem.return_to_base);
+    let home = ways.as_mut().zip(from).map_or_else(Vec::new, |(ways, from)| ways.route_to_base(from, depart_s));
     let cycle = plan.cycle.len();
     let repeats = visits.iter().enumerate().all(|(index, visit)| {
         index.checked_rem(cycle).and_then(|place| plan.cycle.get(place)).is_some_and(|name| *name == visit.target)
@@ -288,7 +302,9 @@ fn of_surveillance(
         speed_mps: None,
         start,
         base,
-        return_way: before.zip(base).map_or_else(Vec::new, |(before, base)| vec![before, base]),
+        return_way: before.zip(base).map_or_else(Vec::new, |(before, base)| {
+            [before].into_iter().chain(bends(&home, before.altitude_m)).chain([base]).collect()
+        }),
         end_s: plan.return_s.unwrap_or(ends),
         visits,
         round: (cycle > 0 && repeats).then_some(cycle),

@@ -1,10 +1,7 @@
 //! The surveillance problem: watch targets so that the expected cost of ignorance is least (paper, sections II and V.C).
 
-use super::{LeftOut, Position};
+use super::{LeftOut, Position, TravelTimes};
 use serde::{Deserialize, Serialize};
-
-/// A travel time that means there is no way; finite, so that it survives JSON. Every time at or above counts.
-pub const UNREACHABLE_S: f64 = 1e15;
 
 /// Watch `targets` from time 0 to `horizon_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -105,36 +102,6 @@ pub enum CostFunction {
         /// `(age_s, cost)` by rising age.
         points: Vec<(f64, f64)>,
     },
-}
-
-/// Travel times in seconds, in general not symmetric (wind). [`UNREACHABLE_S`] is no way. Indices are those of
-/// [`SurveillanceProblem::targets`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TravelTimes {
-    /// From the start to each target.
-    pub from_start_s: Vec<f64>,
-    /// `between_s[from][to]`; the diagonal is what it takes to observe the same target again at once.
-    pub between_s: Vec<Vec<f64>>,
-    /// From each target to the base; may be empty where the problem does not ask for a return.
-    pub to_base_s: Vec<f64>,
-}
-
-impl TravelTimes {
-    /// From the start to target `to`.
-    pub fn start_to(&self, to: usize) -> f64 {
-        self.from_start_s.get(to).copied().unwrap_or(UNREACHABLE_S)
-    }
-
-    /// From target `from` to target `to`.
-    pub fn between(&self, from: usize, to: usize) -> f64 {
-        self.between_s.get(from).and_then(|row| row.get(to)).copied().unwrap_or(UNREACHABLE_S)
-    }
-
-    /// From target `from` to the base.
-    pub fn to_base(&self, from: usize) -> f64 {
-        self.to_base_s.get(from).copied().unwrap_or(UNREACHABLE_S)
-    }
 }
 
 /// One observation of one target.

@@ -36,7 +36,7 @@ pub(super) struct Annealing<'s, 'p> {
 
 impl<'s, 'p> Annealing<'s, 'p> {
     pub(super) fn new(scenario: &'s Scenario<'p>, seed: u64) -> Annealing<'s, 'p> {
-        let travel = &scenario.problem().travel;
+        let travel = scenario.typical();
         let near = (0..scenario.problem().targets.len()).map(|from| {
             let mut near: Vec<usize> = scenario.usable().iter().copied().filter(|to| *to != from).collect();
             near.sort_by(|a, b| travel.between(from, *a).total_cmp(&travel.between(from, *b)));

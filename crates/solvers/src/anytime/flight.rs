@@ -10,7 +10,7 @@ use apex_model::solver::Budget;
 pub(super) enum Flight<'s, 'p> {
     /// Changes are priced without flying the word.
     Quick(Box<Timetable<'s, 'p>>),
-    /// Changes are flown: rates that change with time, steps, tables, very long words.
+    /// Changes are flown: rates or travel times that change with time, steps, tables, very long words.
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,
@@ -28,7 +28,7 @@ impl<'s, 'p> Flight<'s, 'p> {
     pub(super) fn new(scenario: &'s Scenario<'p>, word: Vec<usize>, budget: &mut dyn Budget) -> Flight<'s, 'p> {
         let numbers = (word.len() + 1).saturating_mul(scenario.problem().targets.len());
         match Intervals::of(scenario.problem()) {
-            Some(intervals) if numbers <= NUMBERS_MAX => {
+            Some(intervals) if numbers <= NUMBERS_MAX && scenario.problem().travel.is_constant() => {
                 Flight::Quick(Box::new(Timetable::new(scenario, intervals, word)))
             }
             _ => {

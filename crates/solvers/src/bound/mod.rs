@@ -11,6 +11,7 @@ pub mod price;
 mod program;
 
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
+use std::borrow::Cow;
 
 /// A bound with what proves it.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +34,7 @@ pub enum Proof {
 /// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
 /// the price of time: quickly, as in flight. Plans of single visits bring their bounds.
 pub fn state(problem: &Problem, plan: &mut Plan) {
-    state_at_least(problem, plan, |problem| price::expected_cost(problem).expected_cost);
+    state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
 }
 
 /// As [`state`], by the best bound that is known here.
@@ -50,6 +51,7 @@ fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&Survei
 
 /// The best bound found. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
+    let problem = &*at_best_departures(problem);
     let of_price = price::expected_cost(problem);
     let by_price = Bound { expected_cost: of_price.expected_cost, proof: Proof::PricePerSecond(of_price.price_per_s) };
     match absences::expected_cost(problem) {
@@ -60,8 +62,18 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     }
 }
 
+/// The problem with the least time of each leg over all departures. Its plans are more than those of the problem: a slow leg
+/// is a quick one and a wait, which no bound here forbids.
+fn at_best_departures(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
+    if problem.travel.is_constant() {
+        return Cow::Borrowed(problem);
+    }
+    Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..problem.clone() })
+}
+
 /// What the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
+    let problem = &*at_best_departures(problem);
     match proof {
         Proof::PricePerSecond(price_per_s) => price::at_price(problem, *price_per_s),
         Proof::Absences(multipliers) => absences::verified(problem, multipliers),

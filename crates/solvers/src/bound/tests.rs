@@ -22,10 +22,14 @@ proptest! {
     #[test]
     fn no_word_costs_less(
         seed in 0..1000_u64, cost in families(), other in families(), home: bool, age in 0.0..300.0f64,
-        later in 0.1..3.0f64, horizon in 200.0..900.0f64,
+        later in 0.1..3.0f64, horizon in 200.0..900.0f64, turn in prop::option::of(0.2..0.9f64),
     ) {
         // All words of up to seven visits over three targets, one of which has a rate that changes.
-        let mut problem = examples::sized(3, seed, 3_000.0);
+        // The wind may turn on the way.
+        let mut problem = match turn {
+            Some(share) => examples::turning(3, seed, 3_000.0, share * horizon),
+            None => examples::sized(3, seed, 3_000.0),
+        };
         problem.horizon_s = horizon;
         problem.return_to_base = home;
         problem.targets[0].cost = cost;
@@ -34,10 +38,11 @@ proptest! {
         problem.targets[2].rate = EventRate { steps: vec![(0.0, 1.0), (0.5 * horizon, later)] };
         prop_assume!(Scenario::new(&problem).is_ok());
         let scenario = Scenario::new(&problem).unwrap();
-        let of_price = price::expected_cost(&problem);
-        prop_assert_eq!(price::at_price(&problem, of_price.price_per_s), of_price.expected_cost);
-        let (of_absences, multipliers) = absences::expected_cost(&problem).unwrap();
-        prop_assert!((absences::verified(&problem, &multipliers) - of_absences.max(0.0)).abs() <= 1e-12 * of_absences.abs());
+        let quick = at_best_departures(&problem);
+        let of_price = price::expected_cost(&quick);
+        prop_assert_eq!(price::at_price(&quick, of_price.price_per_s), of_price.expected_cost);
+        let (of_absences, multipliers) = absences::expected_cost(&quick).unwrap();
+        prop_assert!((absences::verified(&quick, &multipliers) - of_absences.max(0.0)).abs() <= 1e-12 * of_absences.abs());
         let mut least = f64::INFINITY;
         for number in 0..3_usize.pow(7) {
             let word = (0..7).map(|place| number / 3_usize.pow(place) % 3);
@@ -47,7 +52,9 @@ proptest! {
         }
         prop_assert!(of_price.expected_cost <= least * (1.0 + 1e-9), "{of_price:?} {least}");
         prop_assert!(of_absences <= least * (1.0 + 1e-9), "{of_absences} {least}");
-        prop_assert!(expected_cost(&problem).expected_cost >= 0.0);
+        let best = expected_cost(&problem);
+        prop_assert!(best.expected_cost >= 0.0 && best.expected_cost <= least * (1.0 + 1e-9));
+        prop_assert!((verified(&problem, &best.proof) - best.expected_cost).abs() <= 1e-9 * best.expected_cost.abs());
     }
 }
 

@@ -1,5 +1,6 @@
 //! The checker's own look at a surveillance plan.
 
+use super::given_times::leg_s;
 use apex_metrics::{eci, quadrature};
 use apex_model::problem::{CostFunction, EventRate, SurveillancePlan, SurveillanceProblem, SurveillanceTarget};
 
@@ -20,7 +21,8 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
             found.push(format!("visits {}, which is no target", visit.target));
             continue;
         };
-        let travel_s = place.map_or_else(|| problem.travel.start_to(at), |from| problem.travel.between(from, at));
+        // Leaving at once is the earliest: whoever leaves later is not there earlier.
+        let travel_s = leg_s(&problem.travel, place, Some(at), time_s);
         let missing_s = time_s + travel_s - visit.arrive_s;
         if missing_s.is_nan() || missing_s > TIME_TOLERANCE_S {
             found.push(format!("arrives at {} {missing_s:.1} s before it can be there", visit.target));
@@ -34,7 +36,11 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
         }
         (place, time_s) = (Some(at), visit.end_s);
     }
-    let home_s = if problem.return_to_base { place.map_or(0.0, |place| problem.travel.to_base(place)) } else { 0.0 };
+    let home_s = if problem.return_to_base {
+        place.map_or(0.0, |place| leg_s(&problem.travel, Some(place), None, time_s))
+    } else {
+        0.0
+    };
     let limits = [(Some(problem.horizon_s), "horizon"), (problem.endurance_s, "endurance")];
     for (limit_s, name) in limits.into_iter().filter_map(|(limit_s, name)| Some((limit_s?, name))) {
         if time_s + home_s > limit_s + TIME_TOLERANCE_S {

@@ -37,6 +37,6 @@ fn kappa(given: &Given<'_>) -> f64 {
     let mut budget = WorkBudget::new(TOUR_UNITS);
     let cycle = tour::shortest(scenario, scenario.usable(), &mut budget as &mut dyn Budget);
     let dwell_s: f64 = cycle.iter().filter_map(|index| problem.targets.get(*index)).map(|target| target.dwell_s).sum();
-    let travel_s = tour::length(&cycle, |from, to| problem.travel.between(from, to));
+    let travel_s = tour::length(&cycle, |from, to| scenario.typical().between(from, to));
     (travel_s + dwell_s) / scenario.limit_s()
 }

@@ -44,6 +44,7 @@ pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, us
         from_start_s: (1..count).map(|to| time(0, to)).collect(),
         between_s: (1..count).map(|from| (1..count).map(|to| time(from, to)).collect()).collect(),
         to_base_s: (1..count).map(|from| time(from, 0)).collect(),
+        later: Vec::new(),
     };
     let position = shown(vertices);
     let target = |vertex: &Vertex| SingleVisitTarget {

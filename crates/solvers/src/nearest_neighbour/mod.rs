@@ -41,13 +41,15 @@ pub fn cycle_from(
     let travel = &scenario.problem().travel;
     let mut open = targets.to_vec();
     let mut cycle = Vec::with_capacity(open.len());
-    let mut place = from;
+    let (mut place, mut now_s) = (from, 0.0);
     while !open.is_empty() {
         budget.charge(open.len() as u64);
-        let time_s =
-            |target: usize| place.map_or_else(|| travel.start_to(target), |place| travel.between(place, target));
+        let time_s = |target: usize| {
+            place.map_or_else(|| travel.start_to_at(target, now_s), |place| travel.between_at(place, target, now_s))
+        };
         let nearest = open.iter().enumerate().min_by(|(_, a), (_, b)| time_s(**a).total_cmp(&time_s(**b)));
         let Some((slot, target)) = nearest.map(|(slot, target)| (slot, *target)) else { break };
+        now_s += time_s(target) + scenario.problem().targets.get(target).map_or(0.0, |target| target.dwell_s);
         open.remove(slot);
         cycle.push(target);
         place = Some(target);

@@ -146,7 +146,7 @@ impl<'a> Travel<'a> {
     /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`; none where there is no way.
     pub(crate) fn times(&mut self, from: Node, to: Node, ready_s: f64) -> Option<Times> {
         if let Some(travel) = &self.problem.travel {
-            let travel_s = given_s(travel, from, to)?;
+            let travel_s = given_s(travel, from, to, ready_s)?;
             return Some(Times { depart_s: ready_s, arrive_s: ready_s + travel_s });
         }
         self.find(from, to, ready_s).ok().map(|(_, times, _)| times)
@@ -160,7 +160,7 @@ impl<'a> Travel<'a> {
     /// No way from `from` to `to` takes less than this.
     pub(crate) fn time_s_min(&self, from: Node, to: Node) -> f64 {
         if let Some(travel) = &self.problem.travel {
-            return given_s(travel, from, to).unwrap_or(f64::INFINITY);
+            return given_s_min(travel, from, to);
         }
         let (Some(start), Some(end)) = (self.spots.get(self.number(from)), self.spots.get(self.number(to))) else {
             return 0.0;
@@ -174,7 +174,7 @@ impl<'a> Travel<'a> {
     /// A phrase that says what stands in the way, for example "inside restricted area R-2515".
     pub(crate) fn way(&mut self, from: Node, to: Node, ready_s: f64) -> Result<Way, String> {
         if let Some(travel) = &self.problem.travel {
-            let arrive_s = ready_s + given_s(travel, from, to).ok_or("no way leads there")?;
+            let arrive_s = ready_s + given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
             let route = vec![place(self.problem, from).0, place(self.problem, to).0];
             return Ok(Way { route, depart_s: ready_s, arrive_s });
         }
@@ -322,14 +322,25 @@ fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
 }
 
 /// A travel time given as a number; none where there is no way.
-fn given_s(travel: &TravelTimes, from: Node, to: Node) -> Option<f64> {
+fn given_s(travel: &TravelTimes, from: Node, to: Node, depart_s: f64) -> Option<f64> {
     let time_s = match (from, to) {
-        (Node::Start, Node::Entry(to, _)) => travel.start_to(to),
-        (Node::Exit(from, _), Node::Entry(to, _)) => travel.between(from, to),
-        (Node::Exit(from, _), Node::Base) => travel.to_base(from),
+        (Node::Start, Node::Entry(to, _)) => travel.start_to_at(to, depart_s),
+        (Node::Exit(from, _), Node::Entry(to, _)) => travel.between_at(from, to, depart_s),
+        (Node::Exit(from, _), Node::Base) => travel.to_base_at(from, depart_s),
         _ => UNREACHABLE_S,
     };
     (time_s < UNREACHABLE_S).then_some(time_s)
+}
+
+/// The least of them over all departures; infinite where there is no way.
+fn given_s_min(travel: &TravelTimes, from: Node, to: Node) -> f64 {
+    let time_s = match (from, to) {
+        (Node::Start, Node::Entry(to, _)) => travel.start_to_s_min(to),
+        (Node::Exit(from, _), Node::Entry(to, _)) => travel.between_s_min(from, to),
+        (Node::Exit(from, _), Node::Base) => travel.to_base_s_min(from),
+        _ => UNREACHABLE_S,
+    };
+    if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
 }
 
 /// Where a node is and at which altitude.

@@ -1,7 +1,9 @@
 //! Seeded surveillance problems for tests.
 
 use crate::random::Generator;
-use apex_model::problem::{CostFunction, EventRate, Position, SurveillanceProblem, SurveillanceTarget, TravelTimes};
+use apex_model::problem::{
+    CostFunction, EventRate, LaterTimes, Position, SurveillanceProblem, SurveillanceTarget, TravelTimes,
+};
 
 /// `count` targets at random in 4 km with unequal rates and costs, a wind that makes travel asymmetric.
 pub(crate) fn random(count: usize, seed: u64) -> SurveillanceProblem {
@@ -35,11 +37,46 @@ pub(crate) fn sized(count: usize, seed: u64, side_m: f64) -> SurveillanceProblem
             from_start_s: places.iter().map(|place| leg((0.0, 0.0), *place)).collect(),
             between_s: places.iter().map(|from| places.iter().map(|to| leg(*from, *to)).collect()).collect(),
             to_base_s: places.iter().map(|place| leg(*place, (0.0, 0.0))).collect(),
+            later: Vec::new(),
         },
         horizon_s: 3600.0,
         return_to_base: false,
         endurance_s: None,
     }
+}
+
+/// As [`sized`], with a wind that turns at `turn_s`: every way is flown through both winds by who is under way then.
+pub(crate) fn turning(count: usize, seed: u64, side_m: f64, turn_s: f64) -> SurveillanceProblem {
+    let mut problem = sized(count, seed, side_m);
+    let mut generator = Generator::new(seed ^ 0x5EED);
+    // What each way takes after the turn.
+    let mut after_s = |time_s: f64| time_s * (0.5 + generator.unit());
+    let constant = problem.travel.clone();
+    let after = LaterTimes {
+        depart_s: turn_s,
+        from_start_s: constant.from_start_s.iter().map(|time_s| after_s(*time_s)).collect(),
+        between_s: constant.between_s.iter().map(|row| row.iter().map(|time_s| after_s(*time_s)).collect()).collect(),
+        to_base_s: constant.to_base_s.iter().map(|time_s| after_s(*time_s)).collect(),
+    };
+    let at = |depart_s: f64, before_s: f64, after_s: f64| {
+        let left_s = turn_s - depart_s;
+        if before_s <= left_s { before_s } else { left_s + (1.0 - left_s / before_s) * after_s }
+    };
+    let row = |depart_s: f64, before: &[f64], after: &[f64]| -> Vec<f64> {
+        before.iter().zip(after).map(|(before_s, after_s)| at(depart_s, *before_s, *after_s)).collect()
+    };
+    for step in 1..20 {
+        let depart_s = turn_s * f64::from(step) / 20.0;
+        let between = constant.between_s.iter().zip(&after.between_s);
+        problem.travel.later.push(LaterTimes {
+            depart_s,
+            from_start_s: row(depart_s, &constant.from_start_s, &after.from_start_s),
+            between_s: between.map(|(before, after)| row(depart_s, before, after)).collect(),
+            to_base_s: row(depart_s, &constant.to_base_s, &after.to_base_s),
+        });
+    }
+    problem.travel.later.push(after);
+    problem
 }
 
 /// `count` equal targets with linear cost and a horizon of very many laps.

@@ -3,8 +3,11 @@
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use apex_metrics::eci;
-use apex_model::problem::{LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, UNREACHABLE_S};
+use apex_model::problem::{
+    LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TravelTimes, UNREACHABLE_S,
+};
 use apex_model::solver::Budget;
+use std::borrow::Cow;
 
 /// Visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
@@ -29,6 +32,8 @@ pub struct Scenario<'a> {
     problem: &'a SurveillanceProblem,
     limit_s: f64,
     usable: Vec<usize>,
+    /// Times that do not depend on the departure.
+    typical: Cow<'a, TravelTimes>,
 }
 
 impl<'a> Scenario<'a> {
@@ -39,7 +44,11 @@ impl<'a> Scenario<'a> {
     pub fn new(problem: &'a SurveillanceProblem) -> Result<Scenario<'a>, String> {
         crate::validate::surveillance(problem)?;
         let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
-        let mut scenario = Scenario { problem, limit_s, usable: Vec::new() };
+        let typical = match problem.travel.is_constant() {
+            true => Cow::Borrowed(&problem.travel),
+            false => Cow::Owned(problem.travel.mean(limit_s)),
+        };
+        let mut scenario = Scenario { problem, limit_s, usable: Vec::new(), typical };
         scenario.usable =
             (0..problem.targets.len()).filter(|target| scenario.next_stop(None, 0.0, *target).is_some()).collect();
         if scenario.usable.is_empty() {
@@ -60,6 +69,11 @@ impl<'a> Scenario<'a> {
         self.problem
     }
 
+    /// Travel times for comparing places with each other: the mean over departures. What is flown is judged by the true ones.
+    pub fn typical(&self) -> &TravelTimes {
+        &self.typical
+    }
+
     /// Indices of the targets that can be observed as the first one.
     pub fn usable(&self) -> &[usize] {
         &self.usable
@@ -73,11 +87,12 @@ impl<'a> Scenario<'a> {
     /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late.
     pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
         let travel = &self.problem.travel;
-        let travel_s = from.map_or_else(|| travel.start_to(target), |from| travel.between(from, target));
+        let travel_s =
+            from.map_or_else(|| travel.start_to_at(target, time_s), |from| travel.between_at(from, target, time_s));
         let dwell_s = self.problem.targets.get(target)?.dwell_s;
-        let home_s = if self.problem.return_to_base { travel.to_base(target) } else { 0.0 };
         let arrive_s = time_s + travel_s;
         let end_s = arrive_s + dwell_s;
+        let home_s = if self.problem.return_to_base { travel.to_base_at(target, end_s) } else { 0.0 };
         let in_time = travel_s < UNREACHABLE_S && home_s < UNREACHABLE_S && end_s + home_s <= self.limit_s;
         in_time.then_some(Stop { target, arrive_s, end_s })
     }
@@ -155,7 +170,7 @@ impl<'a> Scenario<'a> {
         let return_s = self
             .problem
             .return_to_base
-            .then(|| stops.last().map_or(0.0, |stop| stop.end_s + self.problem.travel.to_base(stop.target)));
+            .then(|| stops.last().map_or(0.0, |s| s.end_s + self.problem.travel.to_base_at(s.target, s.end_s)));
         SurveillancePlan {
             solver: solver.to_string(),
             cycle: Vec::new(),
@@ -223,11 +238,11 @@ impl<'a> Scenario<'a> {
         if there_s >= UNREACHABLE_S {
             return "cannot be reached from the start".to_string();
         }
-        let home_s = if self.problem.return_to_base { travel.to_base(index) } else { 0.0 };
+        let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
+        let home_s = if self.problem.return_to_base { travel.to_base_at(index, there_s + dwell_s) } else { 0.0 };
         if home_s >= UNREACHABLE_S {
             return "leaves no way back to the base".to_string();
         }
-        let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
         let over_s = there_s + dwell_s + home_s - self.limit_s;
         let what = if self.limit_s < self.problem.horizon_s { "endurance leaves" } else { "the horizon allows" };
         format!("needs {over_s:.0} s more than {what}")

@@ -3,7 +3,7 @@
 use apex_geo::geodesy::Position;
 use apex_geo::travel::{Air, Network, PlaceId, Setting, Trip, Trouble};
 use apex_geo::wind::WindField;
-use apex_model::problem::{AirspaceZone, TravelTimes, UNREACHABLE_S};
+use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 
 /// How the vehicle gets from place to place.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub struct Transit<'a> {
     pub altitude_m: f64,
     /// The wind.
     pub wind: &'a WindField,
-    /// When the plan begins: the matrix is the one for leaving at this time.
+    /// When the plan begins.
     pub time_s: f64,
     /// When it ends: zones that are active before that are kept out of at all times.
     pub until_s: f64,
@@ -29,14 +29,29 @@ pub struct Transit<'a> {
 /// The ways between start, targets and base.
 #[derive(Clone, Debug)]
 pub struct Ways {
-    /// Their times; [`UNREACHABLE_S`] where there is no way. Not symmetric under wind.
+    /// Their times, counted from the beginning of the plan; [`UNREACHABLE_S`] where there is no way. Not symmetric under
+    /// wind, and different by departure where the wind changes.
     pub times: TravelTimes,
     network: Network,
-    from_start: Vec<Option<Trip>>,
-    between: Vec<Vec<Option<Trip>>>,
-    to_base: Vec<Option<Trip>>,
+    begin_s: f64,
+    ends: Ends,
     troubles: Vec<Option<Trouble>>,
 }
+
+/// The numbers of places in the network.
+#[derive(Clone, Debug)]
+struct Ends {
+    start: PlaceId,
+    base: PlaceId,
+    targets: Vec<PlaceId>,
+}
+
+/// Times may be read off straight lines with an error of this share of the longest way, and of [`ERROR_S_MAX`].
+const ERROR_SHARE: f64 = 0.005;
+const ERROR_S_MAX: f64 = 1.0;
+/// Departures for which times are kept, and numbers in all of them.
+const DEPARTURES_MAX: usize = 128;
+const NUMBERS_MAX: usize = 2_000_000;
 
 impl Ways {
     /// The ways between `targets`, from `start` and to `base`.
@@ -62,51 +77,105 @@ impl Ways {
             altitudes_m: transit.altitudes_m,
             time_s: (transit.time_s, transit.until_s),
         };
-        let (from_s, until_s) = (transit.time_s, transit.until_s);
-        let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, from_s, until_s);
+        let (begin_s, until_s) = (transit.time_s, transit.until_s);
+        let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, begin_s, until_s);
+        let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
         let mut network = Network::new(&setting, air)?;
-        let mut ends = Vec::with_capacity(2);
-        for (position, name) in [(start, "start"), (base, "base")] {
+        let mut end = |position: Position, name: &str| {
             let place = network.add(position).map_err(|trouble| format!("The {name} cannot be used: {trouble}."))?;
-            if let Some(trouble) = network.place_trouble(place, (from_s, from_s)) {
-                return Err(format!("The {name} cannot be used: {trouble}."));
+            match network.place_trouble(place, (begin_s, begin_s)) {
+                Some(trouble) => Err(format!("The {name} cannot be used: {trouble}.")),
+                None => Ok(place),
             }
-            ends.push(place);
-        }
+        };
+        let (start, base) = (end(start, "start")?, end(base, "base")?);
         let mut troubles = Vec::with_capacity(targets.len());
         let mut places: Vec<PlaceId> = Vec::with_capacity(targets.len());
         for position in targets {
             let place = network.add(*position).map_err(|trouble| format!("A target cannot be used: {trouble}."))?;
-            troubles.push(network.place_trouble(place, (from_s, from_s)));
+            troubles.push(network.place_trouble(place, (begin_s, begin_s)));
             places.push(place);
         }
-        let first = |rows: Vec<Vec<Option<Trip>>>| rows.into_iter().next().unwrap_or_default();
-        let (start, base) = (ends.get(..1).unwrap_or_default(), ends.get(1..).unwrap_or_default());
-        let from_start = first(network.matrix(start, &places, from_s));
-        let to_base: Vec<Option<Trip>> =
-            network.matrix(&places, base, from_s).into_iter().map(|row| row.into_iter().next().flatten()).collect();
-        let between = network.matrix(&places, &places, from_s);
-        let seconds = |trip: &Option<Trip>| trip.map_or(UNREACHABLE_S, |trip| trip.arrive_s - from_s);
-        let times = TravelTimes {
-            from_start_s: from_start.iter().map(seconds).collect(),
-            between_s: between.iter().map(|row| row.iter().map(seconds).collect()).collect(),
-            to_base_s: to_base.iter().map(seconds).collect(),
-        };
-        Ok(Ways { times, network, from_start, between, to_base, troubles })
+        let ends = Ends { start, base, targets: places };
+        let mut ways = Ways { times: TravelTimes::default(), network, begin_s, ends, troubles };
+        ways.times = ways.at_departures(&changes_s);
+        Ok(ways)
     }
 
-    /// Both ends and the bends of the way to a target, from another or from the start (none); empty where there is none.
-    pub fn route(&self, from: Option<usize>, to: usize) -> Vec<Position> {
-        let trip = match from {
-            Some(from) => self.between.get(from).and_then(|row| row.get(to)),
-            None => self.from_start.get(to),
-        };
-        self.positions(trip)
+    /// The times for leaving at the beginning and, where the wind changes, at as many later instants as it takes to read off
+    /// all others.
+    fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
+        let first = self.leaving_at(0.0);
+        let mut known = vec![first];
+        // Times are constant but for who is on the way when the wind changes.
+        for change_s in changes_s {
+            let longest_s = |times: &LaterTimes| {
+                let all = times.from_start_s.iter().chain(&times.to_base_s).chain(times.between_s.iter().flatten());
+                all.copied().filter(|time_s| *time_s < UNREACHABLE_S).fold(0.0, f64::max)
+            };
+            let last_s = known.last().map_or(0.0, |times| times.depart_s);
+            let longest = known.last().map_or(0.0, longest_s);
+            let after = self.leaving_at(*change_s);
+            let open_s = (change_s - longest.max(longest_s(&after))).max(last_s);
+            if open_s > last_s && open_s < *change_s {
+                let before = self.leaving_at(open_s);
+                known.push(before);
+            }
+            let from = known.len().saturating_sub(1);
+            known.push(after);
+            self.refine(&mut known, from, (ERROR_SHARE * longest).max(ERROR_S_MAX));
+        }
+        let mut later = known.into_iter();
+        let LaterTimes { from_start_s, between_s, to_base_s, .. } = later.next().unwrap_or_default();
+        TravelTimes { from_start_s, between_s, to_base_s, later: later.collect() }
     }
 
-    /// The way from a target to the base.
-    pub fn route_to_base(&self, from: usize) -> Vec<Position> {
-        self.positions(self.to_base.get(from))
+    /// Halves what lies between departures from number `from` on, until no time in the middle is off by more than `error_s`.
+    fn refine(&mut self, known: &mut Vec<LaterTimes>, mut from: usize, error_s: f64) {
+        let count = self.ends.targets.len() + 1;
+        let most = (NUMBERS_MAX / (count * count)).clamp(8, DEPARTURES_MAX);
+        while let Some((before, after)) = known.get(from).zip(known.get(from + 1)) {
+            let middle_s = 0.5 * (before.depart_s + after.depart_s);
+            let middle = self.leaving_at(middle_s);
+            let apart = known.get(from).zip(known.get(from + 1)).is_some_and(|(before, after)| {
+                after.depart_s - before.depart_s > error_s && off_s(before, &middle, after) > error_s
+            });
+            if apart && known.len() < most {
+                known.insert(from + 1, middle);
+            } else {
+                from += 1;
+            }
+        }
+    }
+
+    fn leaving_at(&mut self, depart_s: f64) -> LaterTimes {
+        let ready_s = self.begin_s + depart_s;
+        let Ends { start, base, targets } = &self.ends;
+        let seconds = |trip: &Option<Trip>| trip.map_or(UNREACHABLE_S, |trip| trip.arrive_s - ready_s);
+        let rows = |matrix: Vec<Vec<Option<Trip>>>| -> Vec<Vec<f64>> {
+            matrix.iter().map(|row| row.iter().map(seconds).collect()).collect()
+        };
+        let from_start = rows(self.network.matrix(&[*start], targets, ready_s));
+        LaterTimes {
+            depart_s,
+            from_start_s: from_start.into_iter().next().unwrap_or_default(),
+            between_s: rows(self.network.matrix(targets, targets, ready_s)),
+            to_base_s: rows(self.network.matrix(targets, &[*base], ready_s)).concat(),
+        }
+    }
+
+    /// Both ends and the bends of the way to a target for who leaves another, or the start (none), `depart_s` after the
+    /// beginning; empty where there is none.
+    pub fn route(&mut self, from: Option<usize>, to: usize, depart_s: f64) -> Vec<Position> {
+        let from = from.map_or(Some(self.ends.start), |from| self.ends.targets.get(from).copied());
+        let to = self.ends.targets.get(to).copied();
+        self.positions(from.zip(to), depart_s)
+    }
+
+    /// The same from a target to the base.
+    pub fn route_to_base(&mut self, from: usize, depart_s: f64) -> Vec<Position> {
+        let ends = self.ends.targets.get(from).copied().map(|from| (from, self.ends.base));
+        self.positions(ends, depart_s)
     }
 
     /// Why a target cannot be visited at all: what it lies in.
@@ -114,9 +183,23 @@ impl Ways {
         self.troubles.get(target).and_then(Option::as_ref)
     }
 
-    fn positions(&self, trip: Option<&Option<Trip>>) -> Vec<Position> {
-        trip.copied().flatten().map_or_else(Vec::new, |trip| self.network.positions(trip.way))
+    fn positions(&mut self, ends: Option<(PlaceId, PlaceId)>, depart_s: f64) -> Vec<Position> {
+        let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
+        trip.map_or_else(Vec::new, |trip| self.network.positions(trip.way))
     }
+}
+
+/// How far the times in the middle are from the straight lines between those before and after.
+fn off_s(before: &LaterTimes, middle: &LaterTimes, after: &LaterTimes) -> f64 {
+    let times = |of: &LaterTimes| -> Vec<f64> {
+        of.from_start_s.iter().chain(&of.to_base_s).chain(of.between_s.iter().flatten()).copied().collect()
+    };
+    let (before, middle, after) = (times(before), times(middle), times(after));
+    let off = before.iter().zip(&middle).zip(&after).map(|((before_s, middle_s), after_s)| {
+        let known = before_s.max(*middle_s).max(*after_s) < UNREACHABLE_S;
+        if known { (middle_s - 0.5 * (before_s + after_s)).abs() } else { 0.0 }
+    });
+    off.fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -158,13 +241,14 @@ mod tests {
             margin_m: 50.0,
             altitudes_m: (high_m, high_m),
         };
-        let low = Ways::new(home, &targets, home, &transit(100.0)).unwrap();
-        let high = Ways::new(home, &targets, home, &transit(300.0)).unwrap();
-        let (low_s, high_s) = (&low.times.between_s, &high.times.between_s);
-        assert!(low_s[0][1] > high_s[0][1] * 1.1 && low.route(Some(0), 1).len() > 2, "{low_s:?} {high_s:?}");
+        let mut low = Ways::new(home, &targets, home, &transit(100.0)).unwrap();
+        let mut high = Ways::new(home, &targets, home, &transit(300.0)).unwrap();
+        let (low_s, high_s) = (low.times.between_s.clone(), high.times.between_s.clone());
+        assert!(low.times.is_constant(), "the wind does not change");
+        assert!(low_s[0][1] > high_s[0][1] * 1.1 && low.route(Some(0), 1, 0.0).len() > 2, "{low_s:?} {high_s:?}");
         assert!(low_s[1][0] > 1.5 * low_s[0][1], "against the wind");
         assert_eq!((low_s[0][2], low_s[0][0]), (UNREACHABLE_S, 0.0), "the third lies inside the wall");
         assert_eq!(low.trouble(2), Some(&Trouble::Inside("wall".into())));
-        assert!(high_s[0][2] < 200.0 && high.trouble(2).is_none() && high.route(None, 2).len() == 2);
+        assert!(high_s[0][2] < 200.0 && high.trouble(2).is_none() && high.route(None, 2, 0.0).len() == 2);
     }
 }

@@ -85,6 +85,7 @@ impl Cell {
                 to_base_s: from_start_s.clone(),
                 from_start_s,
                 between_s: places.iter().map(|from| places.iter().map(|to| time_s(*from, *to)).collect()).collect(),
+                later: Vec::new(),
             },
             horizon_s: HORIZON_S,
             return_to_base: false,

@@ -80,7 +80,7 @@ impl<'s, 'p> Search<'s, 'p> {
 
     /// `cycle` with `target` where it lengthens the tour least.
     fn inserted(&self, cycle: &[usize], target: usize) -> Vec<usize> {
-        let travel = &self.scenario.problem().travel;
+        let travel = self.scenario.typical();
         let detour = |at: usize| {
             let after = cycle.get(at % cycle.len().max(1)).copied().unwrap_or(target);
             let before = cycle.get((at + cycle.len().max(1) - 1) % cycle.len().max(1)).copied().unwrap_or(target);
@@ -96,7 +96,7 @@ impl<'s, 'p> Search<'s, 'p> {
         if cycle.len() <= tour::EXACT_MAX {
             return tour::shortest(self.scenario, &cycle, budget);
         }
-        let travel = &self.scenario.problem().travel;
+        let travel = self.scenario.typical();
         tour::improve(&mut cycle, &|from, to| travel.between(from, to), budget);
         cycle
     }

@@ -22,7 +22,7 @@ pub fn length(tour: &[usize], distance: impl Fn(usize, usize) -> f64) -> f64 {
 
 /// The shortest tour over `targets`, as a cycle of indices.
 pub fn shortest(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Budget) -> Vec<usize> {
-    let distance = |from: usize, to: usize| scenario.problem().travel.between(from, to);
+    let distance = |from: usize, to: usize| scenario.typical().between(from, to);
     if targets.len() <= 2 {
         return targets.to_vec();
     }

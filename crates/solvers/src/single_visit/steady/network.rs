@@ -52,7 +52,7 @@ impl Network {
     /// The network of a problem with given travel times; none where order, timing or costs need the general search.
     pub(super) fn new(schedule: &Schedule<'_>, usable: &[usize]) -> Option<Network> {
         let problem = schedule.problem;
-        let travel = problem.travel.as_ref()?;
+        let travel = problem.travel.as_ref().filter(|travel| travel.is_constant())?;
         let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
         let risky = problem.failure.probability_per_hour != 0.0;
         if timed || risky || !problem.precedence.is_empty() {
