@@ -9,7 +9,7 @@ use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_runtime::ports::{Deliberator, Input, SolverAnswer, Vehicle};
+use apex_runtime::ports::{Deliberator, Input, SolverAnswer, Vehicle, Withdrawal};
 
 /// How the vehicle answers commands.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -124,7 +124,7 @@ impl Vehicle for PageVehicle {
 pub struct PagePlanner(pub PlannerManner);
 
 impl Deliberator for PagePlanner {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
         match &self.0 {
             PlannerManner::Absent => {
                 let reason = format!("no planner is at hand for {}", request.goal);

@@ -106,6 +106,22 @@ impl Solver for Bad {
     }
 }
 
+/// Flies the watch of structures with a bad planner, to which the mission has an answer.
+fn fly_with(name: &'static str, more: &[&str]) -> Desk {
+    let desk = Desk::with_mission("structure-watch");
+    desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
+    // Without a plan this mission fails; here it goes on.
+    let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
+    desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
+    let mut planners = Registry::shipped();
+    planners.add(Arc::new(Bad(name))).unwrap();
+    let (folder, record) = (desk.path("m").display().to_string(), desk.path("r.apex").display().to_string());
+    let arguments = ["apex", "fly", &folder, "--record", &record, "--no-progress"];
+    let code = apex_cli::try_main(arguments.iter().chain(more).map(Into::into), planners).unwrap();
+    assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS), "{name}");
+    desk
+}
+
 #[test]
 fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
     for (name, named) in [
@@ -119,20 +135,10 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         ("floods", "200000 visits, more than 100000"),
         ("boasts", "claims an expected cost of -1"),
     ] {
-        let desk = Desk::with_mission("structure-watch");
-        desk.change("m/mission.pdl", FORM, &format!("(solver {name} (index (patrol the structures)) :budget 1ms)"));
-        // Without a plan this mission fails; here it goes on.
-        let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
-        desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
-        let mut planners = Registry::shipped();
-        planners.add(Arc::new(Bad(name))).unwrap();
-        let (folder, record) = (desk.path("m").display().to_string(), desk.path("r.apex").display().to_string());
-        let arguments = ["apex", "fly", &folder, "--record", &record, "--no-progress", "--until", "5min"];
         // Only who hangs needs an end of patience: a slow machine must not give up the others.
         let patience = if name == "hangs" { "0.2s" } else { "60s" };
-        let more = ["--solver-patience", patience, "--solver-memory", if name == "hoards" { "64" } else { "100000" }];
-        let code = apex_cli::try_main(arguments.iter().chain(&more).map(Into::into), planners).unwrap();
-        assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS), "{name}");
+        let memory = if name == "hoards" { "64" } else { "100000" };
+        let desk = fly_with(name, &["--until", "5min", "--solver-patience", patience, "--solver-memory", memory]);
         let trace = desk.apex(&["trace", "r.apex"]).well();
         assert!(trace.out.contains(named), "{name}: `{named}` is not in\n{}", trace.out);
         // The executive goes on: it handles the failure, watches the radio, and flies until the time is up.
@@ -140,4 +146,25 @@ fn misconduct_is_named_in_the_record_and_the_flight_goes_on() {
         assert!(trace.out.contains("(without-a-plan)") && late.out.contains("signal-level"), "{name}\n{}", trace.out);
         desk.apex(&["replay", "r.apex"]).well();
     }
+}
+
+#[test]
+fn a_paced_flight_does_not_wait_for_a_planner_that_hangs() {
+    // Were it waited for, a minute of patience would pass on the wall, an hour in flight.
+    let desk = fly_with("hangs", &["--until", "2min", "--pace", "60", "--solver-patience", "60s"]);
+    let trace = desk.apex(&["trace", "r.apex"]).well();
+    assert!(trace.out.contains("(without-a-plan)"), "{}", trace.out);
+    let timed_out = "no answer within";
+    assert!(trace.out.contains(timed_out), "{}", trace.out);
+    let late = desk.apex(&["trace", "r.apex", "--from", "1:50"]).well();
+    assert!(late.out.contains("signal-level"), "{}", late.out);
+    desk.apex(&["replay", "r.apex"]).well();
+}
+
+#[test]
+fn nonsense_in_a_paced_flight_is_refused_as_in_a_fast_one() {
+    let desk = fly_with("lies", &["--until", "90s", "--pace", "20"]);
+    let trace = desk.apex(&["trace", "r.apex"]).well();
+    assert!(trace.out.contains("before it can be there") && trace.out.contains("(without-a-plan)"), "{}", trace.out);
+    desk.apex(&["replay", "r.apex"]).well();
 }

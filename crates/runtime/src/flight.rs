@@ -3,7 +3,7 @@
 
 use crate::crew::{Crew, Numbering};
 use crate::error::RunError;
-use crate::limits::{LATENESS_TOLD_MIN, STEPS_PER_INSTANT_MAX};
+use crate::limits::{LATENESS_TOLD_MIN, SOLVER_LOOK, STEPS_PER_INSTANT_MAX};
 use crate::outbox;
 use crate::pacing::{Pacer, Wait};
 use crate::pool::SolverPool;
@@ -43,8 +43,8 @@ pub(crate) struct Flight<'a, 'o> {
 /// What waiting for an instant came to.
 enum Waited {
     Reached(Time),
-    /// Nobody listens from outside any more: what comes next must be asked again.
-    Deserted,
+    /// Solvers have answered, or nobody listens from outside any more: what comes next must be asked again.
+    Changed,
     /// Somebody wants the run to end, at this instant.
     Stop(Time),
 }
@@ -59,7 +59,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         observers: &'a mut [&'o mut dyn Observer],
         options: FlyOptions,
     ) -> Result<Flight<'a, 'o>, RunError> {
-        let pacer = Pacer::new(options.pace, Time::ZERO).map_err(RunError::Options)?;
+        let pacer = Pacer::new(options.pace, Time::ZERO, options.clock).map_err(RunError::Options)?;
         let mut scheduled = options.inputs;
         // Inputs of one instant keep their order: sorted stably first, then turned round for popping.
         scheduled.sort_by_key(|input| input.at);
@@ -104,7 +104,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                     self.stop_all(None, &EndReason::Stopped.text())?;
                     return Ok(EndReason::Stopped);
                 }
-                Waited::Deserted => {}
+                Waited::Changed => {}
                 Waited::Reached(at) if beyond && at >= self.until && self.crew.is_idle() => {
                     self.now = self.now.max(self.until);
                     return Ok(EndReason::Until);
@@ -183,18 +183,31 @@ impl<'a, 'o> Flight<'a, 'o> {
         let wake = self.crew.next_wake();
         let scheduled = self.scheduled.last().map(|input| input.at);
         let people = self.controls.is_some() && self.expecting && self.pacer.is_paced();
-        let listening = people.then_some(Time::END);
+        let listening = (people || self.pool.is_expecting()).then_some(Time::END);
         let all = [report, poll, wake, self.pool.next_due(), scheduled, listening];
         all.into_iter().flatten().min().map(|at| at.max(self.now))
     }
 
-    /// Sleeps until `instant` where the run is paced; an input from people cuts the sleep short.
+    /// Fetches what solvers have answered; true when that was something. Without a pace they are waited for.
+    fn fetch_answers(&mut self, instant: Time) -> Result<bool, RunError> {
+        let now = self.pacer.now(self.now, instant);
+        let Some(notes) = self.pool.collect(self.deliberator, now, !self.pacer.is_paced()) else { return Ok(false) };
+        for text in notes {
+            self.each_observer(now, |observer| observer.note(now, &text))?;
+        }
+        Ok(true)
+    }
+
+    /// Sleeps until `instant` where the run is paced; an input from people or a solver's answer cuts the sleep short.
     fn wait(&mut self, instant: Time) -> Result<Waited, RunError> {
         let mut flushed = false;
         let listening = self.controls.is_some();
         loop {
             if !self.crew.is_idle() {
                 return Ok(Waited::Reached(self.pacer.now(self.now, instant)));
+            }
+            if self.fetch_answers(instant)? {
+                return Ok(Waited::Changed);
             }
             let wait = self.pacer.wait(instant);
             if wait != Wait::Over && !flushed {
@@ -208,7 +221,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                 }
                 Some(Control::Quiet) => {
                     self.expecting = false;
-                    return Ok(Waited::Deserted);
+                    return Ok(Waited::Changed);
                 }
                 Some(Control::Pace(pace)) => {
                     let now = self.pacer.now(self.now, instant);
@@ -219,7 +232,7 @@ impl<'a, 'o> Flight<'a, 'o> {
                     self.take_in(Input { at: instant, kind, agent: Some(agent) })?;
                 }
                 None if wait == Wait::Over => return Ok(Waited::Reached(instant)),
-                None if listening && self.controls.is_none() => return Ok(Waited::Deserted),
+                None if listening && self.controls.is_none() => return Ok(Waited::Changed),
                 None => {}
             }
         }
@@ -237,13 +250,17 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
     }
 
-    /// Waits as long as told for a word from outside.
+    /// Waits as long as told for a word from outside, or until it is time to look for a solver's answer.
     fn hear(&mut self, wait: Wait) -> Result<Option<Control>, RunError> {
+        let wait = match wait {
+            Wait::For(span) if self.pool.is_waiting() => Wait::For(span.min(SOLVER_LOOK)),
+            other => other,
+        };
         let Some(controls) = &self.controls else {
             return match wait {
                 Wait::Over => Ok(None),
                 Wait::For(span) => {
-                    std::thread::sleep(span);
+                    self.pacer.sleep(span);
                     Ok(None)
                 }
                 Wait::Paused => Err(RunError::Options("The run is paused and nobody is there to resume it.".into())),
@@ -342,7 +359,8 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.end.effects += effects.len() as u64;
         self.each_observer(now, |observer| observer.observe(batch, &effects))?;
         let numbering = Numbering::new(index, self.crew.len());
-        let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool, self.deliberator);
+        let pool = (&mut self.pool, !self.pacer.is_paced());
+        let sent = outbox::send(&effects, numbering, now, self.vehicle, pool, self.deliberator);
         let undelivered = self.crew.post(index, sent.told);
         self.answer(index, &effects, now);
         for text in sent.notes.iter().chain(&undelivered) {
@@ -390,7 +408,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Closes the books: tells what did not happen any more.
     pub(crate) fn close(mut self, reason: EndReason) -> Result<RunEnd, RunError> {
         let now = self.now;
-        for text in self.pool.close(now) {
+        for text in self.pool.close(self.deliberator, now) {
             self.each_observer(now, |observer| observer.note(now, &text))?;
         }
         self.each_observer(now, |observer| observer.flush())?;

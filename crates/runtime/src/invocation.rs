@@ -7,7 +7,8 @@
 //! Work is counted, so what is decided by count is the same in every run; patience and memory are the machine's, far off, and
 //! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
 
-use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES};
+use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
+use crate::ports::Withdrawal;
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, Solver};
 use std::any::Any;
@@ -243,8 +244,8 @@ impl Invocation {
         Invocation::begin(Arc::clone(&self.solver), problem, self.best(), self.seed, self.limits)
     }
 
-    /// Waits for the answer, within patience.
-    pub fn finish(self) -> Answer {
+    /// Waits for the answer, within patience, or until it is told to stop because nobody wants it any more.
+    pub fn finish(self, withdrawal: &Withdrawal) -> Answer {
         let mut stopped_at: Option<Instant> = None;
         let (ended, cpu_s) = loop {
             match self.answers.recv_timeout(SOLVER_LOOK) {
@@ -252,7 +253,7 @@ impl Invocation {
                 Err(RecvTimeoutError::Disconnected) => break (Ended::BrokeDown("its thread ended".into()), None),
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            self.watch();
+            self.watch(withdrawal);
             if self.shared.stopped.load(Ordering::Relaxed) {
                 let since = *stopped_at.get_or_insert_with(Instant::now);
                 if since.elapsed() > SOLVER_GRACE {
@@ -263,8 +264,11 @@ impl Invocation {
         self.answer(ended, cpu_s)
     }
 
-    /// Stops what takes too long or too much.
-    fn watch(&self) {
+    /// Stops what takes too long or too much, or is not wanted.
+    fn watch(&self, withdrawal: &Withdrawal) {
+        if withdrawal.is_withdrawn() {
+            self.cancel();
+        }
         let paused_for = self.shared.state().paused_for;
         if self.begun.elapsed().saturating_sub(paused_for) > self.limits.patience {
             self.shared.stop(Stop::Patience(self.limits.patience));
@@ -345,7 +349,7 @@ impl Invocations {
         Invocations::default()
     }
 
-    /// Lets `solver` plan for `problem`, from the plan `previous` if there is one.
+    /// Lets `solver` plan for `problem`, from the plan `previous` if there is one, until it answers or is not wanted.
     pub fn solve(
         &mut self,
         solver: &Arc<dyn Solver>,
@@ -353,6 +357,7 @@ impl Invocations {
         previous: Option<Plan>,
         seed: u64,
         limits: Limits,
+        withdrawal: &Withdrawal,
     ) -> Answer {
         let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, misconduct: None };
         let name = solver.name();
@@ -360,11 +365,19 @@ impl Invocations {
         if self.left_behind.contains_key(name) {
             return refused(format!("the solver {name} still hangs at an earlier problem"));
         }
+        if self.left_behind.len() >= SOLVERS_LEFT_BEHIND_MAX {
+            let names: Vec<&str> = self.left_behind.keys().map(String::as_str).collect();
+            return refused(format!(
+                "{} solvers hang and were left behind ({}); no other one is begun before one of them has come back",
+                names.len(),
+                names.join(", ")
+            ));
+        }
         match Invocation::begin(Arc::clone(solver), Arc::clone(problem), previous, seed, limits) {
             Err(why) => refused(why),
             Ok(invocation) => {
                 let shared = Arc::clone(&invocation.shared);
-                let answer = invocation.finish();
+                let answer = invocation.finish(withdrawal);
                 if !shared.ended.load(Ordering::Acquire) {
                     self.left_behind.insert(name.to_string(), shared);
                 }

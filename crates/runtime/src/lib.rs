@@ -4,6 +4,7 @@
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
 pub mod answer_lines;
+pub mod contained;
 pub mod crew;
 pub mod error;
 pub mod explain;

@@ -9,6 +9,9 @@ pub const CONVERSATION_ROUNDS_MAX: u32 = 1_000;
 /// A paced step that comes later than this is told: people do not notice less, and timers of ordinary systems are no better
 /// than a few milliseconds when they are busy.
 pub const LATENESS_TOLD_MIN: std::time::Duration = std::time::Duration::from_millis(50);
+/// A solver's answer that comes later than this after the work that it charges is told: a plan is made for a place and a time, and
+/// ordinary systems are late by less.
+pub const ANSWER_LATE_TOLD_MIN: apex_model::time::Duration = apex_model::time::Duration(1_000_000_000);
 /// Stack of a solver's thread in bytes: recursive planners go deeper than the mission loop.
 pub const SOLVER_STACK_BYTES: usize = 64 << 20;
 /// How often a solver at work is looked at: soon enough to stop one that fills the memory.
@@ -19,6 +22,8 @@ pub const SOLVER_GRACE: std::time::Duration = std::time::Duration::from_secs(1);
 pub const SOLVER_OVERRUN_UNITS: u64 = 1_000_000;
 /// Wall time after which a solver that does not return is given up; its budget is counted in work, so this is far off.
 pub const SOLVER_PATIENCE: std::time::Duration = std::time::Duration::from_secs(300);
+/// Solvers left behind at one time, each with a thread that may take a processor: with more, nothing else gets its turn.
+pub const SOLVERS_LEFT_BEHIND_MAX: usize = 4;
 /// Bytes by which the program may grow while a solver works: a matrix of 5,000 targets takes a fifth of it.
 pub const SOLVER_MEMORY_BYTES: u64 = 1 << 30;
 /// Messages about bad input lines that are printed; a file in the wrong format has the same fault in every line.

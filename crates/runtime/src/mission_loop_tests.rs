@@ -1,7 +1,8 @@
 //! The mission loop with stand-ins for executive, vehicle, solver and people.
 
 use super::*;
-use crate::ports::{Input, SolverAnswer};
+use crate::pacing::{Clock, ManualClock};
+use crate::ports::{Input, SolverAnswer, SolverDesk, Withdrawal};
 use crate::samples;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
@@ -10,6 +11,7 @@ use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::sync::Arc;
 use std::sync::mpsc::channel;
 
 /// Stands in for the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
@@ -91,7 +93,7 @@ impl Vehicle for Balloon {
 struct Slow;
 
 impl Deliberator for Slow {
-    fn deliberate(&mut self, _: &SolveRequest, _: Time) -> SolverAnswer {
+    fn deliberate(&mut self, _: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
         SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) }
     }
 }
@@ -230,4 +232,101 @@ fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
     drop(gone);
     let options = FlyOptions { pace: Some(1000.0), controls: Some(controls), ..FlyOptions::default() };
     assert_eq!(fly_balloon(0, options).0.unwrap().reason, EndReason::Quiescent);
+}
+
+/// Charges 33 s for a plan as [`Slow`] does, and has it at its desk after a time of its own.
+struct Office {
+    clock: Arc<ManualClock>,
+    takes_s: f64,
+    open: Vec<(SolveRequestId, f64)>,
+    withdrawn: bool,
+}
+
+impl Deliberator for Office {
+    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer {
+        Slow.deliberate(request, at, withdrawal)
+    }
+    fn desk(&mut self) -> Option<&mut dyn SolverDesk> {
+        Some(self)
+    }
+}
+
+impl SolverDesk for Office {
+    fn hand_over(&mut self, request: &SolveRequest, _: Time) -> Result<(), String> {
+        self.open.push((request.request, self.clock.elapsed().as_secs_f64() + self.takes_s));
+        Ok(())
+    }
+    fn withdraw(&mut self, _: SolveRequestId) {
+        self.withdrawn = true;
+    }
+    fn take(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+        let ready = self.open.iter().position(|(_, ready_s)| *ready_s <= self.clock.elapsed().as_secs_f64())?;
+        let answer = SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) };
+        Some((self.open.remove(ready).0, answer))
+    }
+    fn wait(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+        panic!("a paced flight does not wait")
+    }
+}
+
+/// Flies the balloon in real time by a clock that only sleeping moves, with a solver that takes so long.
+fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<String>, bool) {
+    let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
+    let mut balloon = Balloon { reports, ..Balloon::default() };
+    let mut office = Office { clock: Arc::clone(&clock), takes_s, open: Vec::new(), withdrawn: false };
+    let options = FlyOptions { pace: Some(1.0), clock, ..options };
+    let agents = std::slice::from_mut(&mut agent);
+    let end = fly_by(obey, agents, &mut balloon, &mut office, &mut [&mut scribe], options);
+    (end.unwrap(), scribe.0, office.withdrawn)
+}
+
+#[test]
+fn a_paced_flight_whose_solver_is_quick_is_the_fast_flight() {
+    let inputs = || vec![said(12.0, "go"), said(3.0, "plan")];
+    let (_, fast) = fly_balloon(5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+    for takes_s in [0.0, 1.0, 32.9] {
+        let (end, paced, _) = fly_paced(takes_s, 5, FlyOptions { inputs: inputs(), ..FlyOptions::default() });
+        assert_eq!((fast.as_slice(), end.late.steps), (paced.as_slice(), 0));
+    }
+}
+
+#[test]
+fn a_paced_flight_goes_on_while_a_plan_is_late_and_takes_it_when_it_comes() {
+    let inputs = vec![said(3.0, "plan")];
+    let (end, lines, _) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
+    let before = ["30s altitude 3", "40s altitude 4", "50s altitude 5"];
+    assert_eq!(lines[4..7], before, "every report is heard in time");
+    let then = ["note: the answer of auto to request 1, due at 36s by its work, came 17.0 s late", "53s plan 1"];
+    assert_eq!(lines[7..9], then);
+    assert_eq!((lines[9].as_str(), end.late.steps), ("0:01:00 altitude 6", 0));
+}
+
+#[test]
+fn a_paced_flight_waits_for_nothing_but_the_plan_when_nothing_else_comes() {
+    let inputs = vec![said(3.0, "plan")];
+    let (end, lines, _) = fly_paced(900.0, 0, FlyOptions { inputs, ..FlyOptions::default() });
+    assert!(lines[3].starts_with("0:15:03") && lines[3].ends_with("plan 1"), "{lines:?}");
+    assert_eq!(end.reason, EndReason::Quiescent);
+}
+
+#[test]
+fn a_late_answer_to_a_cancelled_request_is_told_and_not_used() {
+    let inputs = vec![said(3.0, "plan"), said(20.0, "forget")];
+    let (_, lines, withdrawn) = fly_paced(50.0, 7, FlyOptions { inputs, ..FlyOptions::default() });
+    assert!(withdrawn, "the solver is told");
+    let note = lines.iter().find(|line| line.starts_with("note")).unwrap();
+    assert!(note.contains("request 1 came at 53") && note.contains("cancelled at 20s: a plan, 3 targets"), "{note}");
+    assert!(!lines.iter().any(|line| line.ends_with("plan 1")), "{lines:?}");
+}
+
+#[test]
+fn an_answer_that_has_not_come_by_the_end_is_named() {
+    let options =
+        FlyOptions { inputs: vec![said(3.0, "plan")], until: Time::from_seconds(30.0), ..FlyOptions::default() };
+    let (end, lines, withdrawn) = fly_paced(50.0, 7, options);
+    assert_eq!(
+        lines.last().unwrap(),
+        "note: the answer of auto to request 1, made at 3s, had not come when the run ended at 30s"
+    );
+    assert_eq!((end.reason, withdrawn), (EndReason::Until, true));
 }

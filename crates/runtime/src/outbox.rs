@@ -22,13 +22,13 @@ pub struct Sent {
     pub notes: Vec<String>,
 }
 
-/// Sends `effects` of the step at `now`; `numbering` is that of the agent that stepped.
+/// Sends `effects` of the step at `now`; `numbering` is that of the agent that stepped. With `waits`, solvers are waited for.
 pub fn send(
     effects: &[Effect],
     numbering: Numbering,
     now: Time,
     vehicle: &mut dyn Vehicle,
-    pool: &mut SolverPool,
+    (pool, waits): (&mut SolverPool, bool),
     deliberator: &mut (dyn Deliberator + Send),
 ) -> Sent {
     let mut sent = Sent::default();
@@ -38,10 +38,11 @@ pub fn send(
             Effect::WithdrawCommand { command, .. } => vehicle.withdraw(CommandId(numbering.outer(command.0)), now),
             Effect::Solve(request) => {
                 let outer = SolveRequestId(numbering.outer(request.request.0));
-                pool.request(deliberator, &SolveRequest { request: outer, ..request.clone() }, now);
+                pool.request(deliberator, &SolveRequest { request: outer, ..request.clone() }, now, waits);
             }
             Effect::CancelSolve(request) => {
-                sent.notes.extend(pool.cancel(SolveRequestId(numbering.outer(request.0)), now));
+                let outer = SolveRequestId(numbering.outer(request.0));
+                sent.notes.extend(pool.cancel(deliberator, outer, now));
             }
             Effect::EndApplication { reason } => sent.end = Some(reason.clone()),
             Effect::Tell { to, message, .. } => sent.told.extend(to.iter().map(|name| (name.clone(), message.clone()))),

@@ -1,19 +1,70 @@
 //! Pacing: lets mission time pass at a multiple of wall time, so that people can watch.
 //!
 //! Only the moment at which a step is executed depends on the pace, never what is decided: without inputs from
-//! outside a paced run and a fast run write the same record.
+//! outside, and while no solver is late, a paced run and a fast run write the same record.
 
 use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest single sleep: keeps sums of wall time far from overflow.
 const SLEEP_MAX: Duration = Duration::from_secs(3600);
 
+/// A clock by which a pace is kept.
+pub trait Clock: fmt::Debug + Send + Sync {
+    /// Time since an instant of the clock's own.
+    fn elapsed(&self) -> Duration;
+    /// Waits.
+    fn sleep(&self, span: Duration);
+}
+
+/// The clock on the wall.
+#[derive(Debug)]
+pub struct WallClock(Instant);
+
+impl WallClock {
+    /// It counts from now on.
+    pub fn new() -> WallClock {
+        WallClock(Instant::now())
+    }
+}
+
+impl Default for WallClock {
+    fn default() -> WallClock {
+        WallClock::new()
+    }
+}
+
+impl Clock for WallClock {
+    fn elapsed(&self) -> Duration {
+        self.0.elapsed()
+    }
+    fn sleep(&self, span: Duration) {
+        std::thread::sleep(span);
+    }
+}
+
+/// A clock that goes on only by sleeping, which takes no time: for tests of paced flights.
+#[derive(Debug, Default)]
+pub struct ManualClock(Mutex<Duration>);
+
+impl Clock for ManualClock {
+    fn elapsed(&self) -> Duration {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+    fn sleep(&self, span: Duration) {
+        let mut elapsed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *elapsed = elapsed.saturating_add(span);
+    }
+}
+
 /// Relates mission time to the wall clock.
 #[derive(Debug)]
 pub struct Pacer {
     pace: Option<f64>,
-    anchor_wall: Instant,
+    clock: Arc<dyn Clock>,
+    anchor_wall: Duration,
     anchor_mission: Time,
 }
 
@@ -33,8 +84,8 @@ impl Pacer {
     ///
     /// # Errors
     /// A sentence for a pace that is negative or no number.
-    pub fn new(pace: Option<f64>, now: Time) -> Result<Pacer, String> {
-        let mut pacer = Pacer { pace: None, anchor_wall: Instant::now(), anchor_mission: now };
+    pub fn new(pace: Option<f64>, now: Time, clock: Arc<dyn Clock>) -> Result<Pacer, String> {
+        let mut pacer = Pacer { pace: None, anchor_wall: clock.elapsed(), clock, anchor_mission: now };
         pacer.set(pace, now)?;
         Ok(pacer)
     }
@@ -49,8 +100,17 @@ impl Pacer {
                 "A pace of {pace} makes no sense: give mission seconds per second, 1 for real time, 0 for a pause."
             ));
         }
-        *self = Pacer { pace, anchor_wall: Instant::now(), anchor_mission: now };
+        (self.pace, self.anchor_wall, self.anchor_mission) = (pace, self.clock.elapsed(), now);
         Ok(())
+    }
+
+    fn elapsed_s(&self) -> f64 {
+        self.clock.elapsed().saturating_sub(self.anchor_wall).as_secs_f64()
+    }
+
+    /// Waits by its clock.
+    pub fn sleep(&self, span: Duration) {
+        self.clock.sleep(span);
     }
 
     /// True when steps wait for the wall clock.
@@ -67,7 +127,7 @@ impl Pacer {
         if pace <= 0.0 {
             return Wait::Paused;
         }
-        let wall_s = (instant - self.anchor_mission).seconds() / pace - self.anchor_wall.elapsed().as_secs_f64();
+        let wall_s = (instant - self.anchor_mission).seconds() / pace - self.elapsed_s();
         if wall_s <= 0.0 {
             Wait::Over
         } else {
@@ -79,13 +139,13 @@ impl Pacer {
     pub fn lateness(&self, instant: Time) -> Duration {
         let Some(pace) = self.pace.filter(|pace| *pace > 0.0) else { return Duration::ZERO };
         let due_s = (instant - self.anchor_mission).seconds() / pace;
-        Duration::try_from_secs_f64(self.anchor_wall.elapsed().as_secs_f64() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
+        Duration::try_from_secs_f64(self.elapsed_s() - due_s.max(0.0)).unwrap_or(Duration::ZERO)
     }
 
     /// Mission time by the wall clock, within `from ..= to`.
     pub fn now(&self, from: Time, to: Time) -> Time {
         let Some(pace) = self.pace else { return to };
-        let passed_s = self.anchor_wall.elapsed().as_secs_f64() * pace;
+        let passed_s = self.elapsed_s() * pace;
         let passed = apex_model::time::Duration((passed_s * NANOSECONDS_PER_SECOND as f64) as i64);
         (self.anchor_mission + passed).clamp(from, to.max(from))
     }
@@ -95,9 +155,13 @@ impl Pacer {
 mod tests {
     use super::*;
 
+    fn wall() -> Arc<dyn Clock> {
+        Arc::new(WallClock::new())
+    }
+
     #[test]
     fn ten_times_real_time_waits_a_tenth() {
-        let pacer = Pacer::new(Some(10.0), Time::ZERO).unwrap();
+        let pacer = Pacer::new(Some(10.0), Time::ZERO, wall()).unwrap();
         let Wait::For(wait) = pacer.wait(Time::from_seconds(20.0)) else { panic!("must wait") };
         assert!(wait.as_secs_f64() > 1.9 && wait.as_secs_f64() <= 2.0, "{wait:?}");
         assert_eq!(pacer.wait(Time::ZERO), Wait::Over);
@@ -106,9 +170,9 @@ mod tests {
     #[test]
     fn no_pace_never_waits_and_zero_waits_for_ever() {
         let later = Time::from_seconds(1e6);
-        assert_eq!(Pacer::new(None, Time::ZERO).unwrap().wait(later), Wait::Over);
-        assert_eq!(Pacer::new(Some(0.0), Time::ZERO).unwrap().wait(later), Wait::Paused);
-        assert!(Pacer::new(Some(-1.0), Time::ZERO).unwrap_err().contains("-1"));
-        assert!(Pacer::new(Some(f64::NAN), Time::ZERO).is_err());
+        assert_eq!(Pacer::new(None, Time::ZERO, wall()).unwrap().wait(later), Wait::Over);
+        assert_eq!(Pacer::new(Some(0.0), Time::ZERO, wall()).unwrap().wait(later), Wait::Paused);
+        assert!(Pacer::new(Some(-1.0), Time::ZERO, wall()).unwrap_err().contains("-1"));
+        assert!(Pacer::new(Some(f64::NAN), Time::ZERO, wall()).is_err());
     }
 }

@@ -1,11 +1,13 @@
-//! The solver pool: asks the deliberator on a thread of its own and holds answers until their time.
+//! The solver pool: requests that are open, and answers until their time.
 //!
-//! In simulation a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever
-//! the clock on the wall says, so the order of answers is the same in every run. A panic of a solver ends as an
-//! answer, "failed". Endless work ends so too when the deliberator is wrapped in [`Contained`].
+//! In simulation a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever the clock on
+//! the wall says: the pool asks and waits, and the order of answers is the same in every run. A flight by the clock on the wall
+//! does not wait: it leaves the request at the deliberator's desk and goes on. Its answer counts from the same instant, or, where it
+//! comes later, from when it came, so a paced run in which no solver is late writes the record of a fast one. What comes after a
+//! cancellation, or not at all, is told. A panic of a deliberator ends as an answer, "failed".
 
-use crate::invocation::panic_text;
-use crate::limits::SOLVER_STACK_BYTES;
+use crate::contained::{answer_on_thread, failed};
+use crate::limits::ANSWER_LATE_TOLD_MIN;
 use crate::ports::{Deliberator, Input, SolverAnswer};
 use apex_model::effect::{SolveRequest, SolveRequestId};
 use apex_model::event::{EventKind, SolverReport};
@@ -13,19 +15,26 @@ use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use std::collections::BTreeMap;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread;
 
-/// Open requests with the answers that are not due yet.
+/// Open requests, and answers that are not due yet.
 #[derive(Debug, Default)]
 pub struct SolverPool {
-    open: BTreeMap<(Time, SolveRequestId), Open>,
+    answered: BTreeMap<(Time, SolveRequestId), Answered>,
+    handed_over: BTreeMap<SolveRequestId, HandedOver>,
 }
 
 #[derive(Debug)]
-struct Open {
+struct Answered {
     solver: Symbol,
     report: SolverReport,
+}
+
+/// A request at the desk.
+#[derive(Debug)]
+struct HandedOver {
+    solver: Symbol,
+    at: Time,
+    cancelled: Option<Time>,
 }
 
 impl SolverPool {
@@ -34,39 +43,121 @@ impl SolverPool {
         SolverPool::default()
     }
 
-    /// Deliberates on `request`, made at `at`; waits for the solver and keeps its answer until it is due.
-    pub fn request(&mut self, deliberator: &mut (dyn Deliberator + Send), request: &SolveRequest, at: Time) {
-        let answer = if self.open.len() >= SOLVE_REQUESTS_MAX {
-            failed(format!("{SOLVE_REQUESTS_MAX} requests are open already; no more are taken"))
-        } else {
-            contain(deliberator, request, at)
+    /// Has `request`, made at `at`, answered: waits for that, or leaves it at the deliberator's desk if it has one.
+    pub fn request(
+        &mut self,
+        deliberator: &mut (dyn Deliberator + Send),
+        request: &SolveRequest,
+        at: Time,
+        waits: bool,
+    ) {
+        let solver = request.solver.clone();
+        if self.answered.len() + self.handed_over.len() >= SOLVE_REQUESTS_MAX {
+            let full = failed(format!("{SOLVE_REQUESTS_MAX} requests are open already; no more are taken"));
+            return self.keep(solver, request.request, at, full);
+        }
+        let answer = match deliberator.desk().filter(|_| !waits).map(|desk| desk.hand_over(request, at)) {
+            Some(Ok(())) => {
+                self.handed_over.insert(request.request, HandedOver { solver, at, cancelled: None });
+                return;
+            }
+            Some(Err(reason)) => failed(reason),
+            None => answer_on_thread(deliberator, request, at),
         };
         let due = at + answer.charged.max(Duration::ZERO);
+        self.keep(solver, request.request, due, answer);
+    }
+
+    fn keep(&mut self, solver: Symbol, request: SolveRequestId, due: Time, answer: SolverAnswer) {
         let report = match answer.result {
             Ok(plan) => SolverReport::Plan(plan),
             Err(reason) => SolverReport::Failed(reason),
         };
-        self.open.insert((due, request.request), Open { solver: request.solver.clone(), report });
+        self.answered.insert((due, request), Answered { solver, report });
+    }
+
+    /// True when somebody is still at work on a request.
+    pub fn is_waiting(&self) -> bool {
+        !self.handed_over.is_empty()
+    }
+
+    /// True when an answer may still come that somebody wants.
+    pub fn is_expecting(&self) -> bool {
+        self.handed_over.values().any(|open| open.cancelled.is_none())
+    }
+
+    /// Takes the answers that have come by now, or, with `wait`, all. Nothing when none came, else what there is to tell of them.
+    pub fn collect(
+        &mut self,
+        deliberator: &mut (dyn Deliberator + Send),
+        now: Time,
+        wait: bool,
+    ) -> Option<Vec<String>> {
+        let mut told = None;
+        while !self.handed_over.is_empty() {
+            let desk = deliberator.desk()?;
+            let Some((request, answer)) = (if wait { desk.wait() } else { desk.take() }) else { break };
+            let notes = told.get_or_insert_with(Vec::new);
+            notes.extend(self.arrived(request, answer, now));
+        }
+        told
+    }
+
+    /// An answer has come at `now`.
+    fn arrived(&mut self, request: SolveRequestId, answer: SolverAnswer, now: Time) -> Option<String> {
+        let HandedOver { solver, at, cancelled } = self.handed_over.remove(&request)?;
+        if let Some(cancelled) = cancelled {
+            let what = match &answer.result {
+                Ok(plan) => format!("a plan, {}", plan.summary),
+                Err(reason) => format!("no plan, because {reason}"),
+            };
+            return Some(format!(
+                "the answer of {solver} to request {} came at {now} and is not used, because the request was cancelled at \
+                 {cancelled}: {what}",
+                request.0
+            ));
+        }
+        let due = at + answer.charged.max(Duration::ZERO);
+        let late = now - due;
+        self.keep(solver.clone(), request, due.max(now), answer);
+        (late >= ANSWER_LATE_TOLD_MIN).then(|| {
+            format!(
+                "the answer of {solver} to request {}, due at {due} by its work, came {:.1} s late",
+                request.0,
+                late.seconds()
+            )
+        })
     }
 
     /// Forgets a request; says so when there was an answer to drop.
-    pub fn cancel(&mut self, request: SolveRequestId, now: Time) -> Option<String> {
-        let key = self.open.keys().find(|(_, open)| *open == request).copied()?;
-        let open = self.open.remove(&key)?;
+    pub fn cancel(
+        &mut self,
+        deliberator: &mut (dyn Deliberator + Send),
+        request: SolveRequestId,
+        now: Time,
+    ) -> Option<String> {
+        if let Some(open) = self.handed_over.get_mut(&request) {
+            open.cancelled.get_or_insert(now);
+            // Its answer is told when it comes.
+            deliberator.desk()?.withdraw(request);
+            return None;
+        }
+        let key = self.answered.keys().find(|(_, answered)| *answered == request).copied()?;
+        let answered = self.answered.remove(&key)?;
         Some(format!(
             "the answer of {} to request {}, due at {}, was dropped: the request was cancelled at {now}",
-            open.solver, request.0, key.0
+            answered.solver, request.0, key.0
         ))
     }
 
-    /// When the next answer is due.
+    /// When the next answer is due, of those that have come.
     pub fn next_due(&self) -> Option<Time> {
-        self.open.first_key_value().map(|((due, _), _)| *due)
+        self.answered.first_key_value().map(|((due, _), _)| *due)
     }
 
     /// Moves the answers that are due at `now` into `inputs`, by due time and then by request.
     pub fn take_due(&mut self, now: Time, inputs: &mut Vec<Input>) {
-        while let Some(first) = self.open.first_entry() {
+        while let Some(first) = self.answered.first_entry() {
             let (due, request) = *first.key();
             if due > now {
                 return;
@@ -75,195 +166,30 @@ impl SolverPool {
         }
     }
 
-    /// Drops all answers that did not become due before the end of the run, and names them.
-    pub fn close(&mut self, now: Time) -> Vec<String> {
-        let open = std::mem::take(&mut self.open);
-        let late = |((due, request), open): ((Time, SolveRequestId), Open)| {
+    /// Drops all answers that did not become due, or did not come, before the end of the run, and names them.
+    pub fn close(&mut self, deliberator: &mut (dyn Deliberator + Send), now: Time) -> Vec<String> {
+        let late = |((due, request), answered): ((Time, SolveRequestId), Answered)| {
             format!(
                 "the answer of {} to request {}, due at {due}, came too late: the run ended at {now}",
-                open.solver, request.0
+                answered.solver, request.0
             )
         };
-        open.into_iter().map(late).collect()
-    }
-}
-
-fn failed(reason: String) -> SolverAnswer {
-    SolverAnswer { result: Err(reason), charged: Duration::ZERO }
-}
-
-/// Runs the deliberator on a thread, so that its panic is an answer and not ours.
-fn contain(deliberator: &mut (dyn Deliberator + Send), request: &SolveRequest, at: Time) -> SolverAnswer {
-    let outcome = thread::scope(|scope| {
-        let builder = thread::Builder::new().name(format!("solver {}", request.solver)).stack_size(SOLVER_STACK_BYTES);
-        let worker = builder.spawn_scoped(scope, || deliberator.deliberate(request, at));
-        worker.map(thread::ScopedJoinHandle::join)
-    });
-    match outcome {
-        Ok(Ok(answer)) => answer,
-        Ok(Err(payload)) => failed(format!("the solver {} broke down: {}", request.solver, panic_text(&*payload))),
-        Err(error) => failed(format!("no thread could be started for the solver {}: {error}", request.solver)),
-    }
-}
-
-/// A deliberator on a thread that can be given up: endless work becomes a failed answer after `patience` of wall time.
-///
-/// While the thread is still at the request that was given up, further requests fail at once; when it comes back, its
-/// stale answer is thrown away and the next request is served again.
-pub struct Contained {
-    requests: Sender<(SolveRequest, Time)>,
-    answers: Receiver<(SolveRequestId, SolverAnswer)>,
-    patience: std::time::Duration,
-    given_up: Option<SolveRequestId>,
-}
-
-impl Contained {
-    /// Moves `deliberator` to its own thread.
-    ///
-    /// # Errors
-    /// A sentence when the system gives no thread.
-    pub fn new(
-        mut deliberator: Box<dyn Deliberator + Send>,
-        patience: std::time::Duration,
-    ) -> Result<Contained, String> {
-        let (requests, inbox) = channel::<(SolveRequest, Time)>();
-        let (outbox, answers) = channel();
-        let work = move || {
-            while let Ok((request, at)) = inbox.recv() {
-                let answer = contain(&mut *deliberator, &request, at);
-                if outbox.send((request.request, answer)).is_err() {
-                    return;
-                }
+        let mut told: Vec<String> = std::mem::take(&mut self.answered).into_iter().map(late).collect();
+        for (request, open) in std::mem::take(&mut self.handed_over) {
+            if let Some(desk) = deliberator.desk() {
+                desk.withdraw(request);
             }
-        };
-        let builder = thread::Builder::new().name("deliberation".into());
-        builder.spawn(work).map_err(|error| format!("No thread could be started for deliberation: {error}."))?;
-        Ok(Contained { requests, answers, patience, given_up: None })
-    }
-
-    fn throw_away_stale_answer(&mut self) {
-        if self.given_up.is_some() && self.answers.try_recv().is_ok() {
-            self.given_up = None;
+            let HandedOver { solver, at, cancelled } = open;
+            let cancelled = cancelled.map(|cancelled| format!(" and cancelled at {cancelled}")).unwrap_or_default();
+            told.push(format!(
+                "the answer of {solver} to request {}, made at {at}{cancelled}, had not come when the run ended at {now}",
+                request.0
+            ));
         }
-    }
-}
-
-impl Deliberator for Contained {
-    fn deliberate(&mut self, request: &SolveRequest, at: Time) -> SolverAnswer {
-        self.throw_away_stale_answer();
-        if let Some(busy) = self.given_up {
-            return failed(format!("deliberation still hangs at request {}, which was given up", busy.0));
-        }
-        if self.requests.send((request.clone(), at)).is_err() {
-            return failed("deliberation has ended".into());
-        }
-        match self.answers.recv_timeout(self.patience) {
-            Ok((_, answer)) => answer,
-            Err(RecvTimeoutError::Timeout) => {
-                self.given_up = Some(request.request);
-                let patience_s = self.patience.as_secs_f64();
-                failed(format!("the solver {} gave no answer within {patience_s} s and was given up", request.solver))
-            }
-            Err(RecvTimeoutError::Disconnected) => failed("deliberation has ended".into()),
-        }
+        told
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::samples;
-    use apex_model::task::TaskId;
-    use apex_model::value::Value;
-
-    /// Answers by the goal: `plan`, `panic`, `hang`, anything else fails.
-    struct Moody;
-
-    impl Deliberator for Moody {
-        fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
-            let charged = Duration::from_seconds(request.budget.map_or(0.0, Duration::seconds));
-            if request.goal.equals(&Value::symbol("panic")) {
-                panic!("ran out of ideas");
-            }
-            if request.goal.equals(&Value::symbol("hang")) {
-                thread::sleep(std::time::Duration::from_millis(400));
-            }
-            let plan = request.goal.equals(&Value::symbol("plan"));
-            SolverAnswer { result: if plan { Ok(samples::plan()) } else { Err("no idea".into()) }, charged }
-        }
-    }
-
-    fn request(number: u64, goal: &str, budget_s: f64) -> SolveRequest {
-        SolveRequest {
-            request: SolveRequestId(number),
-            task: TaskId(1),
-            goal: Value::symbol(goal),
-            solver: Symbol::new("auto"),
-            budget: Some(Duration::from_seconds(budget_s)),
-        }
-    }
-
-    fn due(pool: &mut SolverPool, seconds: f64) -> Vec<(u64, String)> {
-        let mut inputs = Vec::new();
-        pool.take_due(Time::from_seconds(seconds), &mut inputs);
-        let said = |input: Input| match input.kind {
-            EventKind::SolverReported(request, SolverReport::Plan(plan)) => (request.0, plan.summary),
-            EventKind::SolverReported(request, SolverReport::Failed(reason)) => (request.0, reason),
-            other => panic!("{other:?}"),
-        };
-        inputs.into_iter().map(said).collect()
-    }
-
-    #[test]
-    fn answers_come_at_request_plus_charge_whatever_the_order_of_requests() {
-        let mut pool = SolverPool::new();
-        pool.request(&mut Moody, &request(1, "plan", 5.0), Time::from_seconds(10.0));
-        pool.request(&mut Moody, &request(2, "nothing", 2.0), Time::from_seconds(10.0));
-        assert_eq!(pool.next_due(), Some(Time::from_seconds(12.0)));
-        assert_eq!(due(&mut pool, 11.9), []);
-        assert_eq!(due(&mut pool, 20.0), [(2, "no idea".to_owned()), (1, "3 targets, value 12".to_owned())]);
-    }
-
-    #[test]
-    fn a_panic_is_an_answer() {
-        let mut pool = SolverPool::new();
-        pool.request(&mut Moody, &request(1, "panic", 0.0), Time::ZERO);
-        pool.request(&mut Moody, &request(2, "plan", 0.0), Time::ZERO);
-        let said = due(&mut pool, 0.0);
-        assert_eq!(said[0], (1, "the solver auto broke down: ran out of ideas".to_owned()));
-        assert_eq!(said[1].1, "3 targets, value 12", "the next request is served");
-    }
-
-    #[test]
-    fn dropped_answers_are_named() {
-        let mut pool = SolverPool::new();
-        pool.request(&mut Moody, &request(1, "plan", 5.0), Time::ZERO);
-        pool.request(&mut Moody, &request(2, "plan", 9.0), Time::ZERO);
-        let note = pool.cancel(SolveRequestId(1), Time::from_seconds(3.0)).unwrap();
-        assert_eq!(note, "the answer of auto to request 1, due at 5s, was dropped: the request was cancelled at 3s");
-        assert_eq!(pool.cancel(SolveRequestId(1), Time::from_seconds(3.0)), None);
-        assert!(pool.close(Time::from_seconds(4.0))[0].contains("request 2, due at 9s, came too late"));
-        assert_eq!(pool.next_due(), None);
-    }
-
-    #[test]
-    fn too_many_requests_fail_at_once() {
-        let mut pool = SolverPool::new();
-        for number in 0..=SOLVE_REQUESTS_MAX as u64 {
-            pool.request(&mut Moody, &request(number, "plan", 5.0), Time::ZERO);
-        }
-        assert!(due(&mut pool, 0.0)[0].1.contains("are open already"));
-    }
-
-    #[test]
-    fn endless_work_is_given_up_and_the_solver_may_come_back() {
-        let patience = std::time::Duration::from_millis(100);
-        let mut contained = Contained::new(Box::new(Moody), patience).unwrap();
-        let mut answer =
-            |goal| contained.deliberate(&request(7, goal, 0.0), Time::ZERO).result.map(|plan| plan.summary);
-        assert_eq!(answer("hang"), Err("the solver auto gave no answer within 0.1 s and was given up".to_owned()));
-        assert_eq!(answer("plan"), Err("deliberation still hangs at request 7, which was given up".to_owned()));
-        thread::sleep(std::time::Duration::from_millis(600));
-        assert_eq!(answer("plan"), Ok("3 targets, value 12".to_owned()));
-    }
-}
+#[path = "pool_tests.rs"]
+mod tests;

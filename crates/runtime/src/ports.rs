@@ -3,11 +3,12 @@
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
 use apex_model::agent::Agent;
-use apex_model::effect::{CommandId, Effect, SolveRequest};
+use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, EventKind, PlannedProcedure};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Something that came in, before the inbox numbers it.
@@ -60,7 +61,52 @@ pub struct SolverAnswer {
 /// vehicle; the runtime only knows when to ask and when the answer counts.
 pub trait Deliberator {
     /// Answers `request`, made at `at`. Must not touch the clock in simulation: `charged` counts work units.
-    fn deliberate(&mut self, request: &SolveRequest, at: Time) -> SolverAnswer;
+    /// Once withdrawn, nobody uses the answer: it should come soon, and change nothing.
+    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer;
+
+    /// Where requests can be left without waiting for their answers; none where there is only [`Deliberator::deliberate`].
+    fn desk(&mut self) -> Option<&mut dyn SolverDesk> {
+        None
+    }
+}
+
+/// Takes requests of a flight that does not wait for its solvers. No call but [`SolverDesk::wait`] waits.
+pub trait SolverDesk {
+    /// Leaves `request`, made at `at`, to be answered.
+    ///
+    /// # Errors
+    /// A sentence when nobody is there to answer it.
+    fn hand_over(&mut self, request: &SolveRequest, at: Time) -> Result<(), String>;
+
+    /// Says that the answer is not wanted any more; it comes all the same, sooner.
+    fn withdraw(&mut self, request: SolveRequestId);
+
+    /// An answer that has come.
+    fn take(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
+
+    /// Waits for the next answer, as long as solvers are waited for. None when nothing is open, or nobody answers any more.
+    fn wait(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
+}
+
+/// Tells whoever deliberates that the answer is not wanted any more. Copies tell each other.
+#[derive(Clone, Debug, Default)]
+pub struct Withdrawal(Arc<AtomicBool>);
+
+impl Withdrawal {
+    /// Of a request that is wanted.
+    pub fn new() -> Withdrawal {
+        Withdrawal::default()
+    }
+
+    /// The answer is not wanted any more.
+    pub fn withdraw(&self) {
+        self.0.store(true, Ordering::Release);
+    }
+
+    /// True when the answer is not wanted any more.
+    pub fn is_withdrawn(&self) -> bool {
+        self.0.load(Ordering::Acquire)
+    }
 }
 
 /// Sees every step of a run, live: recorder, progress bar, Sherpa and mission bookkeeping are observers.

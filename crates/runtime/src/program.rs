@@ -3,7 +3,7 @@
 
 use crate::error::RunError;
 use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
-use crate::ports::{Deliberator, Input, Observer, SolverAnswer, Vehicle};
+use crate::ports::{Deliberator, Input, Observer, SolverAnswer, Vehicle, Withdrawal};
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, SolveRequest};
 use apex_model::event::EventKind;
@@ -91,7 +91,7 @@ impl Vehicle for NoVehicle {
 pub struct NoDeliberator;
 
 impl Deliberator for NoDeliberator {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
         let reason = format!("no planner is at hand for {} without a mission", request.goal);
         SolverAnswer { result: Err(reason), charged: Duration::ZERO }
     }

@@ -1,10 +1,12 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
+use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 /// How to fly.
@@ -14,6 +16,8 @@ pub struct FlyOptions {
     pub until: Time,
     /// Mission seconds per second of wall time; none is as fast as possible, 0 waits for [`Control::Pace`].
     pub pace: Option<f64>,
+    /// By which a pace is kept: the one on the wall, but for tests.
+    pub clock: Arc<dyn Clock>,
     /// Inputs that come at known times, besides the vehicle's: a scenario, an operator's answers. Any order.
     pub inputs: Vec<Input>,
     /// What the operator answers to questions that will be asked; each answers one.
@@ -26,7 +30,15 @@ pub struct FlyOptions {
 
 impl Default for FlyOptions {
     fn default() -> FlyOptions {
-        FlyOptions { until: Time::END, pace: None, inputs: Vec::new(), answers: Vec::new(), controls: None, poll: None }
+        FlyOptions {
+            until: Time::END,
+            pace: None,
+            clock: Arc::new(WallClock::new()),
+            inputs: Vec::new(),
+            answers: Vec::new(),
+            controls: None,
+            poll: None,
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use apex_model::problem::Plan;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
+use apex_runtime::ports::Withdrawal;
 use apex_solvers::Registry;
 use apex_solvers::formats;
 use std::path::Path;
@@ -40,7 +41,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let (solver, budget, seed) = (options.solver.as_deref(), question.budget, question.seed);
     let means = Means::of(planners);
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new())
+    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
@@ -76,7 +77,7 @@ pub fn answer(
     let question = plan_question::of_text(problem, "the problem")?;
     let means = Means::of(planners);
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new())
+    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     Ok(json(&question, &solved))

@@ -68,7 +68,7 @@ pub struct VehicleState {
 }
 
 /// Everything that planning, the report and Sherpa's targets need to know about the flight so far.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Bookkeeping {
     /// Observations in order of their beginning.
     pub visits: Vec<Visit>,

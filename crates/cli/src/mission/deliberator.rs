@@ -15,7 +15,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
-use apex_runtime::ports::{Deliberator, SolverAnswer};
+use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::record::TargetState;
 use apex_solvers::Registry;
 use std::sync::Arc;
@@ -59,18 +59,19 @@ impl MissionDeliberator {
 }
 
 impl Deliberator for MissionDeliberator {
-    fn deliberate(&mut self, request: &SolveRequest, at: Time) -> SolverAnswer {
+    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer {
         let budget = request.budget.unwrap_or(BUDGET_DEFAULT);
         let wanted = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
         let (posed, start) = {
-            let books = lock(&self.books);
+            // A copy: whoever flies writes into the books while the problem is posed.
+            let books = lock(&self.books).clone();
             (pose(&self.mission, &books, at), here(&self.mission, &books))
         };
         let solved = posed.and_then(|problem| {
             let previous = self.flown.clone().map(|(plan, made)| ahead(plan, at - made));
             let (solver, seed) = (wanted.as_deref(), self.mission.settings.seed);
             let wish = Wish { means: &self.means, solver, budget, seed, previous };
-            solve(problem, wish, &mut self.invocations)
+            solve(problem, wish, &mut self.invocations, withdrawal)
         });
         match solved {
             Err(NoPlan::NothingLeft(reason)) if lock(&self.books).observed().next().is_some() => {
@@ -82,8 +83,10 @@ impl Deliberator for MissionDeliberator {
                 solved.from = Some((start, at));
                 name_obstacles(&self.mission, &mut solved);
                 self.made += 1;
-                self.tell_targets(&solved.plan, at);
-                self.flown = Some((solved.plan.clone(), at));
+                if !withdrawal.is_withdrawn() {
+                    self.tell_targets(&solved.plan, at);
+                    self.flown = Some((solved.plan.clone(), at));
+                }
                 let charged = time_of(solved.work);
                 let result = translate(&solved, &request.goal, self.made, &self.mission);
                 SolverAnswer { result: Ok(result), charged: charged.min(budget) }
@@ -164,7 +167,12 @@ pub struct Wish<'a> {
 ///
 /// # Errors
 /// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
-pub fn solve(problem: Problem, wish: Wish<'_>, invocations: &mut Invocations) -> Result<Deliberation, NoPlan> {
+pub fn solve(
+    problem: Problem,
+    wish: Wish<'_>,
+    invocations: &mut Invocations,
+    withdrawal: &Withdrawal,
+) -> Result<Deliberation, NoPlan> {
     let units = units_in(wish.budget);
     let selection = apex_solvers::table::select_within(&problem, units);
     let (name, mut reason) = match wish.solver {
@@ -181,7 +189,7 @@ pub fn solve(problem: Problem, wish: Wish<'_>, invocations: &mut Invocations) ->
     validate(&problem).map_err(NoPlan::Fault)?;
     let problem = Arc::new(problem);
     let limits = Limits { units, patience: wish.means.patience, memory_bytes: wish.means.memory_bytes };
-    let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits);
+    let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, withdrawal);
     // Who misbehaves and has no plan does not say that nothing is left.
     let misconduct = answer.misconduct;
     let no_plan = |why| if misconduct.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
@@ -409,7 +417,8 @@ mod tests {
             let problem = Problem::SingleVisit(SingleVisitProblem::default());
             let budget = Duration::from_seconds(1.0);
             let wish = Wish { means: &means, solver: Some(solver), budget, seed: 1, previous: None };
-            assert!(matches!(solve(problem, wish, &mut Invocations::new()), Err(NoPlan::Fault(_))), "{solver}");
+            let solved = solve(problem, wish, &mut Invocations::new(), &Withdrawal::new());
+            assert!(matches!(solved, Err(NoPlan::Fault(_))), "{solver}");
         }
     }
 }

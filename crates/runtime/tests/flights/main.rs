@@ -2,5 +2,6 @@
 #![cfg(test)]
 
 mod explaining;
+mod paced;
 mod recording;
 mod support;

@@ -8,7 +8,7 @@ use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_runtime::mission_loop::EndReason;
-use apex_runtime::ports::{Deliberator, SolverAnswer};
+use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::RecordReader;
 use apex_runtime::replay::replay;
@@ -158,7 +158,7 @@ fn any_instant_is_restored_from_snapshot_or_from_inputs() {
 struct Planner(u32);
 
 impl Deliberator for Planner {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time) -> SolverAnswer {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
         self.0 += 1;
         let visit = |place: &str| Template::Constant(apex_pdl::read_value(&format!("(visit {place})")).unwrap());
         let text = format!("(procedure\n  (index {})\n  (step s1 (visit a))\n  (step s2 (visit b)))", request.goal);

@@ -79,13 +79,21 @@ pub(crate) fn record(
     deliberator: &mut (dyn Deliberator + Send),
     more: &mut [&mut dyn Observer],
 ) -> Recorded {
+    record_with(pdl, deliberator, more, FlyOptions { inputs, ..FlyOptions::default() })
+}
+
+pub(crate) fn record_with(
+    pdl: &str,
+    deliberator: &mut (dyn Deliberator + Send),
+    more: &mut [&mut dyn Observer],
+    options: FlyOptions,
+) -> Recorded {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("flight.apex");
     let (library, declaration, host) = program(pdl);
     let mut recorder = Recorder::create(&path, &library, RecordOptions::default()).unwrap();
     recorder.program(&library).unwrap();
     let mut agent = apex_executive::load(library, &declaration, host).unwrap();
-    let options = FlyOptions { inputs, ..FlyOptions::default() };
     let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
     for observer in more {
         observers.push(&mut **observer);

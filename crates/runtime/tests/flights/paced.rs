@@ -1,0 +1,234 @@
+//! Flights by a clock on the wall whose solvers misbehave: the executive is never late, and the record names what they did. The
+//! clock is the test's own: it goes on by sleeping only, so a flight that waited for its solver would stand still.
+
+use super::support::{altitude, load, record_with};
+use apex_model::effect::SolveRequest;
+use apex_model::event::{Batch, EventKind, PlannedProcedure};
+use apex_model::expression::Template;
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::solver::{Environment, Solver, time_of};
+use apex_model::source::SourceFile;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_runtime::contained::Contained;
+use apex_runtime::invocation::{Invocations, Limits};
+use apex_runtime::mission_loop::FlyOptions;
+use apex_runtime::pacing::{Clock, ManualClock};
+use apex_runtime::ports::{Deliberator, Observer, SolverAnswer, Withdrawal};
+use apex_runtime::record::RecordReader;
+use apex_runtime::replay::replay;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Circles until the plan is there, or photographs what there is without one.
+const TOUR: &str = r#"
+(solver bad (index (tour)) :budget 5s :meanwhile (circle))
+(procedure (index (do-domain))
+  (step t (tour) (on-failure (inform (no-plan))))
+  (step high (inform (high)) (waitfor (altitude ac-1 > 95))))
+(primitive (index (circle)) (duration 10min))
+(primitive (index (visit ?site)) (duration 10s))
+"#;
+
+/// A solver that misbehaves in the way of its name.
+struct Bad(&'static str, Arc<AtomicBool>);
+
+impl Solver for Bad {
+    fn name(&self) -> &str {
+        self.0
+    }
+    fn serves(&self, _: &Problem) -> bool {
+        true
+    }
+    fn solve(&self, _: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let mut hoard: Vec<Vec<u8>> = Vec::new();
+        let pause = || std::thread::sleep(std::time::Duration::from_millis(1));
+        match self.0 {
+            "panics" => panic!("no idea left"),
+            "loops" => loop {
+                environment.budget.charge(1);
+            },
+            "hoards" => loop {
+                hoard.push(vec![7; 1 << 20]);
+                environment.budget.charge(1);
+                assert!(hoard.len() < 2_000, "nobody stopped it");
+                pause();
+            },
+            "obeys" => {
+                while !environment.budget.exhausted() {
+                    environment.budget.charge(1);
+                    pause();
+                }
+            }
+            "hangs" => {
+                while !self.1.load(Ordering::SeqCst) {
+                    pause();
+                }
+            }
+            _ => {}
+        }
+        let nothing = SingleVisitPlan {
+            solver: self.0.into(),
+            visits: Vec::new(),
+            return_route: Vec::new(),
+            return_depart_s: 0.0,
+            end_s: 0.0,
+            fuel_used_kg: 0.0,
+            benefits: 0.0,
+            costs: 0.0,
+            score: 0.0,
+            benefits_bound: None,
+            left_out: Vec::new(),
+            summary: "a plan".into(),
+        };
+        Ok(Plan::SingleVisit(nothing))
+    }
+}
+
+/// Asks its solver, with the limits of a flight; what the solver did wrong is its answer.
+struct Office {
+    solver: Arc<dyn Solver>,
+    invocations: Invocations,
+    limits: Limits,
+}
+
+impl Deliberator for Office {
+    fn deliberate(&mut self, request: &SolveRequest, _: Time, withdrawal: &Withdrawal) -> SolverAnswer {
+        let problem = Arc::new(Problem::SingleVisit(SingleVisitProblem::default()));
+        let answer = self.invocations.solve(&self.solver, &problem, None, 1, self.limits, withdrawal);
+        let visit = Template::Constant(apex_pdl::read_value("(visit a)").unwrap());
+        let text = format!("(procedure\n  (index {})\n  (step s1 (visit a)))", request.goal);
+        let plan = |_| PlannedProcedure {
+            solver: Symbol::new("bad"),
+            summary: "1 site".into(),
+            steps: vec![(Symbol::new("s1"), visit)],
+            repeat: false,
+            source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from(text) },
+        };
+        let result = match answer.misconduct {
+            Some(misconduct) => Err(misconduct),
+            None => answer.plan.map(plan),
+        };
+        SolverAnswer { result, charged: time_of(answer.used).min(Duration::from_seconds(5.0)) }
+    }
+}
+
+/// Gives solvers real time where the test says that an answer must come, and opens the gate for those that hang.
+#[derive(Debug, Default)]
+struct Patron {
+    clock: ManualClock,
+    answered: Arc<AtomicBool>,
+    answer_comes: bool,
+    gate: Arc<AtomicBool>,
+}
+
+impl Clock for Patron {
+    fn elapsed(&self) -> std::time::Duration {
+        self.clock.elapsed()
+    }
+    fn sleep(&self, span: std::time::Duration) {
+        self.clock.sleep(span);
+        let elapsed_s = self.elapsed().as_secs_f64();
+        if self.answer_comes && elapsed_s > 20.0 && !self.answered.load(Ordering::SeqCst) {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        if elapsed_s > 80.0 {
+            self.gate.store(true, Ordering::SeqCst);
+        }
+    }
+}
+
+/// Notes that an answer has been heard, and that nothing is heard later than it was said.
+struct Listener(Arc<AtomicBool>, usize);
+
+impl Observer for Listener {
+    fn begin(&mut self, batch: &Batch) -> Result<(), String> {
+        if batch.events.iter().any(|event| matches!(event.kind, EventKind::SolverReported(..))) {
+            self.0.store(true, Ordering::SeqCst);
+        }
+        let samples = batch.events.iter().filter(|event| matches!(event.kind, EventKind::Measurement(..)));
+        for sample in samples {
+            assert_eq!(sample.at, batch.now);
+            self.1 += 1;
+        }
+        Ok(())
+    }
+    fn observe(&mut self, _: &Batch, _: &[apex_model::effect::Effect]) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// What the record says after 100 s with this solver: its effects and notes.
+fn fly(name: &'static str, answer_comes: bool) -> String {
+    let patron = Patron { answer_comes, ..Patron::default() };
+    let (answered, gate) = (Arc::clone(&patron.answered), Arc::clone(&patron.gate));
+    let solver: Arc<dyn Solver> = Arc::new(Bad(name, Arc::clone(&gate)));
+    let patience = std::time::Duration::from_secs(120);
+    let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
+    let limits = Limits { units, patience, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
+    let office = Office { solver, invocations: Invocations::new(), limits };
+    let mut contained = Contained::new(Box::new(office), 2 * patience).unwrap();
+    let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
+    let until = Time::from_seconds(100.0);
+    let options = FlyOptions { until, pace: Some(1.0), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
+    let mut listener = Listener(answered, 0);
+    let flight = record_with(TOUR, &mut contained, &mut [&mut listener], options);
+    gate.store(true, Ordering::SeqCst);
+    assert_eq!((listener.1, flight.end.late.steps), (9, 0), "{name}: every report is heard at its instant");
+    let reader = flight.reader();
+    let report = replay(&reader, &load).unwrap();
+    assert_eq!(report.difference, None, "{name}: {report}");
+    told(&reader)
+}
+
+fn told(reader: &RecordReader) -> String {
+    let mut all = String::new();
+    for step in reader.steps_of_all(Time::END).unwrap() {
+        let step = step.unwrap();
+        for event in &step.batch.events {
+            if let EventKind::SolverReported(_, report) = &event.kind {
+                all.push_str(&format!("{report:?}\n"));
+            }
+        }
+        for effect in &step.effects {
+            all.push_str(&format!("{} {:?}\n", step.batch.now, effect.effect().unwrap()));
+        }
+    }
+    for (at, text) in reader.notes().unwrap() {
+        all.push_str(&format!("{at} note: {text}\n"));
+    }
+    all
+}
+
+#[test]
+fn solvers_that_break_down_overrun_or_hoard_are_named_and_nothing_waits_for_them() {
+    for (name, named) in [
+        ("panics", "the solver panics broke down: no idea left"),
+        ("loops", "the solver loops went on after its 1000 units of work"),
+        ("hoards", "the solver hoards took more than 64 MiB of memory"),
+    ] {
+        let told = fly(name, true);
+        assert!(told.contains(named) && told.contains("no-plan") && told.contains("(high)"), "{name}\n{told}");
+    }
+}
+
+#[test]
+fn a_good_plan_is_flown_as_soon_as_it_is_there() {
+    let told = fly("answers", true);
+    assert!(told.contains("1 site") && !told.contains("no-plan"), "{told}");
+}
+
+#[test]
+fn who_hangs_is_overtaken_by_the_executive_which_goes_on() {
+    let told = fly("hangs", false);
+    assert!(told.contains("SolverTimedOut") && told.contains("0:01:05 CancelSolve"), "{told}");
+    assert!(told.contains("no-plan") && told.contains("(high)"), "{told}");
+    assert!(told.contains("the answer of bad to request 0"), "what became of its answer is told\n{told}");
+}
+
+#[test]
+fn a_solver_whose_plan_is_not_waited_for_any_more_is_told_to_stop() {
+    // It never ends by itself: its budget is endless.
+    let told = fly("obeys", false);
+    assert!(told.contains("0:01:05 CancelSolve") && told.contains("the answer of bad to request 0"), "{told}");
+}
