@@ -38,9 +38,14 @@ fn a_tour_is_told_by_its_length() {
         "four: TSPLIB",
         "the shortest tour of all",
         "3 of 3 targets",
+        "length 40.00, proven to be the best",
     ]);
     let json = &desk.apex(&["plan", "four.tsp", "--budget", "5ms", "--json"]).well().json_lines()[0];
     assert_eq!(json["value"].as_f64(), Some(40.0));
+    assert_eq!(
+        (json["bound"].as_f64(), json["gap"].as_f64(), json["proven_optimal"].as_bool()),
+        (Some(40.0), Some(0.0), Some(true))
+    );
 }
 
 #[test]

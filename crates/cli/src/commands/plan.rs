@@ -5,10 +5,10 @@ use crate::mission::deliberator::{Deliberation, Means, Wish, name_obstacles, sol
 use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
+use crate::plan_output::proof::{self, Proof};
 use crate::plan_output::{geojson, kml, qgc, table};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::problem::Plan;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
@@ -126,7 +126,7 @@ fn refuse(format: PlanFormat, question: &Question) -> Outcome {
 fn json(question: &Question, solved: &Deliberation) -> String {
     let benchmark = question.benchmark.as_ref();
     let tour = benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
-    let (value, bound) = value_and_bound(&solved.plan, tour);
+    let Proof { value, bound, gap, proven_optimal } = proof::of(&solved.problem, &solved.plan, tour);
     let answer = serde_json::json!({
         "mission": question.name,
         "format": benchmark.map(|benchmark| benchmark.format),
@@ -134,20 +134,13 @@ fn json(question: &Question, solved: &Deliberation) -> String {
         "reason": solved.reason,
         "value": value,
         "bound": bound,
+        "gap": gap,
+        "proven_optimal": proven_optimal,
         "work_units": solved.work,
         "cpu_s": solved.cpu_s,
         "plan": solved.plan,
     });
     format!("{answer}\n")
-}
-
-/// What the plan is worth (a cost or the length of a tour where less is better), and what no plan can do better than.
-fn value_and_bound(plan: &Plan, tour: bool) -> (f64, Option<f64>) {
-    match plan {
-        Plan::SingleVisit(plan) if tour => (plan.costs, None),
-        Plan::SingleVisit(plan) => (plan.benefits, plan.benefits_bound),
-        Plan::Surveillance(plan) => (plan.expected_cost, plan.expected_cost_bound),
-    }
 }
 
 /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;

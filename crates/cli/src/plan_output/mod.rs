@@ -4,5 +4,6 @@ pub mod chart;
 mod civil;
 pub mod geojson;
 pub mod kml;
+pub mod proof;
 pub mod qgc;
 pub mod table;

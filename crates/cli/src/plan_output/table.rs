@@ -2,6 +2,7 @@
 
 use crate::commands::plan_question::Benchmark;
 use crate::mission::deliberator::Deliberation;
+use crate::plan_output::proof::{self, Proof};
 use crate::telling::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
@@ -17,7 +18,25 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation) -
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);
     let _ = write_table(&mut out, solved);
+    if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
+        let _ = write_tour(&mut out, solved);
+    }
     out
+}
+
+/// A tour is judged by its length.
+fn write_tour(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
+    let Proof { value, bound, gap, proven_optimal } = proof::of(&solved.problem, &solved.plan, true);
+    match bound.zip(gap) {
+        Some((bound, _)) if proven_optimal => {
+            writeln!(out, "  length {value:.2}, proven to be the best: no tour is shorter than {bound:.2}")
+        }
+        Some((bound, gap)) => {
+            let share = 100.0 * gap;
+            writeln!(out, "  length {value:.2}: no tour is shorter than {bound:.2}, this one is within {share:.1} %")
+        }
+        None => writeln!(out, "  length {value:.2}: no bound is known"),
+    }
 }
 
 /// What a benchmark's file is taken for.
@@ -72,9 +91,18 @@ fn write_single_visit(out: &mut String, plan: &SingleVisitPlan) -> std::fmt::Res
     }
     writeln!(out, "\n  benefits {:.2}, costs {:.2}, score {:.2}", plan.benefits, plan.costs, plan.score)?;
     writeln!(out, "  back at {}, fuel used {:.0} kg", clock(plan.end_s), plan.fuel_used_kg)?;
-    match plan.benefits_bound {
-        Some(bound) => writeln!(out, "  no plan can have benefits above {bound:.2}"),
-        None => Ok(()),
+    match plan.benefits_bound.zip(plan.gap()) {
+        Some((bound, gap)) if gap < OPTIMAL && plan.costs == 0.0 => {
+            writeln!(out, "  proven to be the best: no plan can have benefits above {bound:.2}")
+        }
+        Some((bound, gap)) if gap < OPTIMAL => {
+            writeln!(out, "  proven: no plan can have benefits above {bound:.2}; whether one costs less is not")
+        }
+        Some((bound, gap)) => {
+            let share = 100.0 * gap;
+            writeln!(out, "  no plan can have benefits above {bound:.2}: this one is within {share:.1} % of the most")
+        }
+        None => writeln!(out, "  no bound is known"),
     }
 }
 
@@ -108,6 +136,6 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
                 100.0 * gap
             )
         }
-        None => Ok(()),
+        None => writeln!(out, "  no bound is known"),
     }
 }

@@ -11,6 +11,7 @@ mod air;
 mod bends;
 mod boxes;
 mod course;
+mod dubins;
 mod ground;
 mod network;
 mod search;
@@ -24,6 +25,7 @@ mod ways;
 
 pub use air::Air;
 pub use bends::crossing;
+pub use dubins::{Flyer, Part, Pose, TurnPath, turn_radius_m};
 pub use network::{BENDS_MAX, Network, PlaceId};
 pub use setting::{PlaneZone, Setting};
 pub use trouble::Trouble;

@@ -252,3 +252,12 @@ pub struct SingleVisitPlan {
     /// One line for people.
     pub summary: String,
 }
+
+impl SingleVisitPlan {
+    /// How much more benefits the best plan may have, as a share of the bound: 0 is proven to have the most. None where no
+    /// bound is known.
+    pub fn gap(&self) -> Option<f64> {
+        let bound = self.benefits_bound?;
+        Some(if bound > 0.0 { ((bound - self.benefits) / bound).max(0.0) } else { 0.0 })
+    }
+}

@@ -9,6 +9,7 @@ pub mod absences;
 mod groups;
 pub mod price;
 mod program;
+pub mod tour;
 
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use std::borrow::Cow;
@@ -37,8 +38,11 @@ pub fn state(problem: &Problem, plan: &mut Plan) {
     state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
 }
 
-/// As [`state`], by the best bound that is known here.
+/// As [`state`], by the best bound that is known here; of single visits too.
 pub fn prove(problem: &Problem, plan: &mut Plan) {
+    if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
+        crate::single_visit::prove(problem, plan);
+    }
     state_at_least(problem, plan, |problem| expected_cost(problem).expected_cost);
 }
 

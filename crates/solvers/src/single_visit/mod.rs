@@ -17,7 +17,7 @@ mod travel;
 #[cfg(test)]
 pub(crate) mod examples;
 
-use apex_model::problem::{Plan, Problem, SingleVisitPlan};
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Environment, Solver};
 use std::collections::BTreeMap;
 
@@ -87,7 +87,10 @@ fn solve(
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
     let best = search::longest_flown(&mut schedule, found.order);
-    let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out_quickly)?;
+    // A thousand targets with given times are explained by the search itself; of a flight people want to know the limit.
+    let given = problem.travel.is_some();
+    let reasons = if given { explain::left_out_quickly } else { explain::left_out };
+    let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;
     if let Some(bound) = found.bound {
         plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
         plan.summary = plan::summary(problem, &plan);
@@ -95,12 +98,26 @@ fn solve(
     let name = |target: usize| problem.targets.get(target).map(|target| target.name.as_str());
     let reasons: BTreeMap<&str, String> =
         found.reasons.into_iter().filter_map(|(target, reason)| Some((name(target)?, reason))).collect();
-    for left_out in &mut plan.left_out {
+    for left_out in plan.left_out.iter_mut().filter(|_| given) {
         if let Some(reason) = reasons.get(left_out.target.as_str()) {
             left_out.reason.clone_from(reason);
         }
     }
     Ok(Plan::SingleVisit(plan))
+}
+
+/// Proves a bound on the benefits of a plan whose ways depend on the time, or whose order is not free, where that takes
+/// seconds: others bring theirs. The plan keeps the lower of the two.
+pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan) {
+    if plan.benefits_bound.is_some_and(|bound| bound <= plan.benefits) {
+        return;
+    }
+    let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
+    let troubles = explain::alone(&mut schedule);
+    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
+    let Some(found) = steady::at_best_departures(&mut schedule, &usable, plan.benefits) else { return };
+    plan.benefits_bound = Some(plan.benefits_bound.map_or(found, |claimed| claimed.min(found)));
+    plan.summary = plan::summary(problem, plan);
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 use apex_geo::direction::Direction;
 use apex_geo::geodesy::Position;
 use apex_geo::travel::{Air, Network, PlaceId, Setting, Trip, Trouble};
-use apex_model::problem::{SingleVisitProblem, TravelTimes, UNREACHABLE_S};
+use apex_model::problem::{FOREVER_S, SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 use std::collections::BTreeMap;
 
 /// Work units of looking at one leg, or at one way on from a bend.
@@ -125,6 +125,24 @@ impl<'a> Travel<'a> {
             travel.layer(travel.band(cruise_m, cruise_m), (cruise_m, cruise_m))?;
         }
         Ok(travel)
+    }
+
+    /// Do ways take the same time at every departure until `limit_s`?
+    pub(crate) fn is_steady(&self, limit_s: f64) -> bool {
+        match &self.problem.travel {
+            Some(travel) => travel.is_constant(),
+            None => self.changes_s().iter().all(|change_s| *change_s > limit_s),
+        }
+    }
+
+    /// When the wind changes, and when zones open or shut, after the plan's beginning, in order.
+    pub(crate) fn changes_s(&self) -> Vec<f64> {
+        let ends = self.problem.zones.iter().flat_map(|zone| [zone.active.from_s, zone.active.until_s]);
+        let mut changes_s: Vec<f64> = ends.chain(self.air.changes_s().iter().copied()).collect();
+        changes_s.retain(|change_s| *change_s > self.problem.start_s && *change_s < FOREVER_S);
+        changes_s.sort_by(f64::total_cmp);
+        changes_s.dedup();
+        changes_s
     }
 
     /// Work units done since the last call, for the budget.

@@ -7,6 +7,7 @@
 
 mod annealing;
 mod bound;
+mod flown;
 mod network;
 mod reasons;
 mod recreate;
@@ -21,7 +22,7 @@ mod tests;
 use super::schedule::{Choice, Schedule};
 use annealing::{Annealing, Round};
 use apex_model::problem::SingleVisitPlan;
-use apex_model::solver::{Budget, Environment};
+use apex_model::solver::{Budget, Environment, WorkBudget};
 use network::Network;
 use route::Route;
 
@@ -64,7 +65,7 @@ pub(super) fn run(
     environment: &mut Environment<'_>,
     tell: &mut Tell<'_>,
 ) -> Option<Found> {
-    let mut network = Network::new(schedule, usable)?;
+    let mut network = Network::new(schedule, usable, environment.budget)?;
     let visits = previous.map(|plan| repair::visits(&network, schedule.problem, plan)).unwrap_or_default();
     let mut first = Route::of(&network, &visits);
     repair::mend(&network, &mut first);
@@ -91,6 +92,21 @@ pub(super) fn run(
     }
     let bound = proven.map(|proven| proven.bound);
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
+}
+
+/// Work units that a proof may take where somebody asks how good a plan is: some seconds.
+const PROOF_UNITS: u64 = 4_000_000;
+
+/// No plan over the `usable` targets gathers more than this, nor less than `reached`, which some plan does: of problems that
+/// need the general search, with every way at its best departure and without costs and order. None with too many targets,
+/// and for problems that the search here serves, whose plans bring their bounds.
+pub(super) fn at_best_departures(schedule: &mut Schedule<'_>, usable: &[usize], reached: f64) -> Option<f64> {
+    if network::serves(schedule) {
+        return None;
+    }
+    let mut budget = WorkBudget::new(u64::MAX);
+    let network = Network::relaxed(schedule, usable, &mut budget)?;
+    Some(bound::highest_value(&network, reached, PROOF_UNITS, &mut budget).bound)
 }
 
 /// Cools down from `first` until only what the bound needs is left of the budget.

@@ -4,7 +4,9 @@
 //! different ways of summing are equal, and they are rounded so that what fits in ticks fits in seconds.
 
 use super::super::schedule::Schedule;
+use super::flown;
 use apex_model::problem::{SingleVisitProblem, TravelTimes};
+use apex_model::solver::Budget;
 
 /// The node where every route begins.
 pub(super) const START: u32 = 0;
@@ -20,6 +22,10 @@ const TICKS_MAX: f64 = (1_u32 << 27) as f64;
 const NODES_MAX: usize = 6_000;
 /// Two times nearer than this share of a tick are the same.
 const SAME_TICKS: f64 = 1e-6;
+/// Of missions that are flown around zones: every pair of nodes has a way of its own.
+const FLOWN_NODES_MAX: usize = 400;
+/// Work units of finding one of them, about.
+const UNITS_PER_WAY: u64 = 10;
 /// Nodes that a node has for neighbours, each way.
 const NEIGHBOURS: usize = 24;
 
@@ -49,13 +55,11 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// The network of a problem with given travel times; none where order, timing or costs need the general search.
-    pub(super) fn new(schedule: &Schedule<'_>, usable: &[usize]) -> Option<Network> {
+    /// The network of a problem; none where ways, order, timing or costs need the general search, or the ways of a flight
+    /// would take more than half of the budget to find.
+    pub(super) fn new(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
         let problem = schedule.problem;
-        let travel = problem.travel.as_ref().filter(|travel| travel.is_constant())?;
-        let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
-        let risky = problem.failure.probability_per_hour != 0.0;
-        if timed || risky || !problem.precedence.is_empty() {
+        if !serves(schedule) {
             return None;
         }
         let span_s = schedule.limit_s - problem.start_s;
@@ -65,7 +69,10 @@ impl Network {
             let Some(target) = problem.targets.get(*index) else { continue };
             for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
                 let value = target.value * data.quality.product();
-                for window in schedule.windows(*index, manoeuvre) {
+                if !lines_are_free(schedule, *index, manoeuvre) {
+                    continue;
+                }
+                for window in schedule.windows(*index, manoeuvre).to_vec() {
                     let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
                     // The window's end is not in it.
                     let close = (libm::ceil((close / tick_s).min(TICKS_MAX) - SAME_TICKS) as i32).saturating_sub(1);
@@ -80,10 +87,51 @@ impl Network {
         if nodes.len() > NODES_MAX {
             return None;
         }
-        let legs = legs(problem, travel, &nodes, tick_s);
+        let legs = match &problem.travel {
+            Some(travel) => legs(problem, travel, &nodes, tick_s),
+            None => {
+                let units = (nodes.len() * nodes.len()) as u64 * UNITS_PER_WAY;
+                if nodes.len() > FLOWN_NODES_MAX || budget.left().is_some_and(|left| left < 2 * units) {
+                    return None;
+                }
+                flown::legs(schedule, &nodes, tick_s, flown::Times::Now, budget)
+            }
+        };
         let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
         let mut network =
             Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };
+        network.tighten();
+        Some(network)
+    }
+
+    /// A network that nobody is quicker in: each way at its best departure, each value at its best time, and no order, for a
+    /// bound on what any plan of the problem is worth. None with too many nodes.
+    pub(super) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
+        let problem = schedule.problem;
+        let span_s = schedule.limit_s - problem.start_s;
+        let tick_s = tick_s(span_s)?;
+        let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s).saturating_add(1));
+        for index in usable.iter().copied() {
+            let Some(target) = problem.targets.get(index) else { continue };
+            let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
+            for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
+                let value = target.value * data.quality.product() * timing;
+                for window in schedule.windows(index, manoeuvre).to_vec() {
+                    let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
+                    let open = floor_ticks(open.clamp(0.0, span_s + 1.0), tick_s);
+                    let close = floor_ticks(close.clamp(-1.0, span_s + 1.0), tick_s).saturating_add(1);
+                    if open <= close && value > 0.0 {
+                        nodes.push(Node { target: index as u32, manoeuvre: manoeuvre as u32, open, close, value });
+                    }
+                }
+            }
+        }
+        if nodes.len() > FLOWN_NODES_MAX {
+            return None;
+        }
+        let legs = flown::legs(schedule, &nodes, tick_s, flown::Times::Least, budget);
+        let targets = problem.targets.len();
+        let mut network = Network { targets, nodes, legs, near: Vec::new(), tick_s, cost_per_tick: 0.0 };
         network.tighten();
         Some(network)
     }
@@ -140,6 +188,21 @@ impl Network {
     }
 }
 
+/// May the manoeuvre's lines be flown? What counts is the same at all times.
+fn lines_are_free(schedule: &mut Schedule<'_>, target: usize, manoeuvre: usize) -> bool {
+    let problem = schedule.problem;
+    let flown = problem.travel.is_none() && !(problem.zones.is_empty() && problem.landing_distance_m_max.is_none());
+    !flown || schedule.travel.lines_trouble(target, manoeuvre, problem.start_s, schedule.limit_s).is_none()
+}
+
+/// Do order, timing, costs and ways allow it?
+pub(super) fn serves(schedule: &Schedule<'_>) -> bool {
+    let problem = schedule.problem;
+    let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
+    let risky = problem.failure.probability_per_hour != 0.0;
+    !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
+}
+
 fn terminal_nodes(limit: i32) -> Vec<Node> {
     let terminal = |close| Node { target: u32::MAX, manoeuvre: 0, open: 0, close, value: 0.0 };
     vec![terminal(0), terminal(limit)]
@@ -159,7 +222,7 @@ fn tick_s(span_s: f64) -> Option<f64> {
 
 /// Rounded up. A million legs are rounded before there is a plan: no library function is called for it.
 #[inline(always)]
-fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
+pub(super) fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
     ceil(time_s / tick_s)
 }
 
@@ -170,7 +233,7 @@ fn ceil(ticks: f64) -> i32 {
     below + i32::from(f64::from(below) < ticks)
 }
 
-fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
+pub(super) fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
     libm::floor((time_s / tick_s).min(f64::from(NO_WAY))) as i32
 }
 

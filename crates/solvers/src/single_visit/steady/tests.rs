@@ -5,6 +5,7 @@ use super::*;
 use crate::formats;
 use crate::formats::generate::{self, Day, Family, Places};
 use crate::random::Generator;
+use crate::single_visit::{examples, explain};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Solver, WorkBudget};
 use proptest::prelude::*;
@@ -33,7 +34,7 @@ fn small(seed: u64, count: usize) -> SingleVisitProblem {
 
 fn network(problem: &SingleVisitProblem) -> Network {
     let usable: Vec<usize> = (0..problem.targets.len()).collect();
-    Network::new(&Schedule::new(problem).unwrap(), &usable).unwrap()
+    Network::new(&mut Schedule::new(problem).unwrap(), &usable, &mut WorkBudget::new(u64::MAX)).unwrap()
 }
 
 /// When a route ends, by going along it; none where something is too late.
@@ -198,4 +199,58 @@ fn a_bound_proves_the_best_plan_where_windows_are_narrow() {
         formats::read("c", &generate::windows(Family::Solomon(Places::Clustered, Day::Short), 1)).unwrap().problem;
     let plan = solved(&problem, 400_000, 1);
     assert_eq!(plan.benefits_bound, Some(plan.benefits), "{}", plan.summary);
+}
+
+/// The most benefits of any order of any of the targets, by trying all.
+fn most_benefits(schedule: &mut Schedule<'_>, count: usize) -> f64 {
+    let (mut best, mut open) = (0.0_f64, vec![Vec::<Choice>::new()]);
+    while let Some(order) = open.pop() {
+        for target in (0..count).filter(|target| order.iter().all(|choice| choice.target != *target)) {
+            for manoeuvre in 0..schedule.problem.targets[target].manoeuvres.len() {
+                let mut longer = order.clone();
+                longer.push(Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
+                if let Ok(judged) = schedule.judge(&longer, &mut WorkBudget::new(u64::MAX)) {
+                    best = best.max(judged.visits.iter().map(|visit| visit.worth).sum());
+                    open.push(longer);
+                }
+            }
+        }
+    }
+    best
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    #[test]
+    fn no_plan_in_changing_wind_and_airspace_gathers_more_than_the_bound(seed in 0..10_000u64) {
+        let problem = examples::random(4, seed);
+        let mut schedule = Schedule::new(&problem).unwrap();
+        let troubles = explain::alone(&mut schedule);
+        let usable: Vec<usize> = (0..4).filter(|target| troubles[*target].is_none()).collect();
+        let most = most_benefits(&mut schedule, 4);
+        let bound = at_best_departures(&mut schedule, &usable, 0.0);
+        prop_assert!(bound.is_some_and(|bound| bound >= most - 1e-6), "{bound:?} {most}");
+    }
+
+    #[test]
+    fn a_flight_in_steady_wind_among_steady_zones_is_proven_to_be_the_best(seed in 0..10_000u64) {
+        let mut problem = examples::random(4, seed);
+        problem.precedence.clear();
+        problem.wind.layers.truncate(1);
+        problem.zones.truncate(1);
+        problem.targets.iter_mut().for_each(|target| target.timing.clear());
+        let mut schedule = Schedule::new(&problem).unwrap();
+        prop_assert!(network::serves(&schedule));
+        let most = most_benefits(&mut schedule, 4);
+        prop_assume!(most > 0.0);
+        let mut budget = WorkBudget::new(400_000);
+        let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
+        let given = apex_model::problem::Problem::SingleVisit(problem.clone());
+        let plan = crate::single_visit::SingleVisit.solve(&given, &mut environment).unwrap();
+        prop_assert_eq!(crate::checker::violations(&given, &plan), Vec::<String>::new());
+        let apex_model::problem::Plan::SingleVisit(plan) = plan else { panic!("of another kind") };
+        prop_assert!((plan.benefits - most).abs() < 1e-6, "{} {most}", plan.benefits);
+        let bound = plan.benefits_bound.unwrap();
+        prop_assert!(bound >= most - 1e-6 && bound <= most + 1e-6 * most, "{bound} {most}");
+    }
 }

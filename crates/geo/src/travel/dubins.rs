@@ -1,0 +1,360 @@
+//! Turn-limited paths: the quickest way from one pose to another for who cannot turn more tightly than a radius, in a
+//! steady wind.
+//!
+//! Without wind such a path is a turn, a straight line or an opposite turn, and a turn (Dubins 1957). A wind that is the
+//! same everywhere carries the air with everything in it: seen from the air the end moves against the wind, and what is
+//! wanted is the first instant at which a path of just that duration reaches it (McGee, Spry and Hedrick 2005; Techy and
+//! Woolsey 2009). Each of the words is asked for that instant by itself, from the one on at which a straight flight would be
+//! there.
+//! A track that is not given is free: then the turn at that end is left out.
+//! Bound: [`INSTANTS_MAX`] instants for each of eight words, mostly some tens; one without wind.
+
+use crate::plane::Point;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Instants that are tried in the time of a full circle, and in all; halvings between two of them.
+const INSTANTS_PER_CIRCLE: f64 = 48.0;
+const INSTANTS_MAX: f64 = 2_000.0;
+const HALVINGS: usize = 52;
+/// The instant is known to this share of the time.
+const EXACT: f64 = 1e-9;
+/// A turn that is nearer than this to a full circle is none.
+const NO_TURN_RAD: f64 = 1e-9;
+/// Tracks that are tried where one is free and the two places are nearer than turns without one can serve.
+const TRACKS: usize = 16;
+
+/// A place with a direction over ground, counter-clockwise from the x axis; none is free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Where.
+    pub point: Point,
+    /// In which direction.
+    pub track_rad: Option<f64>,
+}
+
+/// Who flies, and in which wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flyer {
+    /// Speed through the air.
+    pub true_airspeed_mps: f64,
+    /// Least radius of a turn through the air.
+    pub turn_radius_m: f64,
+    /// The wind: where the air goes.
+    pub wind_mps: Point,
+}
+
+/// A turn to the left (1), to the right (-1) or none (0), and how long it is through the air.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Part {
+    /// Sense.
+    pub turn: f64,
+    /// Length.
+    pub length_m: f64,
+}
+
+/// A path from pose to pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurnPath {
+    from: Point,
+    heading_rad: f64,
+    flyer: Flyer,
+    /// Its parts in order.
+    pub parts: [Part; 3],
+    /// How long it takes.
+    pub time_s: f64,
+}
+
+/// Least radius of a level turn at `true_airspeed_mps` with a roll angle of `roll_rad`: weight and lift in balance.
+pub fn turn_radius_m(true_airspeed_mps: f64, roll_rad: f64) -> f64 {
+    const GRAVITY_MPS2: f64 = 9.806_65;
+    true_airspeed_mps * true_airspeed_mps / (GRAVITY_MPS2 * libm::tan(roll_rad))
+}
+
+fn unit(angle_rad: f64) -> Point {
+    Point { x: libm::cos(angle_rad), y: libm::sin(angle_rad) }
+}
+
+/// The direction to the left of `angle_rad`.
+fn left(angle_rad: f64) -> Point {
+    Point { x: -libm::sin(angle_rad), y: libm::cos(angle_rad) }
+}
+
+fn angle(vector: Point) -> f64 {
+    libm::atan2(vector.y, vector.x)
+}
+
+/// By how much one turns in the sense `turn` by an angle of `by_rad` to the left.
+fn turned(turn: f64, by_rad: f64) -> f64 {
+    let around = turn * by_rad;
+    let rest = around - TAU * libm::floor(around / TAU);
+    if rest > TAU - NO_TURN_RAD { 0.0 } else { rest }
+}
+
+impl Flyer {
+    /// Heading that makes the track, where the wind allows it.
+    pub fn heading_rad(&self, track_rad: f64) -> Option<f64> {
+        let across = self.wind_mps.dot(left(track_rad)) / self.true_airspeed_mps;
+        let along = self.wind_mps.dot(unit(track_rad));
+        if across.abs() >= 1.0 {
+            return None;
+        }
+        let heading_rad = track_rad - libm::asin(across);
+        let ahead_mps = self.true_airspeed_mps * libm::cos(heading_rad - track_rad) + along;
+        (ahead_mps > 0.0).then_some(heading_rad)
+    }
+
+    /// All paths from one pose to the other, each the quickest of its word, quickest first; none where the wind is too
+    /// strong for a pose, or stronger than the vehicle is quick.
+    pub fn paths(&self, from: Pose, to: Pose) -> Vec<TurnPath> {
+        let slow = libm::hypot(self.wind_mps.x, self.wind_mps.y) >= self.true_airspeed_mps;
+        if slow || self.turn_radius_m.is_nan() || self.turn_radius_m <= 0.0 {
+            return Vec::new();
+        }
+        let heading = |pose: Pose| pose.track_rad.map(|track_rad| self.heading_rad(track_rad));
+        let (start, end) = match (heading(from), heading(to)) {
+            (Some(None), _) | (_, Some(None)) => return Vec::new(),
+            (start, end) => (start.flatten(), end.flatten()),
+        };
+        let mut found: Vec<TurnPath> = words(start.is_some(), end.is_some())
+            .filter_map(|word| self.path(word, (from, start), (to, end)))
+            .collect();
+        if found.is_empty() {
+            // Too near for turns at one end only: every eighth of a right angle is tried at the other.
+            let tracks = (0..TRACKS).map(|index| Some(index as f64 * TAU / TRACKS as f64));
+            for track_rad in tracks.filter(|_| start.is_none() || end.is_none()) {
+                let from = Pose { track_rad: from.track_rad.or(track_rad), ..from };
+                let to = Pose { track_rad: to.track_rad.or(track_rad), ..to };
+                found.extend(self.paths(from, to));
+            }
+        }
+        found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        found
+    }
+
+    /// The first instant found at which a path of this word and just that duration is at its end. Nobody is there before who
+    /// flies straight; from then on instants are tried one after the other, and where the length jumps between two of them,
+    /// because a turn shrinks to none or has become a full circle, both sides of the jump.
+    fn path(&self, word: Word, (from, start): (Pose, Option<f64>), (to, end): (Pose, Option<f64>)) -> Option<TurnPath> {
+        let circle_s = TAU * self.turn_radius_m / self.true_airspeed_mps;
+        let look = |time_s: f64| {
+            let point = to.point.plus(-time_s, self.wind_mps);
+            let (heading_rad, parts) = word.parts(self.turn_radius_m, (from.point, start), (point, end))?;
+            let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
+            let missed_s = length_m / self.true_airspeed_mps - time_s;
+            Some(Look { time_s, missed_s, heading_rad, parts })
+        };
+        let path = |look: Look| TurnPath {
+            from: from.point,
+            heading_rad: look.heading_rad,
+            flyer: *self,
+            parts: look.parts,
+            time_s: look.time_s + look.missed_s,
+        };
+        if self.wind_mps == Point::default() {
+            return look(0.0).map(path);
+        }
+        let apart = to.point.minus(from.point);
+        let speed = self.heading_rad(angle(apart)).map(|heading_rad| {
+            let track = unit(angle(apart));
+            self.true_airspeed_mps * unit(heading_rad).dot(track) + self.wind_mps.dot(track)
+        });
+        let direct_s = if apart.length() > 0.0 { apart.length() / speed? } else { 0.0 };
+        let wind_mps = self.wind_mps.length();
+        // Two full circles more than the straight way, while the end moves.
+        let lasts_s = 3.0 * circle_s / (1.0 - wind_mps / self.true_airspeed_mps);
+        let count = (libm::ceil(lasts_s / circle_s) * INSTANTS_PER_CIRCLE).min(INSTANTS_MAX);
+        let exact_s = EXACT * (circle_s + direct_s);
+        let mut before = look(direct_s);
+        for index in 1..=count as usize {
+            let now_s = direct_s + lasts_s * index as f64 / count;
+            let now = look(now_s);
+            // Where the word begins or ceases to lead from here to there, as much of the time as it does.
+            let since = match (before, now) {
+                (None, Some(now)) => Some((outermost(now, now_s - lasts_s / count, &look), now)),
+                (Some(before), None) => Some((before, outermost(before, now_s, &look))),
+                (before, now) => before.zip(now),
+            };
+            if let Some((early, late)) = since {
+                let halves = match early.jumps_to(&late, self.turn_radius_m) {
+                    false => vec![(early, late)],
+                    true => {
+                        let (left, right) =
+                            narrowed(early, late, &look, |middle| !early.jumps_to(middle, self.turn_radius_m));
+                        vec![(early, left), (right, late)]
+                    }
+                };
+                for (early, late) in
+                    halves.into_iter().filter(|(early, late)| (early.missed_s > 0.0) != (late.missed_s > 0.0))
+                {
+                    let above = early.missed_s > 0.0;
+                    let (left, _) = narrowed(early, late, &look, |middle| (middle.missed_s > 0.0) == above);
+                    if left.missed_s.abs() <= exact_s {
+                        return Some(path(left));
+                    }
+                }
+                if early.missed_s.abs() <= exact_s {
+                    return Some(path(early));
+                }
+            }
+            before = now;
+        }
+        None
+    }
+}
+
+/// A word for an end as it is at some instant.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    time_s: f64,
+    /// How much longer than that the path takes.
+    missed_s: f64,
+    heading_rad: f64,
+    parts: [Part; 3],
+}
+
+impl Look {
+    /// Has a turn become a full circle, or none, on the way to the other?
+    fn jumps_to(&self, other: &Look, radius: f64) -> bool {
+        let pairs = self.parts.iter().zip(&other.parts);
+        pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)
+    }
+}
+
+/// The look farthest from `known` towards `until_s`, at which there is none.
+fn outermost(mut known: Look, mut until_s: f64, look: &dyn Fn(f64) -> Option<Look>) -> Look {
+    for _ in 0..HALVINGS {
+        let middle_s = 0.5 * (known.time_s + until_s);
+        match look(middle_s) {
+            Some(middle) => known = middle,
+            None => until_s = middle_s,
+        }
+    }
+    known
+}
+
+/// The last instant at which something holds, and the first at which it does not, of two between which that changes.
+fn narrowed(
+    mut low: Look,
+    mut high: Look,
+    look: &dyn Fn(f64) -> Option<Look>,
+    holds: impl Fn(&Look) -> bool,
+) -> (Look, Look) {
+    for _ in 0..HALVINGS {
+        let Some(middle) = look(0.5 * (low.time_s + high.time_s)) else { break };
+        if holds(&middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low, high)
+}
+
+/// Senses of the turns at both ends and of one between; which of the two places the turn between has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Word {
+    first: f64,
+    between: f64,
+    last: f64,
+    side: f64,
+}
+
+fn words(turn_first: bool, turn_last: bool) -> impl Iterator<Item = Word> {
+    let senses = |turns: bool| if turns { vec![1.0, -1.0] } else { vec![0.0] };
+    let straight = senses(turn_first).into_iter().flat_map(move |first| {
+        senses(turn_last).into_iter().map(move |last| Word { first, between: 0.0, last, side: 0.0 })
+    });
+    let turning = [1.0, -1.0]
+        .into_iter()
+        .flat_map(|first| [1.0, -1.0].into_iter().map(move |side| Word { first, between: -first, last: first, side }));
+    straight.chain(turning.filter(move |_| turn_first && turn_last))
+}
+
+impl Word {
+    /// The parts from one pose of the air to another, with the heading at the beginning.
+    fn parts(
+        self,
+        radius: f64,
+        (from, start): (Point, Option<f64>),
+        (to, end): (Point, Option<f64>),
+    ) -> Option<(f64, [Part; 3])> {
+        let centre = |point: Point, turn: f64, heading: Option<f64>| {
+            point.plus(radius * turn, heading.map_or(Point::default(), left))
+        };
+        let (first, last) = (centre(from, self.first, start), centre(to, self.last, end));
+        let apart = last.minus(first);
+        let distance = apart.length();
+        let of = |turns: [f64; 3], lengths: [f64; 3]| {
+            let mut parts = [Part::default(); 3];
+            for ((part, turn), length) in parts.iter_mut().zip(turns).zip(lengths) {
+                *part = Part { turn, length_m: if turn == 0.0 { length } else { radius * length } };
+            }
+            parts
+        };
+        if self.between == 0.0 {
+            // The line touches both circles: it lies beside their centres by the difference of the senses.
+            let beside = radius * (self.first - self.last);
+            let squared = distance * distance - beside * beside;
+            if squared < 0.0 {
+                return None;
+            }
+            let length = libm::sqrt(squared);
+            let line = if distance > 0.0 { angle(apart) + libm::atan2(beside, length) } else { start.or(end)? };
+            let heading = start.unwrap_or(line);
+            let turns = [turned(self.first, line - heading), length, turned(self.last, end.unwrap_or(line) - line)];
+            return Some((heading, of([self.first, 0.0, self.last], turns)));
+        }
+        let (start, end) = (start?, end?);
+        let high = 4.0 * radius * radius - 0.25 * distance * distance;
+        if high < 0.0 || distance <= 0.0 {
+            return None;
+        }
+        let up = Point { x: -apart.y / distance, y: apart.x / distance };
+        let between = first.plus(0.5, apart).plus(self.side * libm::sqrt(high), up);
+        // Where two circles touch, the centre lies to the left of who turns to the left.
+        let heading_at = |centre: Point| angle(between.minus(centre)) + self.first * FRAC_PI_2;
+        let (into, out) = (heading_at(first), heading_at(last));
+        let turns = [turned(self.first, into - start), turned(self.between, out - into), turned(self.last, end - out)];
+        Some((start, of([self.first, self.between, self.last], turns)))
+    }
+}
+
+impl TurnPath {
+    /// Where the vehicle is over ground `time_s` after the beginning, and its heading.
+    pub fn at(&self, time_s: f64) -> (Point, f64) {
+        let mut left_m = time_s * self.flyer.true_airspeed_mps;
+        let (mut point, mut heading_rad) = (self.from.plus(time_s, self.flyer.wind_mps), self.heading_rad);
+        for part in self.parts {
+            let length_m = left_m.clamp(0.0, part.length_m);
+            left_m -= length_m;
+            if part.turn == 0.0 {
+                point = point.plus(length_m, unit(heading_rad));
+            } else {
+                let radius = self.flyer.turn_radius_m * part.turn;
+                let centre = point.plus(radius, left(heading_rad));
+                heading_rad += length_m / radius;
+                point = centre.plus(-radius, left(heading_rad));
+            }
+        }
+        (point, heading_rad)
+    }
+
+    /// The path over ground as points from beginning to end, never farther than `tolerance_m` from what is flown.
+    pub fn points(&self, tolerance_m: f64) -> Vec<Point> {
+        let speed_mps = self.flyer.true_airspeed_mps;
+        // A chord is off by an eighth of the acceleration times the time squared, at the most.
+        let step_s = libm::sqrt(8.0 * tolerance_m * self.flyer.turn_radius_m) / speed_mps;
+        let mut points = vec![self.from];
+        let mut begin_s = 0.0;
+        for part in self.parts.iter().filter(|part| part.length_m > 0.0) {
+            let lasts_s = part.length_m / speed_mps;
+            let count = if part.turn == 0.0 { 1 } else { libm::ceil(lasts_s / step_s).clamp(1.0, 10_000.0) as usize };
+            points.extend((1..=count).map(|index| self.at(begin_s + lasts_s * index as f64 / count as f64).0));
+            begin_s += lasts_s;
+        }
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests;
