@@ -67,19 +67,34 @@ pub struct AbsentPart {
     pub length: Duration,
     /// The end of the last result of the part, or the window's start: since when it is absent.
     pub since: Time,
+    /// The same of results that no sample can replace any more.
+    pub since_final: Time,
     /// The data do not say whether the part holds.
     pub unknown: bool,
     /// The part holds at instants (`:not`, `:function`, a line) and did so, or was in doubt, at the last look: absence begins
     /// with the look at which it does not.
     pub broken: bool,
+    /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
+    pub reached: Vec<Reached>,
     /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.
     pub told: Option<Time>,
+    /// Windows that begin here or later have been taken back, and may pass once more.
+    pub taken_back: Option<Time>,
     /// The windows that passed without it; the first where one is enough.
     pub found: Vec<Satisfaction>,
     /// When time alone can decide next.
     pub decides_at: Option<Time>,
+}
+
+/// From when to when a part has been there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reached {
+    /// First start and last end of its results.
+    pub hull: Option<(Time, Time)>,
+    /// Results, by the instant of recognition, that are newer than the newest sample: one that comes late is judged without them.
+    pub coming: Vec<(Time, (Time, Time))>,
 }
 
 /// State of `(:function EXPR)`.

@@ -1,7 +1,7 @@
 //! One question answered by both, and the difference.
 
 use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
-use crate::features::{NOT_COMPARED, NOT_REMEMBERED, forgets_what_was_there, one_of};
+use crate::features::{NOT_COMPARED, one_of};
 use crate::generate::UNTIL;
 use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 
@@ -44,10 +44,7 @@ pub fn compare(question: &Question) -> Finding {
     }
     let told = match asked_often(question, &accepted) {
         Ok(told) => told,
-        Err(Difference { less: true, .. }) if forgets_what_was_there(question) => {
-            return Finding::NotCompared(NOT_REMEMBERED);
-        }
-        Err(Difference { text, .. }) => return Finding::Different(text),
+        Err(message) => return Finding::Different(message),
     };
     match asked_once(question, &accepted) {
         Ok(once) if once == told => Finding::Same(told),
@@ -60,30 +57,16 @@ pub fn compare(question: &Question) -> Finding {
     }
 }
 
-/// The first instant at which they differ.
-struct Difference {
-    text: String,
-    /// The executive says less: "unknown" instead of a result, or "not satisfied" instead of either.
-    less: bool,
-}
-
 /// Asks both at every instant up to the first result.
-fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, Difference> {
-    let mut watch = Watch::new(accepted, question).map_err(|text| Difference { text, less: false })?;
+fn asked_often(question: &Question, accepted: &Accepted) -> Result<Option<Outcome>, String> {
+    let mut watch = Watch::new(accepted, question)?;
     for now in instants(question, UNTIL) {
         let theirs = judge(question, now);
         let ours = watch.say(now);
         match (&theirs, &ours) {
             (Verdict::Satisfied(theirs), Said::Satisfied(ours)) if theirs == ours => return Ok(Some(theirs.clone())),
             (Verdict::NotSatisfied, Said::NotSatisfied) | (Verdict::Unknown(_), Said::Unknown) => {}
-            _ => {
-                let less = match ours {
-                    Said::Satisfied(_) => false,
-                    Said::Unknown => matches!(theirs, Verdict::Satisfied(_)),
-                    Said::NotSatisfied => true,
-                };
-                return Err(Difference { text: difference(now, &theirs, &ours), less });
-            }
+            _ => return Err(difference(now, &theirs, &ours)),
         }
     }
     Ok(None)

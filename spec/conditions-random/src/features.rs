@@ -1,7 +1,7 @@
 //! What is in a question: for counting, and for telling kinds of differences apart.
 
 use apex_definition::condition::{Condition, Constraint, Cyclic, Estimation, Kind, Statistic, Term};
-use apex_definition::{Arrival, Question, Value, What};
+use apex_definition::{Question, Value, What};
 use std::collections::BTreeSet;
 
 /// What the executive cannot do yet, as the checker names it. A condition with one of these must be refused, and every
@@ -12,49 +12,6 @@ pub const NOT_YET: &[&str] = &[];
 /// when. What a function said beside other parts is not known any more when one of them comes late; a relation of lines
 /// is told when it holds, and lines move. The list may only become shorter.
 pub const NOT_COMPARED: &[&str] = &[":absent of a relation of lines", ":absent of a function beside what came late"];
-
-/// A difference that is counted by itself: the executive does not find, or does not find yet, what a late sample shows to have
-/// been absent, because what else was there at that instant is not remembered. Without `:lateness` nothing is kept for it.
-pub const NOT_REMEMBERED: &str = ":absent of several variables, one of them late without :lateness: not found";
-
-/// Is there an `:absent` of several variables, of which a sample comes late without `:lateness`, when a later one of another is
-/// there?
-pub fn forgets_what_was_there(question: &Question) -> bool {
-    absent_attributes(&question.condition).iter().any(|watched| {
-        let samples = || {
-            question.arrivals.iter().filter_map(|arrival| match &arrival.what {
-                What::Sample(attribute, object, _) if watched.contains(attribute) => {
-                    Some((arrival, (attribute, object)))
-                }
-                _ => None,
-            })
-        };
-        samples().any(|(late, variable)| {
-            let later = |(other, own): (&Arrival, (&String, &String))| {
-                own != variable && other.at > late.at && other.arrives <= late.arrives
-            };
-            late.at < late.arrives && !question.lateness.contains_key(variable.0) && samples().any(later)
-        })
-    })
-}
-
-/// The attributes that each `:absent` watches.
-fn absent_attributes(condition: &Condition) -> Vec<BTreeSet<String>> {
-    let mut found: Vec<_> = parts(condition).iter().flat_map(absent_attributes).collect();
-    if let Kind::Absent(part, _) = &condition.kind {
-        found.push(leaves(part).into_iter().filter_map(attribute_of).cloned().collect());
-    }
-    found
-}
-
-fn attribute_of(leaf: &Kind) -> Option<&String> {
-    match leaf {
-        Kind::Measurement(measurement) => Some(&measurement.variable.attribute),
-        Kind::Episode(episode) => Some(&episode.variable.attribute),
-        Kind::Cyclic(cyclic) => Some(&cyclic.variable.attribute),
-        _ => None,
-    }
-}
 
 /// The first of `list` that the question has; each stands for all features that begin so.
 pub fn one_of(question: &Question, list: &[&'static str]) -> Option<&'static str> {

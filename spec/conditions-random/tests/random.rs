@@ -1,6 +1,6 @@
 //! A hundred thousand random questions about conditions: the executive and the definition give the same answers.
 
-use apex_conditions_random::features::{NOT_REMEMBERED, NOT_YET};
+use apex_conditions_random::features::NOT_YET;
 use apex_conditions_random::{campaign, generate, page, shrink};
 use std::collections::BTreeSet;
 
@@ -19,8 +19,6 @@ fn the_executive_and_the_definition_answer_alike() {
     assert_eq!(outcome.refused, [], "the checker refuses what the generator writes\n{table}");
     let refused: BTreeSet<&str> = outcome.not_yet.keys().map(String::as_str).collect();
     assert_eq!(refused, NOT_YET.iter().copied().collect(), "what is refused is what is not done yet\n{table}");
-    let forgotten = outcome.not_compared.get(NOT_REMEMBERED).copied().unwrap_or_default();
-    assert!(forgotten <= COUNT / 10_000, "more is forgotten than rare cases\n{table}");
     // What is asked for is neither always there nor never.
     assert!(outcome.satisfied * 5 > outcome.same && outcome.satisfied * 2 < outcome.same, "{table}");
     for (feature, (asked, satisfied)) in &outcome.features {
@@ -40,24 +38,13 @@ fn a_seed_always_makes_the_same_question() {
 const ONCE_DIFFERENT: &[u64] = &[
     58_979, 2_292_886, 2_352_370, 2_552_247, 2_896_833, 2_930_191, 2_980_572, 3_174_081, 3_475_236, 3_537_036,
     1_633_390, 1_781_641, 1_985_759, 2_824_683, 3_283_964, 4_268_482, 4_940_530, 5_242_850, 6_906_054, 9_155_926,
-    9_765_607,
+    9_765_607, 6_014_216, 6_497_026, 7_168_832,
 ];
-
-/// Seeds of which the executive finds less, since it does not remember what else was there.
-const NOT_FOUND: &[u64] = &[6_014_216, 6_497_026, 7_168_832];
 
 #[test]
 fn what_differed_once_does_not_differ_again() {
     for seed in ONCE_DIFFERENT {
         let outcome = campaign::run(*seed..seed + 1);
         assert_eq!((outcome.same, &outcome.different), (1, &vec![]), "{}", page::of(*seed, &generate::question(*seed)));
-    }
-}
-
-#[test]
-fn what_is_not_remembered_is_counted_by_itself() {
-    for seed in NOT_FOUND {
-        let outcome = campaign::run(*seed..seed + 1);
-        assert_eq!(outcome.not_compared.get(NOT_REMEMBERED), Some(&1), "{seed}");
     }
 }

@@ -1,7 +1,9 @@
 //! Absence: a whole span without the part (rule 14).
 
-use crate::condition::{Condition, Estimation, Kind, Span, Time};
-use crate::value::Bindings;
+use crate::condition::{Condition, Estimation, Kind, Span, Term, Time, Variable};
+use crate::history::{Arrival, Past, What, known};
+use crate::value::{Bindings, Value};
+use crate::verdict::Question;
 use crate::ways::{Interval, Runs, View, Way, Ways};
 
 /// Rule 14: a whole span passed without the part. What has passed has passed: a span that was quiet when it was looked at
@@ -11,20 +13,86 @@ pub(crate) fn ways(part: &Condition, span: Span, view: View<'_>) -> Ways {
         return of_instants(part, span, view);
     }
     let Quiet { mut found, decided } = quiet_spans(part, span, view);
-    if decided && !comes_to_light_later(part) {
+    let again = is_judged_again(part, view);
+    if again && decided && !comes_to_light_later(part) {
         return found;
     }
     for now in crate::verdict::instants(view.question, view.now - 1).into_iter().rev() {
-        let past = view.past.up_to(now);
+        let (past, back) = known_of(part, now, again, view);
         let then = quiet_spans(part, span, View { past: &past, now, ..view });
-        found.all.extend(then.found.all);
-        if then.decided && !comes_to_light_later(part) {
+        let stays = |way: &Way| way.hull.is_some_and(|(_, end)| back.is_none_or(|back| end < back));
+        found.all.extend(then.found.all.into_iter().filter(stays));
+        if again && then.decided && !comes_to_light_later(part) {
             break;
         }
     }
     found.all.sort_by_key(|way| way.hull);
     found.all.dedup();
     found
+}
+
+/// Rule 17: are instants that are over judged again when a sample comes late? A variable of the part is declared with
+/// `:lateness`; or nothing of it comes late, which is the same.
+fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
+    let watched = variables(part);
+    let is_late = |arrival: &Arrival| arrival.at < arrival.arrives && watched.iter().any(|each| is_of(arrival, each));
+    watched.iter().any(|each| view.question.lateness.contains_key(&each.attribute))
+        || !view.question.arrivals.iter().any(is_late)
+}
+
+/// What an instant is judged by: all that is known if it is judged `again`, else what came before the first sample from
+/// after it. Besides the earliest sample that came since: a span that reached it is not known to have passed any more.
+fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past, Option<Time>) {
+    if again {
+        return (view.past.up_to(then), None);
+    }
+    let (question, watched) = (view.question, variables(part));
+    let counts = |number: usize, arrival: &Arrival| {
+        watched.iter().any(|each| is_of(arrival, each)) && changes(question, number, arrival)
+    };
+    let come: Vec<&Arrival> =
+        question.arrivals.iter().filter(|arrival| arrival.arrives <= view.past.known_at).collect();
+    let after = come.iter().enumerate().find(|(number, arrival)| arrival.at > then && counts(*number, arrival));
+    let before = after.map_or(come.len(), |(number, _)| number);
+    let since = come.iter().enumerate().skip(before);
+    let back = since.filter(|(number, arrival)| counts(*number, arrival)).map(|(_, arrival)| arrival.at);
+    let back = back.filter(|at| *at >= view.created).min();
+    let past = known(&question.arrivals[..before], &question.lateness, view.past.known_at);
+    (past.up_to(then), back)
+}
+
+/// Does the sample count when it comes?
+fn changes(question: &Question, number: usize, arrival: &Arrival) -> bool {
+    let count = |end: usize| {
+        let past = known(&question.arrivals[..end], &question.lateness, arrival.arrives);
+        let all = past.variables.into_iter().map(|series| (series.attribute, series.object, series.samples));
+        all.collect::<Vec<_>>()
+    };
+    count(number) != count(number + 1)
+}
+
+fn is_of(arrival: &Arrival, variable: &Variable) -> bool {
+    match &arrival.what {
+        What::Sample(attribute, object, _) => {
+            let is = |wanted: &Value| *wanted == Value::symbol(object);
+            *attribute == variable.attribute && !matches!(&variable.object, Term::Is(wanted) if !is(wanted))
+        }
+        What::Message(_) | What::Moved(..) => false,
+    }
+}
+
+/// The variables that the condition watches.
+fn variables(condition: &Condition) -> Vec<&Variable> {
+    match &condition.kind {
+        Kind::Measurement(measurement) => vec![&measurement.variable],
+        Kind::Episode(episode) => vec![&episode.variable],
+        Kind::Cyclic(cyclic) => vec![&cyclic.variable],
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().flat_map(variables).collect()
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => variables(part),
+        _ => Vec::new(),
+    }
 }
 
 /// Does it hold at instants, so that a result may be gone at the next?
@@ -43,9 +111,10 @@ fn of_instants(part: &Condition, span: Span, view: View<'_>) -> Ways {
     let mut found = Ways::default();
     let mut begin = Some(view.created);
     let mut passed: Vec<Time> = Vec::new();
+    let again = is_judged_again(part, view);
     for now in crate::verdict::instants(view.question, view.now) {
-        passed.extend(begin.filter(|begin| begin + span < now));
-        let past = view.past.up_to(now);
+        let (past, back) = known_of(part, now, again, view);
+        passed.extend(begin.filter(|begin| begin + span < now && back.is_none_or(|back| begin + span < back)));
         let against = crate::ways::ways(part, View { runs: Runs::Whole, past: &past, now, ..view });
         let there = against.all.iter().any(|way| way.open || way.instant || way.lasts == Some(now));
         (found.unknown, found.doubt) = (None, false);

@@ -29,6 +29,8 @@ pub enum What {
 /// The clean past of one variable, object or agent, as known at an instant.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Past {
+    /// The instant up to which everything that had come is in it, if it is from an instant before.
+    pub(crate) known_at: Time,
     /// Samples by attribute and object.
     pub(crate) variables: Vec<Series>,
     /// Messages in order of time, those of one instant in order of arrival.
@@ -47,7 +49,7 @@ pub(crate) struct Series {
     pub(crate) appearances: Vec<(Time, usize)>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) at: Time,
     pub(crate) value: Value,
@@ -68,7 +70,7 @@ pub(crate) struct Move {
 
 /// All that had arrived by `now`. `lateness` is by attribute, 0 unless it says otherwise.
 pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now: Time) -> Past {
-    let mut past = Past::default();
+    let mut past = Past { known_at: now, ..Past::default() };
     for (number, arrival) in arrivals.iter().enumerate().filter(|(_, arrival)| arrival.arrives <= now) {
         let at = arrival.at;
         match &arrival.what {

@@ -8,7 +8,7 @@
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
 use super::episode::TICK;
-use super::{Asking, Site, Troubles, Truth, extents, remember, unmet};
+use super::{Asking, Site, Troubles, Truth, extents, remember, together, unmet};
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
@@ -37,6 +37,9 @@ pub(super) fn create(
         part,
         length,
         since: start,
+        since_final: start,
+        taken_back: None,
+        reached: Vec::new(),
         unknown: false,
         broken: false,
         told: None,
@@ -50,18 +53,21 @@ pub(super) fn create(
 pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.found.clear();
     part.seen.clear();
-    part.since = site.window.start;
-    (part.unknown, part.broken, part.told) = (false, false, None);
+    part.reached.clear();
+    (part.since, part.since_final) = (site.window.start, site.window.start);
+    (part.unknown, part.broken, part.told, part.taken_back) = (false, false, None, None);
     part.decides_at = Some(part.since + part.length);
 }
 
-/// Windows that reached `at`, when nothing was known of it, have not passed yet.
-pub(super) fn take_back(part: &mut AbsentPart, at: Time) {
-    let before = part.found.len();
-    part.found.retain(|window| window.interval.1 < at);
-    if part.found.len() < before {
-        part.told = None;
-    }
+/// A sample of `at` has come, and what was so from `known` on is judged again: windows that reached the sample, and those
+/// that were found then, have not passed yet.
+pub(super) fn take_back(part: &mut AbsentPart, at: Time, known: Time) {
+    let stays = |window: &Satisfaction| window.interval.1 < at && window.recognised_at < known;
+    let gone = part.found.iter().filter(|window| !stays(window)).map(|window| window.interval.0);
+    let first = gone.chain([at - part.length]).min();
+    part.taken_back = part.taken_back.into_iter().chain(first).min();
+    part.found.retain(stays);
+    part.since = part.since_final;
 }
 
 /// Nothing more is wanted of it.
@@ -76,9 +82,11 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
         return;
     }
     let mut asking = Asking::new(surroundings);
-    let extents = extents::take(&mut part.part, &mut asking);
-    let passing = extents.passing.iter().map(|extent| &extent.result);
-    let found: Vec<(Time, Time)> = extents.settled.iter().chain(passing).map(lasting).collect();
+    let extents = if together::is_together(&part.part) {
+        together::take(part, &mut asking)
+    } else {
+        extents::take_final(&mut part.part, &mut asking)
+    };
     let at_instants = holds_at_instants(&part.part);
     let lasts = |extent: &extents::Extent| {
         extent.open
@@ -91,25 +99,13 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     let quiet = !goes_on && !part.unknown;
     // Instants between looks are as the last look found: nothing changes unnoticed.
     if quiet && part.broken {
-        part.since = part.since.max(asking.now);
+        part.since_final = part.since_final.max(asking.now);
     }
     part.broken = at_instants && !quiet;
     if part.broken {
         part.seen.clear();
     } else if quiet {
-        // It may be known only now that nothing was there before or between.
-        let mut seen = std::mem::take(&mut part.seen);
-        seen.extend(found);
-        seen.sort_unstable();
-        for (start, end) in seen {
-            if part.since + part.length < start {
-                note(part, site, &mut asking);
-            }
-            part.since = part.since.max(end);
-        }
-        if part.since + part.length <= asking.now {
-            note(part, site, &mut asking);
-        }
+        pass(part, &extents, site, &mut asking);
     } else {
         see(part, site, extents.settled.iter().map(lasting).collect(), &mut asking.troubles);
     }
@@ -124,6 +120,27 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
             troubles.0.push(trouble);
         }
     }
+}
+
+/// Windows that have passed up to now. It may be known only now that nothing was there before or between.
+fn pass(part: &mut AbsentPart, extents: &extents::Extents, site: Site, asking: &mut Asking<'_>) {
+    let mut settled = std::mem::take(&mut part.seen);
+    settled.extend(extents.settled.iter().map(lasting));
+    let last = settled.iter().map(|(_, end)| *end).max();
+    let mut all = settled;
+    all.extend(extents.passing.iter().map(|extent| lasting(&extent.result)));
+    all.sort_unstable();
+    part.since = part.since_final;
+    for (start, end) in all {
+        if part.since + part.length < start {
+            note(part, site, asking);
+        }
+        part.since = part.since.max(end);
+    }
+    if part.since + part.length <= asking.now {
+        note(part, site, asking);
+    }
+    part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
 }
 
 /// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
@@ -200,10 +217,12 @@ fn is_blind(part: &Part) -> bool {
 
 /// The window that began when the part was last there has passed without it.
 fn note(part: &mut AbsentPart, site: Site, asking: &mut Asking<'_>) {
-    if part.told != Some(part.since) {
-        part.told = Some(part.since);
-        let interval = (part.since, part.since + part.length);
-        let found = result(&part.part, interval, asking.now);
+    let (since, over) = (part.since, part.since + part.length);
+    let again = part.taken_back.is_some_and(|first| first <= since)
+        && !part.found.iter().any(|window| window.interval.0 == since);
+    if again || part.told.is_none_or(|told| told < since) {
+        part.told = part.told.max(Some(since));
+        let found = result(&part.part, (since, over), asking.now);
         remember(&mut part.found, found, site, &mut asking.troubles);
     }
 }

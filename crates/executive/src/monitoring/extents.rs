@@ -48,6 +48,18 @@ pub(super) struct Extents {
     pub(super) changes_at: Option<Time>,
 }
 
+/// What `part` has found; of measurements, only what no sample of the same instant can replace any more is settled.
+pub(super) fn take_final(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
+    let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, asking) };
+    let mut extents = Extents::default();
+    if let Some(seen) = &mut leaf.seen {
+        extents.settled.append(&mut seen.settled);
+        let newest = seen.newest.samples().filter_map(|newest| newest.result.clone());
+        extents.passing.extend(newest.map(|result| Extent { result, open: false }));
+    }
+    extents
+}
+
 /// What `part` has found.
 pub(super) fn take(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
     let site = site(part);
@@ -150,6 +162,12 @@ fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
     extents.runs.extend(open.iter().map(|run| run.interval));
 }
 
+/// Is it certain that a combination does not hold? Then nothing within it is in doubt.
+fn certainly_not(part: &Part, asking: &mut Asking<'_>) -> bool {
+    let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Allen(_));
+    combines && logic::truth(part, asking) == Truth::False
+}
+
 /// Is any episode within the part in doubt?
 fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
     let mut doubt = match &part.kind {
@@ -163,11 +181,13 @@ fn is_in_doubt(part: &Part, asking: &mut Asking<'_>) -> bool {
         PartKind::Cyclic(leaf) => cyclic::in_doubt(leaf, site(part), asking),
         PartKind::Regression(leaf) => regression::in_doubt(leaf, site(part), asking),
         PartKind::Function(leaf) => leaf.value.is_none(),
+        // Windows that have passed stay; whether another passes, the absence itself knows.
+        PartKind::Absent(leaf) => return leaf.unknown,
         // Where its part is true it is false, whatever is in doubt within.
         PartKind::Not(inner) => return asking.of_everything(|asking| logic::truth(inner, asking)) == Truth::Unknown,
         _ => false,
     };
-    for_each_inner(part, &mut |inner| doubt |= is_in_doubt(inner, asking));
+    for_each_inner(part, &mut |inner| doubt |= !certainly_not(inner, asking) && is_in_doubt(inner, asking));
     doubt
 }
 

@@ -34,6 +34,7 @@ mod regression;
 mod relation;
 mod replay;
 mod retention;
+mod retention_of_absence;
 mod retention_of_queries;
 mod runs;
 mod samples;
@@ -47,6 +48,7 @@ pub(crate) mod task_state;
 mod tests;
 mod time_bounds;
 mod time_conditions;
+mod together;
 mod unmet;
 mod wake;
 

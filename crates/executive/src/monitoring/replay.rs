@@ -116,7 +116,7 @@ pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &
     let past = *at < surroundings.now();
     let relates = match part.kind {
         PartKind::Allen(_) => past && !newest,
-        PartKind::Absent(_) => past && !asks_functions(part),
+        PartKind::Absent(_) => past && !asks_functions(part) && is_judged_again(part, surroundings),
         _ => false,
     };
     (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
@@ -131,8 +131,8 @@ pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn S
     if !late || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
         return;
     }
-    super::absence::take_back(leaf, *at);
     let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
+    super::absence::take_back(leaf, *at, known);
     let (now, mut looked) = (surroundings.now(), known);
     if known < now {
         look_then(part, known, surroundings, troubles);
@@ -141,6 +141,22 @@ pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn S
             looked = wake;
         }
     }
+}
+
+/// Is the whole past of an absence judged again when a sample comes late? It is when a variable in it is declared with
+/// `:lateness`, for which everything is kept.
+fn is_judged_again(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let declared = &surroundings.library().state_variables;
+    let is_late = |attribute: &Symbol| declared.get(attribute).and_then(super::lateness).is_some();
+    let mut again = false;
+    collect_interests(part, &mut |interest| {
+        again |= match interest {
+            Interest::Variable(variable) => is_late(&variable.attribute),
+            Interest::Attribute(attribute) => is_late(&attribute),
+            _ => false,
+        };
+    });
+    again
 }
 
 /// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
@@ -152,7 +168,7 @@ fn asks_functions(part: &Part) -> bool {
 
 /// The instant of the newest sample that the part was told of, up to this arrival: what came after it at the same instant is
 /// still to be told.
-fn newest_known(part: &Part, told: u64, surroundings: &dyn Surroundings) -> Option<Time> {
+pub(super) fn newest_known(part: &Part, told: u64, surroundings: &dyn Surroundings) -> Option<Time> {
     let histories = surroundings.histories();
     let newest =
         |history: &History| history.samples().rev().find(|sample| sample.sequence <= told).map(|newest| newest.at);

@@ -313,7 +313,11 @@ impl Survey<'_> {
                 parts.iter().for_each(|part| self.condition(part));
                 self.exprs(constraints);
             }
-            ConditionKind::Not(part) | ConditionKind::Absent(part, _) => self.condition(part),
+            ConditionKind::Not(part) => self.condition(part),
+            ConditionKind::Absent(part, _) => {
+                self.beside_late(part, condition.place);
+                self.condition(part);
+            }
             ConditionKind::Probing { condition, .. } => self.condition(condition),
             ConditionKind::Delay(from, to) | ConditionKind::Timestamp(from, to) => {
                 self.expr(from);
