@@ -188,6 +188,34 @@ fn against_duration(samples_of_bound: usize) -> f64 {
     per_sample(&bounded(samples_of_bound), &values) / 100.0
 }
 
+/// The same over one signal for all bounds, which breaks each run at its tenth sample: what only the bound changes.
+fn against_duration_alone(samples_of_bound: usize) -> f64 {
+    let values: Vec<f64> = (0..100_000).map(|index| if index % 10 == 9 { -1.0 } else { 1.0 }).collect();
+    per_sample(&bounded(samples_of_bound), &values) / 100.0
+}
+
+/// Nanoseconds for each further sample of two variables that must not be high together, after so many of each that were.
+fn absent_together(before: usize) -> f64 {
+    let text = "(:absent (:and (x0 uav > 0) (x1 uav > 0)) :for 10s)".to_string();
+    let more = 1_000;
+    let feed = |session: &mut MonitorSession, from: usize, count: usize| {
+        for index in from..from + count {
+            session.sample(&variable(0), Value::Real(5.0), instant(2 * index));
+            session.sample(&variable(1), Value::Real(5.0), instant(2 * index + 1));
+        }
+    };
+    let ns = least(
+        3,
+        || {
+            let mut session = session(std::slice::from_ref(&text));
+            feed(&mut session, 0, before);
+            session
+        },
+        |session| feed(session, before, more),
+    );
+    ns / (2 * more) as f64
+}
+
 /// Conditions whose samples cost arithmetic: what is measured is that; they come true seldom.
 const NUMBERS: &[(&str, &str)] = &[
     ("persisted values", "(:measurement (x0 uav) :value (> 100) :estimation (:persist :with-timeout 1s))"),
@@ -391,6 +419,14 @@ fn growth() {
     line(
         "duration bound in samples: ns per monitor and sample",
         &[10, 100, 1_000, 5_000, 10_000].map(|bound| (bound, against_duration(bound))),
+    );
+    line(
+        "duration bound in samples, the same signal: ns per monitor and sample",
+        &[10, 100, 1_000, 5_000, 10_000].map(|bound| (bound, against_duration_alone(bound))),
+    );
+    line(
+        "results of two variables that must not be together: ns for each further sample",
+        &[10, 100, 500, 5_000].map(|before| (before, absent_together(before))),
     );
     line(
         "samples kept: ns for each further sample",
