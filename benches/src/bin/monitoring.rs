@@ -188,10 +188,13 @@ fn against_duration(samples_of_bound: usize) -> f64 {
     per_sample(&bounded(samples_of_bound), &values) / 100.0
 }
 
-/// The same over one signal for all bounds, which breaks each run at its tenth sample: what only the bound changes.
+/// Over one signal for all bounds, which breaks each run at its sixth sample, with a gap of two samples, so that no bound is
+/// near: what only the bound changes. Within the largest gap of a bound each sample is asked when it would be reached.
 fn against_duration_alone(samples_of_bound: usize) -> f64 {
-    let values: Vec<f64> = (0..100_000).map(|index| if index % 10 == 9 { -1.0 } else { 1.0 }).collect();
-    per_sample(&bounded(samples_of_bound), &values) / 100.0
+    let values: Vec<f64> = (0..100_000).map(|index| if index % 6 == 5 { -1.0 } else { 1.0 }).collect();
+    let texts: Vec<String> =
+        bounded(samples_of_bound).iter().map(|text| text.replace(":max-gap 1s", ":max-gap 50ms")).collect();
+    per_sample(&texts, &values) / 100.0
 }
 
 /// Nanoseconds for each further sample of two variables that must not be high together, after so many of each that were.

@@ -16,8 +16,6 @@ pub struct Outcome {
     pub satisfied: u64,
     /// Questions that the executive cannot answer yet, by what it cannot.
     pub not_yet: BTreeMap<String, u64>,
-    /// Questions that are not compared, by the form.
-    pub not_compared: BTreeMap<String, u64>,
     /// Questions that the checker says can never be answered with yes, which is so.
     pub never: u64,
     /// Seeds of questions whose text the checker refuses.
@@ -41,7 +39,6 @@ impl Outcome {
                 }
             }
             Finding::NotYet(what) => *self.not_yet.entry(what).or_default() += 1,
-            Finding::NotCompared(what) => *self.not_compared.entry(what.into()).or_default() += 1,
             Finding::Never => self.never += 1,
             Finding::Refused(_) => self.refused.push(seed),
             Finding::Different(_) => self.different.push(seed),
@@ -58,9 +55,6 @@ impl Outcome {
         for (what, count) in &other.not_yet {
             *self.not_yet.entry(what.clone()).or_default() += count;
         }
-        for (what, count) in &other.not_compared {
-            *self.not_compared.entry(what.clone()).or_default() += count;
-        }
         for (feature, (asked, satisfied)) in &other.features {
             let counts = self.features.entry(feature.clone()).or_default();
             *counts = (counts.0 + asked, counts.1 + satisfied);
@@ -75,9 +69,6 @@ impl Outcome {
         }
         for (what, count) in &self.not_yet {
             text.push_str(&format!("  {count:8}           not yet: {what}\n"));
-        }
-        for (what, count) in &self.not_compared {
-            text.push_str(&format!("  {count:8}           not compared: {what}\n"));
         }
         text.push_str(&format!("  {:8}           can never hold, says the checker\n", self.never));
         text

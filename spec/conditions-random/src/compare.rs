@@ -1,7 +1,6 @@
 //! One question answered by both, and the difference.
 
 use crate::executive::{Accepted, Refusal, Said, Watch, accepted};
-use crate::features::{NOT_COMPARED, one_of};
 use crate::generate::UNTIL;
 use apex_definition::{Outcome, Question, Time, Verdict, first, instants, judge};
 
@@ -12,8 +11,6 @@ pub enum Finding {
     Same(Option<Outcome>),
     /// The executive cannot do this yet.
     NotYet(String),
-    /// The executive answers, but it is not compared.
-    NotCompared(&'static str),
     /// The checker says that it can never be true, and it is not.
     Never,
     /// The checker refuses it.
@@ -39,9 +36,6 @@ pub fn compare(question: &Question) -> Finding {
         }
         Err(Refusal::Wrong(messages)) => return Finding::Refused(messages),
     };
-    if let Some(form) = one_of(question, NOT_COMPARED) {
-        return Finding::NotCompared(form);
-    }
     let told = match asked_often(question, &accepted) {
         Ok(told) => told,
         Err(message) => return Finding::Different(message),

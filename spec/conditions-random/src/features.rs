@@ -8,17 +8,6 @@ use std::collections::BTreeSet;
 /// refusal must name one of these.
 pub const NOT_YET: &[&str] = &[];
 
-/// Forms that the executive accepts and that are not compared, because what they mean cannot be said without what happened
-/// when. What a function said beside other parts is not known any more when one of them comes late; a relation of lines
-/// is told when it holds, and lines move. The list may only become shorter.
-pub const NOT_COMPARED: &[&str] = &[":absent of a relation of lines", ":absent of a function beside what came late"];
-
-/// The first of `list` that the question has; each stands for all features that begin so.
-pub fn one_of(question: &Question, list: &[&'static str]) -> Option<&'static str> {
-    let features = features(question);
-    list.iter().find(|start| features.iter().any(|feature| feature.starts_with(**start))).copied()
-}
-
 /// The forms and odd data of a question.
 pub fn features(question: &Question) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
@@ -46,9 +35,6 @@ pub fn features(question: &Question) -> BTreeSet<String> {
             found.insert("late".into());
         }
     }
-    if found.contains("late") && absent_beside_function(&question.condition) {
-        found.insert(":absent of a function beside what came late".into());
-    }
     if !question.lateness.is_empty() {
         found.insert(":lateness".into());
     }
@@ -66,33 +52,6 @@ fn at_instants(condition: &Condition) -> bool {
         Kind::Absent(part, _) => at_instants(part),
         _ => false,
     }
-}
-
-fn relates_lines(condition: &Condition) -> bool {
-    match &condition.kind {
-        Kind::Allen { parts, .. } => parts.iter().any(at_instants),
-        _ => parts(condition).iter().any(relates_lines),
-    }
-}
-
-/// Is there an `:absent` of a function and something else?
-fn absent_beside_function(condition: &Condition) -> bool {
-    if let Kind::Absent(part, _) = &condition.kind {
-        return has(part, &|leaf| matches!(leaf, Kind::Function(..)))
-            && has(part, &|leaf| !matches!(leaf, Kind::Function(..)));
-    }
-    parts(condition).iter().any(absent_beside_function)
-}
-
-/// Is there such a leaf within?
-fn has(condition: &Condition, wanted: &dyn Fn(&Kind) -> bool) -> bool {
-    leaves(condition).into_iter().any(wanted)
-}
-
-/// What is asked within, without what combines it.
-fn leaves(condition: &Condition) -> Vec<&Kind> {
-    let inner = parts(condition);
-    if inner.is_empty() { vec![&condition.kind] } else { inner.iter().flat_map(leaves).collect() }
 }
 
 fn parts(condition: &Condition) -> &[Condition] {
@@ -165,9 +124,6 @@ fn of_condition(condition: &Condition, found: &mut BTreeSet<String>) {
             add(":absent");
             if at_instants(part) {
                 add(":absent of an instant");
-            }
-            if relates_lines(part) {
-                add(":absent of a relation of lines");
             }
         }
         Kind::InOrder(_, tests) => add(if tests.is_empty() { ":in-order" } else { ":in-order with :constraint" }),

@@ -43,6 +43,10 @@ fn is_judged_again(part: &Condition, view: View<'_>) -> bool {
 /// What an instant is judged by: all that is known if it is judged `again`, else what came before the first sample from
 /// after it. Besides the earliest sample that came since: a span that reached it is not known to have passed any more.
 fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past, Option<Time>) {
+    // What a function said at an instant nobody can ask again: the instant is judged by what was known then.
+    if asks_functions(part) {
+        return (known(&view.question.arrivals, &view.question.lateness, then.min(view.past.known_at)), None);
+    }
     if again {
         return (view.past.up_to(then), None);
     }
@@ -59,6 +63,18 @@ fn known_of(part: &Condition, then: Time, again: bool, view: View<'_>) -> (Past,
     let back = back.filter(|at| *at >= view.created).min();
     let past = known(&question.arrivals[..before], &question.lateness, view.past.known_at);
     (past.up_to(then), back)
+}
+
+/// Is a function asked within?
+fn asks_functions(condition: &Condition) -> bool {
+    match &condition.kind {
+        Kind::Function(..) => true,
+        Kind::And(parts, _) | Kind::Or(parts) | Kind::InOrder(parts, _) | Kind::Allen { parts, .. } => {
+            parts.iter().any(asks_functions)
+        }
+        Kind::Not(part) | Kind::Absent(part, _) => asks_functions(part),
+        _ => false,
+    }
 }
 
 /// Does the sample count when it comes?
