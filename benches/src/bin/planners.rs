@@ -2,9 +2,12 @@
 //!
 //! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner for the same time, the
 //! anytime planner's gap to its best after the longer one (0: not asked), and to the proven bound. `all` stands for all cells.
+//! `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets flown without end against the bound by ages, on a grid of
+//! so many points.
 
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment};
+use apex_solvers::bound::ages::cycles;
 use apex_solvers::test_missions::Cell;
 
 /// CPU time of this thread, in nanoseconds.
@@ -52,8 +55,36 @@ fn cost(solver: &str, problem: &Problem, milliseconds: u64, seed: u64) -> (f64, 
     }
 }
 
+/// Gaps of cycles of four targets, by cells.
+fn cycles(missions: u64, points: usize, names: &[String]) {
+    let cells = Cell::all().into_iter().filter(|cell| match names {
+        [] => cell.to_string().contains("-4-"),
+        names => names.contains(&cell.to_string()),
+    });
+    let (mut near, mut all, mut count) = (0, 0.0, 0);
+    for cell in cells {
+        let (mut gap, mut took) = (0.0, 0.0);
+        for number in 0..missions {
+            let begin = cpu_ns();
+            let Some(best) = cycles::best_within(&cell.mission(number), &[], points) else { continue };
+            gap += 100.0 * (1.0 - best.cost_per_s_bound / best.cost_per_s) / missions as f64;
+            took += (cpu_ns() - begin) as f64 * 1e-9 / missions as f64;
+        }
+        println!("{:44} gap {gap:6.2} %   {took:5.2} s", cell.to_string());
+        near += usize::from(gap <= 2.0);
+        all += gap;
+        count += 1;
+    }
+    println!("{near} of {count} cells at most 2 %, mean {:.2} %", all / f64::from(count));
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.first().is_some_and(|first| first == "cycles") {
+        let number = |index: usize| arguments.get(index).and_then(|text| text.parse().ok());
+        let names = arguments.get(3..).unwrap_or_default();
+        return cycles(number(1).unwrap_or(1), number(2).unwrap_or(56_000) as usize, names);
+    }
     let number =
         |index: usize, default: u64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(default);
     let (milliseconds, missions, long) = (number(0, 100), number(1, 5), number(2, 0));
@@ -68,7 +99,7 @@ fn main() {
         for number in 0..missions {
             let mission = cell.mission(number);
             let begin = cpu_ns();
-            let bound = apex_solvers::bound::expected_cost(&mission).expected_cost;
+            let bound = apex_solvers::bound::expected_cost_without_waiting(&mission).expected_cost;
             bound_ms += (cpu_ns() - begin) as f64 * 1e-6 / missions as f64;
             let problem = Problem::Surveillance(mission);
             let two_opt = cost("two-opt", &problem, milliseconds, 1).0;

@@ -35,7 +35,7 @@ fn the_example_plans_flies_and_is_measured() {
         text
     };
     let table = run(&["plan", &mission("structure-watch"), "--solver", "swaps", "--budget", "50ms"]);
-    assert!(table.contains("planned by swaps") && table.contains("no plan can cost less"), "{table}");
+    assert!(table.contains("planned by swaps") && table.contains("no plan that never waits can cost less"), "{table}");
     run(&["fly", "m", "--record", "flown.apex", "--no-progress"]);
     desk.apex(&["trace", "flown.apex", "--type", "plan"]).well().told(&["because swaps answered request 0"]);
     desk.apex(&["replay", "flown.apex"]).well();

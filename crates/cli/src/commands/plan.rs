@@ -14,6 +14,7 @@ use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::Withdrawal;
 use apex_solvers::Registry;
+use apex_solvers::bound::ages::cycles::{self, WithoutEnd};
 use apex_solvers::formats;
 use std::path::Path;
 use std::sync::Arc;
@@ -49,7 +50,10 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     // In flight the quick bound must do; here somebody has asked how good the plan is.
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     let text = match format {
-        PlanFormat::Table => table::write(&question.name, question.benchmark.as_ref(), &solved),
+        PlanFormat::Table => {
+            let without_end = cycles::of_plan(&solved.problem, &solved.plan);
+            table::write(&question.name, question.benchmark.as_ref(), &solved, without_end.as_ref())
+        }
         PlanFormat::Json => json(&question, &solved),
         PlanFormat::Pdl => pdl(&question, &solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
@@ -139,8 +143,19 @@ fn json(question: &Question, solved: &Deliberation) -> String {
         "work_units": solved.work,
         "cpu_s": solved.cpu_s,
         "plan": solved.plan,
+        "without_end": cycles::of_plan(&solved.problem, &solved.plan).as_ref().map(without_end),
     });
     format!("{answer}\n")
+}
+
+/// What becomes of the plan's cycle if it is flown without end.
+fn without_end(of: &WithoutEnd) -> serde_json::Value {
+    serde_json::json!({
+        "cost_per_s": of.cost_per_s,
+        "cost_per_s_bound": of.cost_per_s_bound,
+        "better_cycle": of.better.as_ref().map(|(cycle, _)| cycle),
+        "better_cost_per_s": of.better.as_ref().map(|(_, cost_per_s)| cost_per_s),
+    })
 }
 
 /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;

@@ -6,18 +6,27 @@ use crate::plan_output::proof::{self, Proof};
 use crate::telling::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
+use apex_solvers::bound::ages::cycles::WithoutEnd;
 use apex_solvers::formats;
 use std::fmt::Write;
 
 /// Gap below which rounding is all that is left.
 const OPTIMAL: f64 = 1e-6;
+const SECONDS_PER_HOUR: f64 = 3600.0;
+/// Visits of a better cycle that are shown.
+const CYCLE_SHOWN: usize = 24;
 
 /// What was asked, who planned and why, the visits, what they are worth, what is left out.
-pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation) -> String {
+pub fn write(
+    name: &str,
+    benchmark: Option<&Benchmark>,
+    solved: &Deliberation,
+    without_end: Option<&WithoutEnd>,
+) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);
-    let _ = write_table(&mut out, solved);
+    let _ = write_table(&mut out, solved, without_end);
     if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
         let _ = write_tour(&mut out, solved);
     }
@@ -54,7 +63,7 @@ fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) 
     }
 }
 
-fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
+fn write_table(out: &mut String, solved: &Deliberation, without_end: Option<&WithoutEnd>) -> std::fmt::Result {
     let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
     writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
@@ -62,6 +71,9 @@ fn write_table(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
     match &solved.plan {
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
+    }
+    if let Some(without_end) = without_end {
+        write_without_end(out, without_end)?;
     }
     let left_out = solved.plan.left_out();
     if !left_out.is_empty() {
@@ -127,15 +139,34 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
     )?;
     match plan.expected_cost_bound.zip(plan.gap()) {
         Some((bound, gap)) if gap < OPTIMAL => {
-            writeln!(out, "  proven to be the best: no plan can cost less than {bound:.4}")
+            writeln!(out, "  proven to be the best: no plan that never waits can cost less than {bound:.4}")
         }
         Some((bound, gap)) => {
             writeln!(
                 out,
-                "  no plan can cost less than {bound:.4}: this one is within {:.1} % of the best",
+                "  no plan that never waits can cost less than {bound:.4}: this one is within {:.1} % of the best",
                 100.0 * gap
             )
         }
         None => writeln!(out, "  no bound is known"),
     }
+}
+
+/// What becomes of the cycle if it is flown for ever, by the hour.
+fn write_without_end(out: &mut String, of: &WithoutEnd) -> std::fmt::Result {
+    let hourly = |cost_per_s: f64| SECONDS_PER_HOUR * cost_per_s;
+    let least = hourly(of.cost_per_s_bound);
+    let above = |cost_per_s: f64| 100.0 * (1.0 - of.cost_per_s_bound / cost_per_s).max(0.0);
+    writeln!(
+        out,
+        "  flown without end it costs {:.4} an hour; none can cost less than {least:.4}: this one is within {:.1} % of the best",
+        hourly(of.cost_per_s),
+        above(of.cost_per_s)
+    )?;
+    let Some((cycle, cost_per_s)) = &of.better else { return Ok(()) };
+    let shown: Vec<String> = cycle.iter().take(CYCLE_SHOWN).cloned().collect();
+    let rest = cycle.len().saturating_sub(CYCLE_SHOWN);
+    let rest = if rest > 0 { format!(" and {rest} more (`--json` has all)") } else { String::new() };
+    let cycle = wrapped(&shown, " -> ", 4, "    ");
+    writeln!(out, "  a cycle that costs {:.4} an hour: {cycle}{rest}", hourly(*cost_per_s))
 }

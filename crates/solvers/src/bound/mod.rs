@@ -1,23 +1,30 @@
 //! Proven lower bounds on the expected cost of ignorance (paper, section II.A; ours beyond it): no plan costs less.
 //!
-//! Two ways, the greater value counts. [`price`] puts a price on time and lets every target answer to it alone: some
+//! Three ways, the greatest value counts. [`price`] puts a price on time and lets every target answer to it alone: some
 //! microseconds, weak where targets lie in groups. [`absences`] is a linear program over how often each leg is flown, in which
 //! groups of targets are unobserved together while the vehicle is elsewhere: some tenths of a second for 16 targets.
+//! [`ages`] goes backwards in time over a grid of the ages of all targets, which are few, and bounds flights that never wait: a
+//! second or two, and near to the best. The others bound all flights.
 //! Each bound brings its proof, whose value [`verified`] computes again without the solver that found it.
 
 pub mod absences;
+pub mod ages;
 mod groups;
 pub mod price;
 mod program;
 pub mod tour;
 
-use apex_model::problem::{Plan, Problem, SurveillanceProblem};
+use crate::surveillance::scenario::Scenario;
+use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
 use std::borrow::Cow;
+
+/// Whoever is later by less than this does not wait.
+const WAIT_S: f64 = 1e-6;
 
 /// A bound with what proves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
-    /// No plan costs less.
+    /// No plan costs less; with a proof by ages, none that never waits.
     pub expected_cost: f64,
     /// What proves it.
     pub proof: Proof,
@@ -30,6 +37,8 @@ pub enum Proof {
     PricePerSecond(f64),
     /// Multipliers of the rows of the program of absences.
     Absences(absences::Multipliers),
+    /// All flights that never wait were looked at from the end on, over a grid of ages with so many points at most.
+    Ages(usize),
 }
 
 /// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
@@ -38,12 +47,32 @@ pub fn state(problem: &Problem, plan: &mut Plan) {
     state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
 }
 
-/// As [`state`], by the best bound that is known here; of single visits too.
+/// As [`state`], by the best bound that is known here for plans such as this one: that of plans that never wait, if it does
+/// not. Of single visits too.
 pub fn prove(problem: &Problem, plan: &mut Plan) {
     if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
         crate::single_visit::prove(problem, plan);
     }
-    state_at_least(problem, plan, |problem| expected_cost(problem).expected_cost);
+    let waits = match (problem, &*plan) {
+        (Problem::Surveillance(problem), Plan::Surveillance(plan)) => waits(problem, plan),
+        _ => false,
+    };
+    let best = |problem: &SurveillanceProblem| match waits {
+        true => expected_cost(problem).expected_cost,
+        false => expected_cost_without_waiting(problem).expected_cost,
+    };
+    state_at_least(problem, plan, best);
+}
+
+/// Does the plan begin or end a visit later than it could?
+fn waits(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> bool {
+    let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
+    let word: Option<Vec<usize>> = plan.visits.iter().map(|visit| index(&visit.target)).collect();
+    let Some((scenario, word)) = Scenario::new(problem).ok().zip(word) else { return true };
+    let mut stops = Vec::new();
+    scenario.fly(word, |stop| stops.push(stop));
+    let late = plan.visits.iter().zip(&stops).any(|(visit, stop)| visit.end_s > stop.end_s + WAIT_S);
+    late || stops.len() != plan.visits.len()
 }
 
 fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&SurveillanceProblem) -> f64) {
@@ -53,7 +82,18 @@ fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&Survei
     }
 }
 
-/// The best bound found. `problem` makes sense (`validate::surveillance`).
+/// The best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
+pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
+    let of_all = expected_cost(problem);
+    match ages::horizon::expected_cost(problem) {
+        Some(expected_cost) if expected_cost > of_all.expected_cost => {
+            Bound { expected_cost, proof: Proof::Ages(ages::horizon::POINTS_MAX) }
+        }
+        _ => of_all,
+    }
+}
+
+/// The best bound found of all plans. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     let problem = &*at_best_departures(problem);
     let of_price = price::expected_cost(problem);
@@ -77,11 +117,41 @@ fn at_best_departures(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProb
 
 /// What the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
-    let problem = &*at_best_departures(problem);
+    let quickest = &*at_best_departures(problem);
     match proof {
-        Proof::PricePerSecond(price_per_s) => price::at_price(problem, *price_per_s),
-        Proof::Absences(multipliers) => absences::verified(problem, multipliers),
+        Proof::PricePerSecond(price_per_s) => price::at_price(quickest, *price_per_s),
+        Proof::Absences(multipliers) => absences::verified(quickest, multipliers),
+        Proof::Ages(points) => ages::horizon::expected_cost_within(problem, *points).unwrap_or(0.0),
     }
+}
+
+/// Least events per second at any time.
+fn events_per_s(target: &SurveillanceTarget) -> f64 {
+    target.rate.steps.iter().map(|(_, events_per_s)| *events_per_s).reduce(f64::min).unwrap_or(0.0)
+}
+
+/// Shortest times between ends of observations, over other targets too.
+fn ways(problem: &SurveillanceProblem) -> Vec<Vec<f64>> {
+    let count = problem.targets.len();
+    let dwells = || problem.targets.iter().map(|target| target.dwell_s);
+    let leg = |from: usize, (to, dwell_s): (usize, f64)| {
+        if from == to { 0.0 } else { problem.travel.between(from, to).min(UNREACHABLE_S) + dwell_s }
+    };
+    let mut ways: Vec<Vec<f64>> =
+        (0..count).map(|from| dwells().enumerate().map(|to| leg(from, to)).collect()).collect();
+    for over in 0..count {
+        let onward = ways.get(over).cloned().unwrap_or_default();
+        for way in &mut ways {
+            let first = way.get(over).copied().unwrap_or(UNREACHABLE_S);
+            for (direct, rest) in way.iter_mut().zip(&onward) {
+                *direct = direct.min(first + rest);
+            }
+        }
+    }
+    // A way that nobody can fly takes no part in a plan; as a number it would only spoil the others.
+    let limit_s = problem.horizon_s;
+    ways.iter_mut().flatten().for_each(|way| *way = way.min(limit_s));
+    ways
 }
 
 #[cfg(test)]
