@@ -13,6 +13,10 @@ const NEAR_MAX: usize = 6;
 /// Moves between two looks at the budget and two steps of temperature.
 const STRIDE: u64 = 64;
 
+/// What a look at another target takes when the near ones are sought, in nanoseconds, and proposing a change.
+const NEAR_NS: u64 = 12;
+const PROPOSAL_NS: u64 = 80;
+
 /// One round of cooling.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Round {
@@ -39,10 +43,18 @@ impl<'s, 'p> Annealing<'s, 'p> {
         let travel = scenario.typical();
         let near = (0..scenario.problem().targets.len()).map(|from| {
             let mut near: Vec<usize> = scenario.usable().iter().copied().filter(|to| *to != from).collect();
-            near.sort_by(|a, b| travel.between(from, *a).total_cmp(&travel.between(from, *b)));
-            near.truncate(NEAR_MAX);
+            let nearer = |a: &usize, b: &usize| {
+                travel.between(from, *a).total_cmp(&travel.between(from, *b)).then_with(|| a.cmp(b))
+            };
+            if near.len() > NEAR_MAX {
+                near.select_nth_unstable_by(NEAR_MAX, nearer);
+                near.truncate(NEAR_MAX);
+            }
+            near.sort_by(nearer);
             near
         });
+        let count = scenario.usable().len() as u64;
+        scenario.spend(count * count * NEAR_NS);
         Annealing { scenario, near: near.collect(), random: Generator::new(seed) }
     }
 
@@ -65,6 +77,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
             }
             let (word, flown, usable) = (flight.word(), flight.flown(), self.scenario.usable());
             let mut draw = Draw { word, flown, usable, near: &self.near, random: &mut self.random };
+            self.scenario.spend(PROPOSAL_NS);
             let Some(change) = moves::propose(&mut draw) else { continue };
             // The threshold of Metropolis: an increase passes with probability exp(-increase / temperature).
             let chance = self.random.unit().max(1e-300);

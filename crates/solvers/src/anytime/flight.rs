@@ -29,7 +29,9 @@ impl<'s, 'p> Flight<'s, 'p> {
         let numbers = (word.len() + 1).saturating_mul(scenario.problem().targets.len());
         match Intervals::of(scenario.problem()) {
             Some(intervals) if numbers <= NUMBERS_MAX && scenario.problem().travel.is_constant() => {
-                Flight::Quick(Box::new(Timetable::new(scenario, intervals, word)))
+                let table = Box::new(Timetable::new(scenario, intervals, word));
+                scenario.charge(table.change_ns(), budget);
+                Flight::Quick(table)
             }
             _ => {
                 let (cost, flown) = (scenario.cost(word.iter().copied(), budget), scenario.flown(word.iter().copied()));
@@ -66,7 +68,7 @@ impl<'s, 'p> Flight<'s, 'p> {
     pub(super) fn cost_with(&mut self, change: &Change, budget: &mut dyn Budget) -> f64 {
         match self {
             Flight::Quick(table) => {
-                budget.charge(table.units_of_a_price());
+                table.scenario().charge(table.price_ns(change), budget);
                 table.cost_with(change)
             }
             Flight::Plain { scenario, word, .. } => {
@@ -83,7 +85,7 @@ impl<'s, 'p> Flight<'s, 'p> {
         match self {
             Flight::Quick(table) => {
                 table.apply(change);
-                budget.charge(table.units_of_a_change());
+                table.scenario().charge(table.change_ns(), budget);
             }
             Flight::Plain { word, .. } => {
                 let mut word = std::mem::take(word);
@@ -98,7 +100,7 @@ impl<'s, 'p> Flight<'s, 'p> {
         match self {
             Flight::Quick(table) => {
                 table.replace(next);
-                budget.charge(table.units_of_a_change());
+                table.scenario().charge(table.change_ns(), budget);
             }
             Flight::Plain { scenario, word, flown, cost } => {
                 *cost = scenario.cost(next.iter().copied(), budget);

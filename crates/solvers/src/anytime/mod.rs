@@ -21,7 +21,7 @@ use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, Solver};
 
 /// Work of each of the planners it starts from: a quick look at both.
-pub const SEED_UNITS: u64 = 20_000;
+pub const SEED_UNITS: u64 = 2_000;
 /// Rounds in a row without gain after which the search ends.
 pub const STALE_ROUNDS_MAX: u32 = 24;
 /// Moves of the first round, and of the longest; each has half as many again as the one before.

@@ -15,6 +15,15 @@ use wide::f64x4;
 /// Numbers that the rows of one word may have: 64 MB in all.
 pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
+/// What takes how long, in nanoseconds: pricing a change, each letter and each four targets of it; carrying one out, each row
+/// and each four targets of it.
+const PRICE_NS: u64 = 130;
+const LETTER_NS: u64 = 25;
+const LANE_NS: u64 = 20;
+const CHANGE_NS: u64 = 300;
+const ROW_NS: u64 = 12;
+const ROW_LANE_NS: u64 = 3;
+
 /// See the head of this file. A place is a number of visits before it.
 #[derive(Clone, Debug)]
 pub(super) struct Timetable<'s, 'p> {
@@ -37,6 +46,8 @@ pub(super) struct Timetable<'s, 'p> {
     /// Marks of targets, by the count of the sweep that set them.
     marks: Vec<u64>,
     sweep: u64,
+    /// Rows that the last change has written, of both kinds.
+    rows_written: usize,
     cost: f64,
 }
 
@@ -58,6 +69,7 @@ impl<'s, 'p> Timetable<'s, 'p> {
             scratch: Vec::new(),
             marks: vec![0; count],
             sweep: 0,
+            rows_written: 0,
             cost: 0.0,
         };
         table.since_s.splice(0, 0, 1);
@@ -86,14 +98,20 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.cost
     }
 
-    /// Work of pricing one change.
-    pub(super) fn units_of_a_price(&self) -> u64 {
-        3 + self.marks.len() as u64 / 8
+    /// What is flown.
+    pub(super) fn scenario(&self) -> &'s Scenario<'p> {
+        self.scenario
     }
 
-    /// Work of carrying one change out.
-    pub(super) fn units_of_a_change(&self) -> u64 {
-        12 + (self.word.len() + self.marks.len() * self.marks.len()) as u64 / 24
+    /// What pricing a change takes, in nanoseconds.
+    pub(super) fn price_ns(&self, change: &Change) -> u64 {
+        PRICE_NS + change.letters().count() as u64 * LETTER_NS + self.intervals.lanes().len() as u64 * LANE_NS
+    }
+
+    /// What carrying out the last change took, in nanoseconds.
+    pub(super) fn change_ns(&self) -> u64 {
+        let (rows, lanes) = (self.rows_written as u64, self.intervals.lanes().len() as u64);
+        CHANGE_NS + rows * (ROW_NS + lanes * ROW_LANE_NS) + self.word.len() as u64 * LETTER_NS / 8
     }
 
     /// Carries a change out.
@@ -119,7 +137,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         self.ahead.splice(from, until, count);
         self.fly(from);
         let settled = self.look_back(from, from + count);
-        self.look_ahead(from, settled);
+        let ahead = self.look_ahead(from, settled);
+        self.rows_written = settled.saturating_sub(from) + settled.saturating_sub(ahead);
         let left_s = self.scenario.problem().horizon_s - self.end_before(self.flown);
         let left_s = f64x4::splat(left_s);
         let open = self.since_s.at(self.flown).iter().zip(self.intervals.lanes());
@@ -210,8 +229,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
     }
 
     /// What comes from each place before `settled` on, down to where every target is visited between the place and a
-    /// change at `from`.
-    fn look_ahead(&mut self, from: usize, settled: usize) {
+    /// change at `from`. Returns that place.
+    fn look_ahead(&mut self, from: usize, settled: usize) -> usize {
         self.sweep += 1;
         let mut missing = self.marks.len();
         for index in (0..settled).rev() {
@@ -231,10 +250,11 @@ impl<'s, 'p> Timetable<'s, 'p> {
             if index < from && self.mark(target) {
                 missing -= 1;
                 if missing == 0 {
-                    return;
+                    return index;
                 }
             }
         }
+        0
     }
 
     /// What the word would cost with `change`, which begins among the visits that are flown; infinite where there is no

@@ -6,6 +6,9 @@ use crate::surveillance::scenario::Scenario;
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, Solver};
 
+/// What a look at a target takes in nanoseconds.
+const LOOK_NS: u64 = 3;
+
 /// The planner.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NearestNeighbour;
@@ -26,6 +29,7 @@ impl Solver for NearestNeighbour {
         let scenario = Scenario::new(problem)?;
         let cycle = cycle_from(&scenario, None, scenario.usable(), environment.budget);
         let plan = Plan::Surveillance(scenario.cycle_plan(self.name(), &cycle));
+        scenario.charge(0, environment.budget);
         (environment.report)(&plan);
         Ok(plan)
     }
@@ -43,7 +47,7 @@ pub fn cycle_from(
     let mut cycle = Vec::with_capacity(open.len());
     let (mut place, mut now_s) = (from, 0.0);
     while !open.is_empty() {
-        budget.charge(open.len() as u64);
+        scenario.charge(open.len() as u64 * (LOOK_NS + scenario.departure_ns()), budget);
         let time_s = |target: usize| {
             place.map_or_else(|| travel.start_to_at(target, now_s), |place| travel.between_at(place, target, now_s))
         };

@@ -1,19 +1,31 @@
 //! Flying a word (a sequence of targets) or a cycle over a surveillance problem: times, expected cost, plan.
 //!
+//! Work is metered here in nanoseconds and charged in whole units, so that a unit is the same to every planner of surveillance;
+//! what planners do besides flying words they [`spend`](Scenario::spend) too. The figures were measured (`make bench-units`).
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
 use apex_metrics::eci;
 use apex_model::problem::{
     LeftOut, SurveillancePlan, SurveillanceProblem, SurveillanceVisit, TravelTimes, UNREACHABLE_S,
 };
-use apex_model::solver::Budget;
+use apex_model::solver::{Budget, WORK_UNIT};
 use std::borrow::Cow;
+use std::cell::{Cell, OnceCell};
 
 /// Visits of one plan: a visit every second for a day and more.
 pub const VISITS_MAX: usize = 100_000;
 
-/// Visits that are flown in one unit of work (`apex_model::solver::WORK_UNIT`).
-const VISITS_PER_UNIT: u64 = 2;
+/// What an entry of the travel times takes when a problem is prepared, in nanoseconds.
+const ENTRY_NS: u64 = 6;
+/// What a word takes to be flown: each visit, each target, and the rest.
+const VISIT_NS: u64 = 40;
+const TARGET_NS: u64 = 1;
+const WORD_NS: u64 = 120;
+/// What a travel time takes more where it depends on the departure.
+const DEPARTURE_NS: u64 = 25;
+/// What a plan takes to be written: each visit and each target.
+const WRITTEN_VISIT_NS: u64 = 250;
+const WRITTEN_TARGET_NS: u64 = 400;
 
 /// A visit by the target's index.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +46,12 @@ pub struct Scenario<'a> {
     usable: Vec<usize>,
     /// Times that do not depend on the departure.
     typical: Cow<'a, TravelTimes>,
+    /// What each target costs when it is never visited, and all of them.
+    idle: (Vec<f64>, f64),
+    /// Mean time from one usable target to another, dwell included, once somebody has asked.
+    mean_transit_s: OnceCell<f64>,
+    /// Work done and not yet charged.
+    spent_ns: Cell<u64>,
 }
 
 impl<'a> Scenario<'a> {
@@ -48,7 +66,14 @@ impl<'a> Scenario<'a> {
             true => Cow::Borrowed(&problem.travel),
             false => Cow::Owned(problem.travel.mean(limit_s)),
         };
-        let mut scenario = Scenario { problem, limit_s, usable: Vec::new(), typical };
+        let targets = &problem.targets;
+        let alone = targets.iter().map(|target| eci::interval_cost(target, -target.initial_age_s, problem.horizon_s));
+        let alone: Vec<f64> = alone.collect();
+        let sum = alone.iter().sum();
+        let (count, matrices) = (targets.len() as u64, 1 + problem.travel.later.len() as u64);
+        let spent_ns = Cell::new(count * count * matrices * ENTRY_NS + count * VISIT_NS);
+        let (idle, mean_transit_s) = ((alone, sum), OnceCell::new());
+        let mut scenario = Scenario { problem, limit_s, usable: Vec::new(), typical, idle, mean_transit_s, spent_ns };
         scenario.usable =
             (0..problem.targets.len()).filter(|target| scenario.next_stop(None, 0.0, *target).is_some()).collect();
         if scenario.usable.is_empty() {
@@ -84,6 +109,40 @@ impl<'a> Scenario<'a> {
         self.limit_s
     }
 
+    /// What a travel time takes more because it depends on the departure, in nanoseconds.
+    pub fn departure_ns(&self) -> u64 {
+        if self.problem.travel.is_constant() { 0 } else { DEPARTURE_NS }
+    }
+
+    /// Notes work of so many nanoseconds; the next [`charge`](Scenario::charge) counts it.
+    pub fn spend(&self, nanoseconds: u64) {
+        self.spent_ns.set(self.spent_ns.get().saturating_add(nanoseconds));
+    }
+
+    /// Charges the whole units of what has been spent, with so many nanoseconds more.
+    pub fn charge(&self, nanoseconds: u64, budget: &mut dyn Budget) {
+        let (spent_ns, unit_ns) = (self.spent_ns.get().saturating_add(nanoseconds), WORK_UNIT.0.unsigned_abs());
+        self.spent_ns.set(spent_ns % unit_ns);
+        budget.charge(spent_ns / unit_ns);
+    }
+
+    /// Mean time from one usable target to another, dwell included.
+    pub fn mean_transit_s(&self) -> f64 {
+        *self.mean_transit_s.get_or_init(|| {
+            let (mut sum_s, mut count) = (0.0, 0.0);
+            for from in &self.usable {
+                for to in self.usable.iter().filter(|to| *to != from) {
+                    if let Some(stop) = self.next_stop(Some(*from), 0.0, *to) {
+                        sum_s += stop.end_s;
+                        count += 1.0;
+                    }
+                }
+            }
+            self.spend((self.usable.len() * self.usable.len()) as u64 * ENTRY_NS);
+            if count > 0.0 { sum_s / count } else { self.limit_s }
+        })
+    }
+
     /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late.
     pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
         let travel = &self.problem.travel;
@@ -109,19 +168,34 @@ impl<'a> Scenario<'a> {
 
     /// Expected cost of flying `word`.
     pub fn cost(&self, word: impl IntoIterator<Item = usize>, budget: &mut dyn Budget) -> f64 {
+        let (cost, ns) = self.price(word);
+        self.charge(ns, budget);
+        cost
+    }
+
+    /// Expected cost of flying `word`, and the nanoseconds that it takes to find out.
+    fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
         let targets = &self.problem.targets;
-        let mut last_s: Vec<f64> = targets.iter().map(|target| -target.initial_age_s).collect();
-        let (mut total, mut visits) = (0.0, 1_u64);
+        // No end yet is no number.
+        let mut last_s = vec![f64::NAN; targets.len()];
+        let (mut total, mut visits, mut seen) = (self.idle.1, 0_u64, Vec::new());
         self.fly(word, |stop| {
             visits += 1;
             if let (Some(target), Some(last_s)) = (targets.get(stop.target), last_s.get_mut(stop.target)) {
+                if last_s.is_nan() {
+                    *last_s = -target.initial_age_s;
+                    total -= self.idle.0.get(stop.target).copied().unwrap_or(0.0);
+                    seen.push(stop.target);
+                }
                 total += eci::interval_cost(target, *last_s, stop.end_s);
                 *last_s = stop.end_s;
             }
         });
-        budget.charge(visits.div_ceil(VISITS_PER_UNIT));
-        let open = targets.iter().zip(&last_s);
-        total + open.map(|(target, last_s)| eci::interval_cost(target, *last_s, self.problem.horizon_s)).sum::<f64>()
+        let open = seen.iter().filter_map(|index| targets.get(*index).zip(last_s.get(*index)));
+        total += open.map(|(target, last_s)| eci::interval_cost(target, *last_s, self.problem.horizon_s)).sum::<f64>();
+        let evaluations = visits + seen.len() as u64;
+        let visits_ns = evaluations * VISIT_NS + visits * self.departure_ns();
+        (total, WORD_NS + visits_ns + targets.len() as u64 * TARGET_NS)
     }
 
     /// Expected cost of flying `cycle` again and again.
@@ -156,7 +230,7 @@ impl<'a> Scenario<'a> {
             })
             .collect();
         let expected = eci::expected_cost(self.problem, &visits);
-        let idle = eci::expected_cost(self.problem, &[]).total;
+        self.spend(visits.len() as u64 * WRITTEN_VISIT_NS + self.problem.targets.len() as u64 * WRITTEN_TARGET_NS);
         let left_out = self.left_out(&stops, expected.total);
         let seen = self.problem.targets.len() - left_out.len();
         let summary = format!(
@@ -165,7 +239,7 @@ impl<'a> Scenario<'a> {
             self.problem.targets.len(),
             self.problem.horizon_s,
             expected.total,
-            idle
+            self.idle.1
         );
         let return_s = self
             .problem
@@ -196,10 +270,16 @@ impl<'a> Scenario<'a> {
             }
         }
         let word: Vec<usize> = stops.iter().map(|stop| stop.target).collect();
+        let mut usable = vec![false; seen.len()];
+        for index in &self.usable {
+            if let Some(flag) = usable.get_mut(*index) {
+                *flag = true;
+            }
+        }
         let unseen = seen.iter().enumerate().filter(|(_, seen)| !**seen).map(|(index, _)| index);
         unseen
             .filter_map(|index| {
-                let reason = if self.usable.contains(&index) {
+                let reason = if usable.get(index) == Some(&true) {
                     self.unwanted_reason(&word, index, cost)
                 } else {
                     self.unusable_reason(index)
@@ -209,22 +289,36 @@ impl<'a> Scenario<'a> {
             .collect()
     }
 
+    /// What one visit of the target would do to the cost, where it is least out of the way, and where time is left at the end.
     fn unwanted_reason(&self, word: &[usize], index: usize, cost: f64) -> String {
-        let mut free = apex_model::solver::WorkBudget::new(u64::MAX);
-        // A look at a hundred places in the word is enough for a reason.
-        let stride = word.len() / 100 + 1;
-        let with = (0..=word.len()).step_by(stride).filter_map(|at| {
+        let travel = &self.typical;
+        let detour_s = |at: usize| {
+            let before = at.checked_sub(1).and_then(|before| word.get(before));
+            let (leg_s, old_s) = match (before, word.get(at)) {
+                (Some(from), Some(to)) => (travel.between(*from, index), travel.between(*from, *to)),
+                (None, Some(to)) => (travel.start_to(index), travel.start_to(*to)),
+                (Some(from), None) => (travel.between(*from, index), 0.0),
+                (None, None) => (travel.start_to(index), 0.0),
+            };
+            leg_s - old_s + word.get(at).map_or(0.0, |to| travel.between(index, *to))
+        };
+        let least = (0..word.len()).min_by(|a, b| detour_s(*a).total_cmp(&detour_s(*b)));
+        self.spend(word.len() as u64 * ENTRY_NS);
+        let with = least.into_iter().chain([word.len()]).filter_map(|at| {
             let (before, after) = word.split_at_checked(at).unwrap_or((word, &[]));
-            let longer: Vec<usize> = before.iter().copied().chain([index]).chain(after.iter().copied()).collect();
-            let seen = self.flown(longer.iter().copied()).contains(&index);
-            seen.then(|| self.cost(longer, &mut free))
+            let longer = || before.iter().copied().chain([index]).chain(after.iter().copied());
+            let mut seen = false;
+            self.fly(longer(), |stop| seen |= stop.target == index);
+            let (with, ns) = self.price(longer());
+            self.spend(2 * ns);
+            seen.then_some(with)
         });
         let best = with.fold(f64::INFINITY, f64::min);
         if best.is_infinite() {
             return "no time is left for it among the others".to_string();
         }
         if best > cost {
-            format!("one visit would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer")
+            format!("one visit on the way would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer")
         } else {
             format!(
                 "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"

@@ -13,6 +13,7 @@ fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn F
     let count = search.best.len();
     for from in 0..count {
         for to in 0..count {
+            search.scenario.spend(count as u64);
             for neighbour in neighbours(&search.best, from, to) {
                 if budget.exhausted() {
                     return false;

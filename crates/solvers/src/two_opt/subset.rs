@@ -4,6 +4,9 @@ use super::tour;
 use crate::surveillance::scenario::Scenario;
 use apex_model::solver::Budget;
 
+/// What a place for another target takes to be looked at, in nanoseconds.
+const DETOUR_NS: u64 = 20;
+
 /// The best cycle so far.
 pub(super) struct Search<'s, 'p> {
     pub(super) scenario: &'s Scenario<'p>,
@@ -40,24 +43,27 @@ impl<'s, 'p> Search<'s, 'p> {
     }
 
     fn step(&mut self, budget: &mut dyn Budget, report: Report<'_>) -> bool {
-        let mut neighbours = Vec::new();
-        for at in 0..self.best.len() {
+        let missing = self.missing();
+        // Dropped alone, or with another one instead; at last added alone. Each is made when its turn comes: there are many.
+        for at in 0..=self.best.len() {
+            let dropped = self.best.get(at).copied();
             let mut without = self.best.clone();
-            let dropped = without.remove(at);
-            if !without.is_empty() {
-                neighbours.push(without.clone());
+            if dropped.is_some() {
+                without.remove(at);
             }
-            let added = self.missing().into_iter().filter(|target| *target != dropped);
-            neighbours.extend(added.map(|target| self.inserted(&without, target)));
-        }
-        neighbours.extend(self.missing().into_iter().map(|target| self.inserted(&self.best, target)));
-        for neighbour in neighbours {
-            if budget.exhausted() {
-                return false;
-            }
-            let cycle = self.straightened(neighbour, budget);
-            if self.offer(cycle, budget, report) {
-                return true;
+            let alone = dropped.is_some().then_some(None);
+            for added in alone.into_iter().chain(missing.iter().copied().map(Some)) {
+                if budget.exhausted() {
+                    return false;
+                }
+                let neighbour = added.map_or_else(|| without.clone(), |target| self.inserted(&without, target));
+                if neighbour.is_empty() {
+                    continue;
+                }
+                let cycle = self.straightened(neighbour, budget);
+                if self.offer(cycle, budget, report) {
+                    return true;
+                }
             }
         }
         false
@@ -68,6 +74,9 @@ impl<'s, 'p> Search<'s, 'p> {
     pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: Report<'_>) {
         let mut grown = Search::new(self.scenario);
         for target in self.scenario.usable() {
+            if budget.exhausted() && !grown.best.is_empty() {
+                return;
+            }
             grown.offer(vec![*target], budget, &mut |_| {});
         }
         grown.descend(budget, &mut |_| {});
@@ -75,11 +84,19 @@ impl<'s, 'p> Search<'s, 'p> {
     }
 
     fn missing(&self) -> Vec<usize> {
-        self.scenario.usable().iter().copied().filter(|target| !self.best.contains(target)).collect()
+        let mut there = vec![false; self.scenario.problem().targets.len()];
+        for target in &self.best {
+            if let Some(flag) = there.get_mut(*target) {
+                *flag = true;
+            }
+        }
+        let missing = |target: &usize| there.get(*target) == Some(&false);
+        self.scenario.usable().iter().copied().filter(missing).collect()
     }
 
     /// `cycle` with `target` where it lengthens the tour least.
     fn inserted(&self, cycle: &[usize], target: usize) -> Vec<usize> {
+        self.scenario.spend(cycle.len() as u64 * DETOUR_NS);
         let travel = self.scenario.typical();
         let detour = |at: usize| {
             let after = cycle.get(at % cycle.len().max(1)).copied().unwrap_or(target);
@@ -97,7 +114,7 @@ impl<'s, 'p> Search<'s, 'p> {
             return tour::shortest(self.scenario, &cycle, budget);
         }
         let travel = self.scenario.typical();
-        tour::improve(&mut cycle, &|from, to| travel.between(from, to), budget);
+        tour::improve(self.scenario, &mut cycle, &|from, to| travel.between(from, to), budget);
         cycle
     }
 }

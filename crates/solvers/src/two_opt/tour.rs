@@ -13,6 +13,11 @@ pub const EXACT_MAX: usize = 9;
 pub const STARTS_MAX: usize = 8;
 /// Improvements of one descent: far more than any tour needs, so that rounding cannot loop.
 const IMPROVEMENTS_MAX: usize = 100_000;
+/// What is tried takes in nanoseconds: a step of the recursion (a quarter of this), a turn, a move, and a row of them besides.
+const STEP_NS: u64 = 6;
+const TURN_NS: u64 = 8;
+const MOVE_NS: u64 = 12;
+const ROW_NS: u64 = 100;
 
 /// Length of the closed tour.
 pub fn length(tour: &[usize], distance: impl Fn(usize, usize) -> f64) -> f64 {
@@ -27,13 +32,13 @@ pub fn shortest(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Bud
         return targets.to_vec();
     }
     if targets.len() <= EXACT_MAX {
-        return exact(targets, &distance, budget);
+        return exact(scenario, targets, &distance, budget);
     }
     let stride = targets.len().div_ceil(STARTS_MAX);
     let mut best: Option<(f64, Vec<usize>)> = None;
     for start in targets.iter().step_by(stride) {
         let mut tour = nearest_neighbour::cycle_from(scenario, Some(*start), targets, budget);
-        improve(&mut tour, &distance, budget);
+        improve(scenario, &mut tour, &distance, budget);
         let total = length(&tour, distance);
         if best.as_ref().is_none_or(|(least, _)| total < *least) {
             best = Some((total, tour));
@@ -46,10 +51,15 @@ pub fn shortest(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Bud
 }
 
 /// Held and Karp's recursion over sets; the tour begins with the first target.
-fn exact(targets: &[usize], distance: &dyn Fn(usize, usize) -> f64, budget: &mut dyn Budget) -> Vec<usize> {
+fn exact(
+    scenario: &Scenario<'_>,
+    targets: &[usize],
+    distance: &dyn Fn(usize, usize) -> f64,
+    budget: &mut dyn Budget,
+) -> Vec<usize> {
     let Some((first, rest)) = targets.split_first() else { return Vec::new() };
     let (count, sets) = (rest.len(), 1_usize << rest.len());
-    budget.charge((sets * count * count / 16) as u64);
+    scenario.charge((sets * count * count) as u64 * STEP_NS / 4, budget);
     // Least length of a path from `first` through the set that ends at a member, and the member before it.
     let mut table: Vec<(f64, usize)> = vec![(f64::INFINITY, 0); sets * count];
     let slot = |set: usize, last: usize| set * count + last;
@@ -89,16 +99,26 @@ fn exact(targets: &[usize], distance: &dyn Fn(usize, usize) -> f64, budget: &mut
 }
 
 /// Applies 2-opt and Or-opt moves until none shortens the tour or the budget is exhausted.
-pub fn improve(tour: &mut Vec<usize>, distance: &dyn Fn(usize, usize) -> f64, budget: &mut dyn Budget) {
+pub fn improve(
+    scenario: &Scenario<'_>,
+    tour: &mut Vec<usize>,
+    distance: &dyn Fn(usize, usize) -> f64,
+    budget: &mut dyn Budget,
+) {
     for _ in 0..IMPROVEMENTS_MAX {
-        if budget.exhausted() || !(two_opt(tour, distance, budget) || or_opt(tour, distance, budget)) {
+        if budget.exhausted() || !(two_opt(scenario, tour, distance, budget) || or_opt(scenario, tour, distance, budget)) {
             return;
         }
     }
 }
 
 /// Turns round the part whose turning shortens the tour most; false where none does.
-fn two_opt(tour: &mut [usize], distance: &dyn Fn(usize, usize) -> f64, budget: &mut dyn Budget) -> bool {
+fn two_opt(
+    scenario: &Scenario<'_>,
+    tour: &mut [usize],
+    distance: &dyn Fn(usize, usize) -> f64,
+    budget: &mut dyn Budget,
+) -> bool {
     let count = tour.len();
     let place = |index: usize| tour.get(index % count.max(1)).copied().unwrap_or(0);
     // Sums along the tour forwards and backwards up to each place.
@@ -123,19 +143,31 @@ fn two_opt(tour: &mut [usize], distance: &dyn Fn(usize, usize) -> f64, budget: &
                 best = (new - old, from, to);
             }
         }
+        scenario.charge((count - from) as u64 * TURN_NS + ROW_NS, budget);
+        if budget.exhausted() {
+            break;
+        }
     }
-    budget.charge((count * count / 16 + 1) as u64);
     let Some(part) = tour.get_mut(best.1..=best.2).filter(|_| best.0 < -1e-9) else { return false };
     part.reverse();
     true
 }
 
 /// Moves the part of up to three targets whose moving (as it is or turned round) shortens the tour most.
-fn or_opt(tour: &mut Vec<usize>, distance: &dyn Fn(usize, usize) -> f64, budget: &mut dyn Budget) -> bool {
+fn or_opt(
+    scenario: &Scenario<'_>,
+    tour: &mut Vec<usize>,
+    distance: &dyn Fn(usize, usize) -> f64,
+    budget: &mut dyn Budget,
+) -> bool {
     let count = tour.len();
     let mut best: (f64, Vec<usize>) = (length(tour, distance) - 1e-9, Vec::new());
     for size in 1..=3.min(count.saturating_sub(2)) {
         for from in 0..count {
+            scenario.charge(count as u64 * MOVE_NS + ROW_NS, budget);
+            if budget.exhausted() {
+                break;
+            }
             let mut turned = tour.clone();
             turned.rotate_left(from);
             let rest = turned.split_off(size);
@@ -158,7 +190,6 @@ fn or_opt(tour: &mut Vec<usize>, distance: &dyn Fn(usize, usize) -> f64, budget:
             }
         }
     }
-    budget.charge((count * count / 4 + 1) as u64);
     if best.1.is_empty() {
         return false;
     }
@@ -184,9 +215,9 @@ mod tests {
             let scenario = Scenario::new(&problem).unwrap();
             let distance = |from: usize, to: usize| problem.travel.between(from, to);
             let mut budget = WorkBudget::new(u64::MAX);
-            let best = length(&exact(scenario.usable(), &distance, &mut budget), distance);
+            let best = length(&exact(&scenario, scenario.usable(), &distance, &mut budget), distance);
             let mut tour = nearest_neighbour::cycle_from(&scenario, None, scenario.usable(), &mut budget);
-            improve(&mut tour, &distance, &mut budget);
+            improve(&scenario, &mut tour, &distance, &mut budget);
             let found = length(&tour, distance);
             assert!(found >= best - 1e-9);
             equal += u32::from(found < best + 1e-9);
@@ -199,7 +230,9 @@ mod tests {
         // One way round is free, the other is dear.
         let distance = |from: usize, to: usize| if (from + 1) % 5 == to { 1.0 } else { 10.0 };
         let mut tour = vec![4, 3, 2, 1, 0];
-        improve(&mut tour, &distance, &mut WorkBudget::new(u64::MAX));
+        let problem = examples::random(5, 1);
+        let scenario = Scenario::new(&problem).unwrap();
+        improve(&scenario, &mut tour, &distance, &mut WorkBudget::new(u64::MAX));
         assert_eq!(length(&tour, distance), 5.0);
     }
 }

@@ -17,6 +17,9 @@ const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
 /// Visits that one window may hold.
 const DEPTH_MAX: usize = 64;
+/// What the priority of a visit takes in nanoseconds, and a node of the search besides its copy.
+const PRIORITY_NS: u64 = 40;
+const CHILD_NS: u64 = 300;
 
 /// The planner.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,7 +82,7 @@ fn build(
     budget: &mut dyn Budget,
 ) -> Option<Vec<usize>> {
     let problem = scenario.problem();
-    let window_s = pass.0 * mean_transit_s(scenario);
+    let window_s = pass.0 * scenario.mean_transit_s();
     let ages = problem.targets.iter().map(|target| -target.initial_age_s).collect();
     let mut state = State { place: None, time_s: 0.0, last_s: ages };
     let mut word = Vec::new();
@@ -116,6 +119,7 @@ fn best_first(
         let mut next: Vec<Node> = Vec::new();
         for node in &open {
             for stop in children(scenario, &node.state, children_max, budget) {
+                scenario.spend(CHILD_NS + scenario.problem().targets.len() as u64 / 2);
                 let mut child = node.clone();
                 child.cost += change(scenario, &node.state, stop, until_s.max(stop.end_s));
                 let first = *child.first.get_or_insert(stop);
@@ -150,37 +154,28 @@ fn change(scenario: &Scenario<'_>, state: &State, stop: Stop, until_s: f64) -> f
 
 /// The possible visits with the highest priority.
 fn children(scenario: &Scenario<'_>, state: &State, most: usize, budget: &mut dyn Budget) -> Vec<Stop> {
-    budget.charge(scenario.usable().len() as u64);
-    let mut ranked: Vec<(f64, Stop)> = scenario
-        .usable()
-        .iter()
-        .filter_map(|target| {
-            let stop = scenario.next_stop(state.place, state.time_s, *target)?;
-            let data = scenario.problem().targets.get(*target)?;
-            let last_s = *state.last_s.get(*target)?;
-            let obsolescence_s = stop.end_s - last_s;
-            let importance = data.rate.at(stop.end_s) * eci::cost_at(&data.cost, obsolescence_s);
-            let transit_s = (stop.end_s - state.time_s).max(1e-3);
-            Some((importance * obsolescence_s / transit_s, stop))
-        })
-        .collect();
-    ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    ranked.truncate(most);
+    scenario.charge(scenario.usable().len() as u64 * (PRIORITY_NS + scenario.departure_ns()), budget);
+    // The best so far, best first; of equals the earlier.
+    let mut ranked: Vec<(f64, Stop)> = Vec::with_capacity(most + 1);
+    for target in scenario.usable() {
+        let Some(found) = priority(scenario, state, *target) else { continue };
+        let place = ranked.partition_point(|(before, _)| before.total_cmp(&found.0).is_ge());
+        if place < most {
+            ranked.insert(place, found);
+            ranked.truncate(most);
+        }
+    }
     ranked.into_iter().map(|(_, stop)| stop).collect()
 }
 
-/// Mean time from one usable target to another, dwell included.
-fn mean_transit_s(scenario: &Scenario<'_>) -> f64 {
-    let (mut sum_s, mut count) = (0.0, 0.0);
-    for from in scenario.usable() {
-        for to in scenario.usable() {
-            if let Some(stop) = scenario.next_stop(Some(*from), 0.0, *to).filter(|_| from != to) {
-                sum_s += stop.end_s;
-                count += 1.0;
-            }
-        }
-    }
-    if count > 0.0 { sum_s / count } else { scenario.limit_s() }
+/// `importance x obsolescence / transit` of a visit; none where it would end too late.
+fn priority(scenario: &Scenario<'_>, state: &State, target: usize) -> Option<(f64, Stop)> {
+    let stop = scenario.next_stop(state.place, state.time_s, target)?;
+    let data = scenario.problem().targets.get(target)?;
+    let obsolescence_s = stop.end_s - *state.last_s.get(target)?;
+    let importance = data.rate.at(stop.end_s) * eci::cost_at(&data.cost, obsolescence_s);
+    let transit_s = (stop.end_s - state.time_s).max(1e-3);
+    Some((importance * obsolescence_s / transit_s, stop))
 }
 
 #[cfg(test)]
