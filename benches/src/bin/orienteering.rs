@@ -10,7 +10,7 @@
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Environment, Solver, WorkBudget};
 use apex_solvers::formats::{self, generate};
-use apex_solvers::single_visit::{Replan, SingleVisit};
+use apex_solvers::single_visit::SingleVisit;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -82,12 +82,21 @@ fn cpu_s() -> f64 {
 }
 
 fn planned(solver: &dyn Solver, problem: &SingleVisitProblem, units: u64) -> (SingleVisitPlan, f64, f64) {
+    planned_from(None, solver, problem, units)
+}
+
+fn planned_from(
+    previous: Option<&Plan>,
+    solver: &dyn Solver,
+    problem: &SingleVisitProblem,
+    units: u64,
+) -> (SingleVisitPlan, f64, f64) {
     let problem = Problem::SingleVisit(problem.clone());
     let mut budget = WorkBudget::new(units);
     let begin_s = cpu_s();
     let mut first_s = f64::NAN;
     let mut report = |_: &Plan| first_s = if first_s.is_nan() { cpu_s() - begin_s } else { first_s };
-    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report, previous: None };
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report, previous };
     let plan = solver.solve(&problem, &mut environment).expect("a plan");
     let whole_s = cpu_s() - begin_s;
     apex_solvers::checker::accept(&problem, &plan).expect("a plan that the checker accepts");
@@ -130,8 +139,7 @@ fn replan() -> Value {
     }
     problem.end_s = problem.end_s.map(|end_s| 0.98 * end_s);
     let (long, _, _) = planned(&SingleVisit, &problem, 10_000_000);
-    let solver = Replan { previous: before };
-    let (quick, quick_s, first_s) = planned(&solver, &problem, 35_000);
+    let (quick, quick_s, first_s) = planned_from(Some(&Plan::SingleVisit(before)), &SingleVisit, &problem, 35_000);
     json!({
         "first_feasible_ms": 1e3 * first_s, "quick_ms": 1e3 * quick_s, "quick": quick.benefits,
         "long": long.benefits, "loss_percent": 100.0 * (1.0 - quick.benefits / long.benefits),

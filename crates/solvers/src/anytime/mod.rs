@@ -14,6 +14,7 @@ mod moves;
 mod rows;
 mod timetable;
 
+use crate::surveillance::previous;
 use crate::surveillance::scenario::Scenario;
 use crate::{two_opt, wam};
 use annealing::{Annealing, Round};
@@ -81,26 +82,14 @@ impl Budget for Share<'_> {
 /// The best of the plan before, the best cycle and WAM's word after a quick look at both.
 fn first_word(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
     let until = budget.used().saturating_add(SEED_UNITS);
-    let cycle = two_opt::best_cycle(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
+    let cycle = two_opt::best_cycle(scenario, None, &mut Share { whole: &mut *budget, until }, &mut |_, _| {}).1;
     let cycle = scenario.flown(cycle.iter().copied().cycle());
     let until = budget.used().saturating_add(SEED_UNITS);
     let word = wam::best_word(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
     let cost = |word: &[usize], budget: &mut dyn Budget| scenario.cost(word.iter().copied(), budget);
     let quick = if cost(&cycle, budget) <= cost(&word, budget) { cycle } else { word };
-    match previous.and_then(|plan| word_of(scenario, plan)) {
-        Some(before) if cost(&before, budget) < cost(&quick, budget) => before,
-        _ => quick,
-    }
-}
-
-/// The visits of a plan as far as its targets are still there and time reaches.
-fn word_of(scenario: &Scenario<'_>, plan: &Plan) -> Option<Vec<usize>> {
-    let Plan::Surveillance(plan) = plan else { return None };
-    let targets = &scenario.problem().targets;
-    let index = |name: &str| targets.iter().position(|target| target.name == name);
-    let usable = |index: &usize| scenario.usable().contains(index);
-    let word = plan.visits.iter().filter_map(|visit| index(&visit.target)).filter(usable);
-    Some(scenario.flown(word)).filter(|word| !word.is_empty())
+    let quick_cost = cost(&quick, budget);
+    previous::better(scenario, previous, quick_cost, budget).map_or(quick, |(_, word)| word)
 }
 
 /// Rounds of cooling until the budget ends or nothing more is gained; returns the best word.
@@ -148,7 +137,7 @@ mod tests {
                 Plan::SingleVisit(_) => panic!("of another kind"),
             }
         };
-        let (quick, long) = (plan(1, None), plan(3_000_000, None));
+        let (quick, long) = (plan(1, None), plan(300_000, None));
         assert!(long.expected_cost < quick.expected_cost);
         let long = Plan::Surveillance(long);
         let again = plan(1, Some(&long));
@@ -179,8 +168,8 @@ mod tests {
     fn never_worse_than_the_planners_it_starts_from() {
         for seed in 0..4 {
             let problem = examples::random(8, seed);
-            let best = cost(&two_opt::TwoOpt, &problem, 400_000).min(cost(&wam::Wam, &problem, 400_000));
-            let found = cost(&Anytime, &problem, 400_000);
+            let best = cost(&two_opt::TwoOpt, &problem, 40_000).min(cost(&wam::Wam, &problem, 40_000));
+            let found = cost(&Anytime, &problem, 40_000);
             assert!(found <= best * (1.0 + 1e-9), "{found} {best}");
         }
     }
@@ -196,7 +185,7 @@ mod tests {
             let word = (0..6).map(|place| number / 4_usize.pow(place) % 4);
             least = least.min(scenario.cost(word, &mut WorkBudget::new(u64::MAX)));
         }
-        let found = cost(&Anytime, &problem, 200_000);
+        let found = cost(&Anytime, &problem, 20_000);
         assert!(found <= least * (1.0 + 1e-9), "{found} {least}");
     }
 
@@ -209,7 +198,7 @@ mod tests {
                 costs.push(plan.expected_cost);
             }
         };
-        let mut budget = WorkBudget::new(300_000);
+        let mut budget = WorkBudget::new(30_000);
         Anytime
             .solve(&problem, &mut Environment { seed: 1, budget: &mut budget, report: &mut report, previous: None })
             .unwrap();

@@ -17,9 +17,9 @@ pub(super) const NUMBERS_MAX: usize = 2_000_000;
 
 /// What takes how long, in nanoseconds: pricing a change, each letter and each four targets of it; carrying one out, each row
 /// and each four targets of it.
-const PRICE_NS: u64 = 130;
+const PRICE_NS: u64 = 170;
 const LETTER_NS: u64 = 25;
-const LANE_NS: u64 = 20;
+const LANE_NS: u64 = 25;
 const CHANGE_NS: u64 = 300;
 const ROW_NS: u64 = 12;
 const ROW_LANE_NS: u64 = 3;

@@ -74,7 +74,7 @@ fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
     let mut ratios = Vec::new();
     for cell in crate::test_missions::Cell::subset() {
         let problem = cell.mission(0);
-        let mut budget = WorkBudget::new(60_000);
+        let mut budget = WorkBudget::new(6_000);
         let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
         let plan = Anytime.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
         let Plan::Surveillance(plan) = plan else { panic!("{plan:?}") };

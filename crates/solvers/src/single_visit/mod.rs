@@ -2,7 +2,7 @@
 //!
 //! Greedy insertion by gain per time, then local search (insert, replace, relocate, exchange, turn round, other
 //! manoeuvre, wait for a better time, drop), then ruin and re-insertion from the best plan until nothing new has come for
-//! a while or the budget is exhausted. Everything is judged by [`schedule`], which knows wind, airspace, light, windows,
+//! a while or the budget is exhausted. Where a plan is flown already, what is left of it is where the search begins. Everything is judged by [`schedule`], which knows wind, airspace, light, windows,
 //! order, fuel and endurance.
 //! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
 
@@ -25,13 +25,6 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SingleVisit;
 
-/// The planner, begun from a plan made before the problem changed.
-#[derive(Clone, Debug)]
-pub struct Replan {
-    /// The plan that was flown until now.
-    pub previous: SingleVisitPlan,
-}
-
 const NAME: &str = "single-visit";
 
 impl Solver for SingleVisit {
@@ -44,21 +37,11 @@ impl Solver for SingleVisit {
     }
 
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
-        solve(problem, None, environment)
-    }
-}
-
-impl Solver for Replan {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn serves(&self, problem: &Problem) -> bool {
-        matches!(problem, Problem::SingleVisit(_))
-    }
-
-    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
-        solve(problem, Some(&self.previous), environment)
+        let previous = match environment.previous {
+            Some(Plan::SingleVisit(plan)) => Some(plan),
+            _ => None,
+        };
+        solve(problem, previous, environment)
     }
 }
 
@@ -83,7 +66,7 @@ fn solve(
     };
     let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
     let Some(found) = steady::run(&mut schedule, &usable, previous, environment, &mut tell) else {
-        let best = search::run(&mut schedule, &troubles, environment);
+        let best = search::run(&mut schedule, &troubles, previous, environment);
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
     let best = search::longest_flown(&mut schedule, found.order);

@@ -2,7 +2,7 @@
 
 use super::schedule::{Choice, Judged, Schedule};
 use crate::random::Generator;
-use apex_model::problem::Plan;
+use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_model::solver::{Budget, Environment, WorkBudget};
 
 /// Ruins in a row without a better plan after which the search ends by itself.
@@ -35,10 +35,12 @@ pub(super) struct Search<'s, 'p, 'b> {
     banned: Vec<usize>,
 }
 
-/// The best order found within the budget, over the targets without a trouble of their own.
+/// The best order found within the budget, over the targets without a trouble of their own: never worse than what is left of the
+/// plan `previous`.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,
     troubles: &[Option<String>],
+    previous: Option<&SingleVisitPlan>,
     environment: &mut Environment<'_>,
 ) -> Candidate {
     let seed = environment.seed;
@@ -51,6 +53,9 @@ pub(super) fn run(
     let mut best = Candidate { order: Vec::new(), judged: idle };
     search.fill(&mut best, 0.0);
     search.start_somewhere(&mut best);
+    if let Some(left) = previous.and_then(|plan| search.left_of(plan)).filter(|left| left.judged.beats(&best.judged)) {
+        best = left;
+    }
     tell(&mut search, &best, report);
     search.descend(&mut best);
     tell(&mut search, &best, report);
@@ -176,6 +181,32 @@ impl Search<'_, '_, '_> {
                 *current = Candidate { order: vec![choice], judged };
             }
         }
+    }
+
+    /// What is left of a plan: its visits in their order, without those that are gone or cannot be made any more.
+    fn left_of(&mut self, plan: &SingleVisitPlan) -> Option<Candidate> {
+        let mut left: Option<Candidate> = None;
+        for visit in &plan.visits {
+            let Some(choice) = self.choice_of(visit) else { continue };
+            let known = left.as_ref().map_or(&[][..], |left| left.judged.visits.as_slice());
+            let order = left.as_ref().map_or_else(|| vec![choice], |left| inserted(&left.order, left.order.len(), choice));
+            if let Ok(judged) = self.schedule.judge_after(known, &order, self.budget) {
+                left = Some(Candidate { order, judged });
+            }
+        }
+        left
+    }
+
+    /// The choice that a visit of a plan stands for, if its target and its manoeuvre are still there.
+    fn choice_of(&self, visit: &PlannedVisit) -> Option<Choice> {
+        let targets = &self.schedule.problem.targets;
+        let target = *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
+        let data = targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
+        let corners = data.timing.iter().map(|(time_s, _)| *time_s);
+        // It waits for the corner of its timing at which it begins.
+        let waits = |corner_s: &f64| (corner_s - visit.begin_s).abs() < 1e-6;
+        let not_before_s = corners.filter(waits).next_back().unwrap_or(f64::NEG_INFINITY);
+        Some(Choice { target, manoeuvre: visit.manoeuvre, not_before_s })
     }
 
     pub(super) fn missing(&self, order: &[Choice]) -> Vec<usize> {

@@ -130,7 +130,7 @@ fn a_problem_with_equal_times_at_every_departure_is_planned_as_one_with_constant
     }];
     for solver in solvers().iter().filter(|solver| ["nearest-neighbour", "two-opt", "wam"].contains(&solver.name())) {
         let plan = |problem: &apex_model::problem::SurveillanceProblem| {
-            let mut budget = WorkBudget::new(100_000);
+            let mut budget = WorkBudget::new(10_000);
             let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
             match solver.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap() {
                 Plan::Surveillance(plan) => plan.visits.into_iter().map(|visit| visit.target).collect::<Vec<_>>(),

@@ -16,9 +16,9 @@ use std::cell::{Cell, OnceCell};
 pub const VISITS_MAX: usize = 100_000;
 
 /// What an entry of the travel times takes when a problem is prepared, in nanoseconds.
-const ENTRY_NS: u64 = 6;
+const ENTRY_NS: u64 = 4;
 /// What a word takes to be flown: each visit, each target, and the rest.
-const VISIT_NS: u64 = 40;
+const VISIT_NS: u64 = 30;
 const TARGET_NS: u64 = 1;
 const WORD_NS: u64 = 120;
 /// What a travel time takes more where it depends on the departure.

@@ -1,15 +1,16 @@
 //! Bends the order of a cycle to the expected cost itself: where the horizon holds few laps, the shortest tour is not the
 //! cheapest. Moves one target, exchanges two, or turns a part round.
 
+use super::Report;
 use super::subset::Search;
 use apex_model::solver::Budget;
 
 /// Applies the first move that lowers the cost until none does or the budget is exhausted.
-pub(super) fn refine(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) {
+pub(super) fn refine(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) {
     while !budget.exhausted() && step(search, budget, report) {}
 }
 
-fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> bool {
+fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) -> bool {
     let count = search.best.len();
     for from in 0..count {
         for to in 0..count {
@@ -22,7 +23,7 @@ fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: &mut dyn F
                 if cost < search.best_cost * (1.0 - 1e-12) {
                     search.best = neighbour;
                     search.best_cost = cost;
-                    report(&search.best);
+                    report(cost, &search.best);
                     return true;
                 }
             }

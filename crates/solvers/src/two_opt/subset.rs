@@ -1,6 +1,6 @@
 //! Which targets the cycle should hold: drop, add and exchange around shortest tours, judged by expected cost.
 
-use super::tour;
+use super::{Report, tour};
 use crate::surveillance::scenario::Scenario;
 use apex_model::solver::Budget;
 
@@ -13,8 +13,6 @@ pub(super) struct Search<'s, 'p> {
     pub(super) best: Vec<usize>,
     pub(super) best_cost: f64,
 }
-
-type Report<'r> = &'r mut dyn FnMut(&[usize]);
 
 impl<'s, 'p> Search<'s, 'p> {
     pub(super) fn new(scenario: &'s Scenario<'p>) -> Search<'s, 'p> {
@@ -32,7 +30,7 @@ impl<'s, 'p> Search<'s, 'p> {
         if better {
             self.best = cycle;
             self.best_cost = cost;
-            report(&self.best);
+            report(cost, &self.best);
         }
         better
     }
@@ -77,9 +75,9 @@ impl<'s, 'p> Search<'s, 'p> {
             if budget.exhausted() && !grown.best.is_empty() {
                 return;
             }
-            grown.offer(vec![*target], budget, &mut |_| {});
+            grown.offer(vec![*target], budget, &mut |_, _| {});
         }
-        grown.descend(budget, &mut |_| {});
+        grown.descend(budget, &mut |_, _| {});
         self.offer(grown.into_best(), budget, report);
     }
 

@@ -19,6 +19,11 @@ const TURN_NS: u64 = 8;
 const MOVE_NS: u64 = 12;
 const ROW_NS: u64 = 100;
 
+/// How many times as long a look at the travel times takes where they do not lie in the processor's own memory any more.
+fn memory(count: usize) -> u64 {
+    1 + count as u64 / 400
+}
+
 /// Length of the closed tour.
 pub fn length(tour: &[usize], distance: impl Fn(usize, usize) -> f64) -> f64 {
     let next = tour.iter().skip(1).chain(tour.first());
@@ -143,7 +148,7 @@ fn two_opt(
                 best = (new - old, from, to);
             }
         }
-        scenario.charge((count - from) as u64 * TURN_NS + ROW_NS, budget);
+        scenario.charge((count - from) as u64 * TURN_NS * memory(count) + ROW_NS, budget);
         if budget.exhausted() {
             break;
         }
@@ -164,7 +169,7 @@ fn or_opt(
     let mut best: (f64, Vec<usize>) = (length(tour, distance) - 1e-9, Vec::new());
     for size in 1..=3.min(count.saturating_sub(2)) {
         for from in 0..count {
-            scenario.charge(count as u64 * MOVE_NS + ROW_NS, budget);
+            scenario.charge(count as u64 * MOVE_NS * memory(count) + ROW_NS, budget);
             if budget.exhausted() {
                 break;
             }

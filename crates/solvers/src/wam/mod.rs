@@ -7,6 +7,7 @@
 //! Windows and list sizes are tried from small to large while the budget lasts; the best full plan wins.
 //! Bound: O(visits x depth x open x children) per pass.
 
+use crate::surveillance::previous;
 use crate::surveillance::scenario::{Scenario, Stop};
 use apex_metrics::eci;
 use apex_model::problem::{Plan, Problem};
@@ -18,8 +19,8 @@ const PASSES: &[(f64, usize, usize)] =
 /// Visits that one window may hold.
 const DEPTH_MAX: usize = 64;
 /// What the priority of a visit takes in nanoseconds, and a node of the search besides its copy.
-const PRIORITY_NS: u64 = 40;
-const CHILD_NS: u64 = 300;
+const PRIORITY_NS: u64 = 30;
+const CHILD_NS: u64 = 230;
 
 /// The planner.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,25 +39,45 @@ impl Solver for Wam {
         let Problem::Surveillance(problem) = problem else { return Err("wam plans surveillance only.".to_string()) };
         let scenario = Scenario::new(problem)?;
         let report = &mut *environment.report;
-        let word = best_word(&scenario, environment.budget, &mut |word| {
-            report(&Plan::Surveillance(scenario.plan("wam", word.iter().copied())));
+        let mut tell = |word: &[usize]| report(&Plan::Surveillance(scenario.plan("wam", word.iter().copied())));
+        let left = previous::better(&scenario, environment.previous, f64::INFINITY, environment.budget);
+        let least = left.as_ref().map_or(f64::INFINITY, |(cost, word)| {
+            tell(word);
+            *cost
         });
+        let (cost, mut word) = best_of_passes(&scenario, environment.budget, &mut |cost, word| {
+            if cost < least {
+                tell(word);
+            }
+        });
+        if let Some((_, before)) = left.filter(|(least, _)| *least < cost) {
+            word = before;
+        }
         Ok(Plan::Surveillance(scenario.plan(self.name(), word)))
     }
 }
 
 /// The best word found within the budget; `report` sees each better one. The greedy pass is always made to its end.
 pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> Vec<usize> {
+    best_of_passes(scenario, budget, &mut |_, word| report(word)).1
+}
+
+/// The same with its cost, which `report` hears too.
+fn best_of_passes(
+    scenario: &Scenario<'_>,
+    budget: &mut dyn Budget,
+    report: &mut dyn FnMut(f64, &[usize]),
+) -> (f64, Vec<usize>) {
     let mut best: (f64, Vec<usize>) = (f64::INFINITY, Vec::new());
     for (number, pass) in PASSES.iter().enumerate() {
         let Some(word) = build(scenario, *pass, number == 0, budget) else { break };
         let cost = scenario.cost(word.iter().copied(), budget);
         if best.1.is_empty() || cost < best.0 {
             best = (cost, word);
-            report(&best.1);
+            report(best.0, &best.1);
         }
     }
-    best.1
+    best
 }
 
 /// Where the vehicle is and how old its knowledge: the state between two visits.
@@ -194,7 +215,7 @@ mod tests {
                 let word = best_word(&scenario, &mut WorkBudget::new(units), &mut |_| {});
                 scenario.cost(word, &mut WorkBudget::new(u64::MAX))
             };
-            let (greedy, thorough) = (cost(0), cost(300_000));
+            let (greedy, thorough) = (cost(0), cost(30_000));
             assert!(thorough <= greedy);
             better += u32::from(thorough < greedy);
             sum += thorough / greedy;
@@ -208,7 +229,7 @@ mod tests {
         problem.targets[2].initial_age_s = 5000.0;
         problem.targets[2].rate = apex_model::problem::EventRate::constant(20.0);
         let scenario = Scenario::new(&problem).unwrap();
-        let word = best_word(&scenario, &mut WorkBudget::new(20_000), &mut |_| {});
+        let word = best_word(&scenario, &mut WorkBudget::new(2_000), &mut |_| {});
         assert_eq!(word[0], 2);
     }
 }
