@@ -16,7 +16,7 @@ from apex_autonomy import InputError, Planner, PlanningError, apex, plan
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "python/examples/swaps.py"
 MISSION = ROOT / "missions/structure-watch"
-FORM = "(solver auto (index (patrol the structures)) :budget 5s)"
+FORM = "(solver auto (index (patrol the structures)) :budget 500ms)"
 PATROL = "(step patrol (patrol the structures) (waitfor (end ?up))"
 
 

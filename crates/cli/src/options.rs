@@ -150,6 +150,9 @@ pub struct FlyOptions {
     /// Simulated seconds per second of wall time; default is as fast as possible.
     #[arg(long, allow_hyphen_values = true, value_name = "FACTOR")]
     pub pace: Option<f64>,
+    /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
+    #[arg(long, value_name = "FILE")]
+    pub table: Option<PathBuf>,
     /// Wall time after which a solver that does not return is given up; default is 5 minutes.
     #[arg(long, value_name = "TIME")]
     pub solver_patience: Option<String>,
@@ -325,6 +328,9 @@ pub struct PlanOptions {
     /// Use this solver instead of the one that solver selection chooses.
     #[arg(long, value_name = "NAME")]
     pub solver: Option<String>,
+    /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
+    #[arg(long, value_name = "FILE", conflicts_with = "solver")]
+    pub table: Option<PathBuf>,
     /// How long the solver may take, in the time of a flight; default is the mission's own, or 10 s.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,

@@ -125,7 +125,7 @@ fn a_printed_procedure_is_checked_and_flown() {
     let desk = Desk::with_mission("structure-watch");
     desk.apex(&["plan", "m", "--budget", "20ms", "--out", "m/plan.pdl"]).well();
     desk.apex(&["check", "m/plan.pdl"]).well().told(&[" 0 errors, 0 warnings"]);
-    desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 5s)", "");
+    desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 500ms)", "");
     desk.change("m/mission.pdl", ":duration 1h", ":duration 1h :files (\"plan.pdl\")");
     desk.apex(&["fly", "m", "--record", "flown.apex", "--no-progress"]).well().told(&["of flight"]);
     let why = desk.apex(&["why", "flown.apex", "patrol", "--at", "20min"]).well();

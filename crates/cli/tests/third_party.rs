@@ -13,7 +13,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 const EXAMPLE: &str = include_str!("../examples/swaps.rs");
-const FORM: &str = "(solver auto (index (patrol the structures)) :budget 5s)";
+const FORM: &str = "(solver auto (index (patrol the structures)) :budget 500ms)";
 
 #[test]
 fn the_example_is_short_and_on_the_page() {
@@ -56,6 +56,53 @@ fn the_example_plans_flies_and_is_measured() {
     ]);
     assert!(desk.read("mine.txt").contains("swaps"));
     desk.apex(&["plan", cell, "--solver", "swaps"]).complained(2, &["no solver `swaps`", "two-opt"]);
+}
+
+#[test]
+fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
+    let mut planners = Registry::shipped();
+    planners.add(Arc::new(Shortcut)).unwrap();
+    let desk = Desk::with_mission("structure-watch");
+    let path = |name: &str| desk.path(name).display().to_string();
+    let (profile, table, record, folder) = (path("mine.txt"), path("mine.csv"), path("r.apex"), path("m"));
+    let run = |arguments: &[&str]| {
+        let code = apex_cli::try_main(["apex"].iter().chain(arguments).map(Into::into), planners.clone()).unwrap();
+        assert_eq!(format!("{code:?}"), format!("{:?}", std::process::ExitCode::SUCCESS), "{arguments:?}");
+    };
+    let cell = "small-fixed-fixed-4-uniform";
+    let missions = ["--cells", cell, "--missions", "6", "--budgets", "1ms", "--no-progress"];
+    let build = ["profile", "build", &profile, "--planners", "nearest-neighbour"];
+    run(&[build.as_slice(), missions.as_slice()].concat());
+    // One planner more is measured on the same missions.
+    run(&["profile", "update", &profile, "--planners", "shortcut", "--table", &table, "--no-progress"]);
+    assert!(desk.read("mine.csv").contains("shortcut"), "{}", desk.read("mine.csv"));
+    // Whom the table chooses flies: nobody names it.
+    run(&["fly", &folder, "--record", &record, "--table", &table, "--until", "3min", "--no-progress"]);
+    desk.apex(&["trace", "r.apex", "--type", "plan"]).well().told(&["because shortcut answered request 0"]);
+    // A program without that planner says so.
+    let other = desk.apex(&["plan", "m", "--table", "mine.csv"]);
+    other.complained(2, &["there is no solver `shortcut`, which the profile table chooses"]);
+    desk.write("broken.csv", "cell,budget\nnonsense,1\n");
+    desk.apex(&["plan", "m", "--table", "broken.csv"]).complained(2, &["broken.csv:2:"]);
+}
+
+/// Better than going to the nearest: asks another planner.
+struct Shortcut;
+
+impl Solver for Shortcut {
+    fn name(&self) -> &str {
+        "shortcut"
+    }
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::Surveillance(_))
+    }
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let mut plan = apex_solvers::solver("anytime").ok_or("there is none")?.solve(problem, environment)?;
+        if let Plan::Surveillance(plan) = &mut plan {
+            plan.solver = self.name().to_string();
+        }
+        Ok(plan)
+    }
 }
 
 /// A planner that misbehaves in the way of its name.

@@ -21,7 +21,7 @@ pub mod validate;
 pub mod wam;
 
 pub use registry::Registry;
-pub use table::{Selection, select, select_within};
+pub use table::{ProfileTable, Selection, select, select_within};
 
 use apex_model::solver::Solver;
 

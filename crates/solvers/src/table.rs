@@ -6,6 +6,7 @@
 //! Bound: O(cells) after classification.
 
 use crate::features::{self, Feature};
+use crate::formats::FormatTrouble;
 use crate::profile::conclusion::{self, Conclusion};
 use apex_model::problem::{Problem, SurveillanceProblem};
 use apex_model::solver::units_in;
@@ -26,6 +27,26 @@ pub struct Selection {
     pub reason: String,
 }
 
+/// A table: of each cell, at each time for deliberation, which planner is best. `apex profile build --table` writes one; planners
+/// that do not ship are chosen by a table for which they were measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProfileTable(Vec<Conclusion>);
+
+impl ProfileTable {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// The first place in `text` that is not understood, and why.
+    pub fn read(text: &str) -> Result<ProfileTable, FormatTrouble> {
+        conclusion::read(text).map(ProfileTable)
+    }
+
+    /// Chooses a planner for `problem` with `budget_units` of work, as [`select_within`] by the table that ships.
+    pub fn select(&self, problem: &Problem, budget_units: u64) -> Selection {
+        by_table(&self.0, problem, budget_units)
+    }
+}
+
 /// Chooses a planner for `problem` with a second of deliberation.
 pub fn select(problem: &Problem) -> Selection {
     select_within(problem, units_in(BUDGET_DEFAULT))
@@ -33,8 +54,17 @@ pub fn select(problem: &Problem) -> Selection {
 
 /// Chooses a planner for `problem` with `budget_units` of work (`apex_model::solver::WORK_UNIT`).
 pub fn select_within(problem: &Problem, budget_units: u64) -> Selection {
+    static TABLE: OnceLock<Result<Vec<Conclusion>, String>> = OnceLock::new();
+    let read = || conclusion::read(PROFILE).map_err(|trouble| format!("profile-table.csv:{trouble}"));
+    match TABLE.get_or_init(read) {
+        Ok(table) => by_table(table, problem, budget_units),
+        Err(trouble) => fallback(problem, trouble),
+    }
+}
+
+fn by_table(table: &[Conclusion], problem: &Problem, budget_units: u64) -> Selection {
     match problem {
-        Problem::Surveillance(surveillance) => of_surveillance(surveillance, budget_units)
+        Problem::Surveillance(surveillance) => of_surveillance(table, surveillance, budget_units)
             .unwrap_or_else(|trouble| fallback(problem, &format!("the problem cannot be looked up: {trouble}"))),
         Problem::SingleVisit(single_visit) => {
             let count = single_visit.targets.len();
@@ -43,10 +73,11 @@ pub fn select_within(problem: &Problem, budget_units: u64) -> Selection {
     }
 }
 
-fn of_surveillance(problem: &SurveillanceProblem, budget_units: u64) -> Result<Selection, String> {
-    static TABLE: OnceLock<Result<Vec<Conclusion>, String>> = OnceLock::new();
-    let read = || conclusion::read(PROFILE).map_err(|trouble| format!("profile-table.csv:{trouble}"));
-    let table = TABLE.get_or_init(read).as_ref().map_err(Clone::clone)?;
+fn of_surveillance(
+    table: &[Conclusion],
+    problem: &SurveillanceProblem,
+    budget_units: u64,
+) -> Result<Selection, String> {
     let features = features::classify(problem)?;
     let entry = look_up(table, &features, budget_units).ok_or("the profile table is empty")?;
     let reason = format!(

@@ -139,6 +139,7 @@ fn check_port(port: u16) -> Outcome {
 /// The planners, with what the options let them take.
 fn means(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome<Means> {
     let mut means = Means::of(planners);
+    means.table = options.table.as_deref().map(commands::profile::table).transpose()?;
     if let Some(text) = &options.solver_patience {
         let time = sources::parse_time(text, "--solver-patience")? - Time::ZERO;
         if time <= Duration::ZERO {

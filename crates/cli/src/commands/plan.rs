@@ -40,7 +40,8 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     }
     refuse(format, &question)?;
     let (solver, budget, seed) = (options.solver.as_deref(), question.budget, question.seed);
-    let means = Means::of(planners);
+    let mut means = Means::of(planners);
+    means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;

@@ -17,7 +17,7 @@ use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::record::TargetState;
-use apex_solvers::Registry;
+use apex_solvers::{ProfileTable, Registry};
 use std::sync::Arc;
 
 /// Deliberation time where neither the mission nor the request says one.
@@ -136,6 +136,8 @@ fn ahead(plan: Plan, elapsed: Duration) -> Plan {
 pub struct Means {
     /// The planners that there are.
     pub planners: Arc<Registry>,
+    /// By which one is chosen; none is the table that ships.
+    pub table: Option<Arc<ProfileTable>>,
     /// Wall time until a solver is given up.
     pub patience: std::time::Duration,
     /// Bytes by which the program may grow while a solver works.
@@ -145,7 +147,12 @@ pub struct Means {
 impl Means {
     /// These planners, with the limits where nobody sets others.
     pub fn of(planners: &Arc<Registry>) -> Means {
-        Means { planners: Arc::clone(planners), patience: SOLVER_PATIENCE, memory_bytes: SOLVER_MEMORY_BYTES }
+        Means {
+            planners: Arc::clone(planners),
+            table: None,
+            patience: SOLVER_PATIENCE,
+            memory_bytes: SOLVER_MEMORY_BYTES,
+        }
     }
 }
 
@@ -174,14 +181,18 @@ pub fn solve(
     withdrawal: &Withdrawal,
 ) -> Result<Deliberation, NoPlan> {
     let units = units_in(wish.budget);
-    let selection = apex_solvers::table::select_within(&problem, units);
-    let (name, mut reason) = match wish.solver {
-        Some(name) => (name.to_string(), "asked for by name".to_string()),
-        None => (selection.solver, selection.reason),
+    let (name, mut reason) = match (wish.solver, &wish.means.table) {
+        (Some(name), _) => (name.to_string(), "asked for by name".to_string()),
+        (None, table) => {
+            let chosen = table.as_ref().map(|table| table.select(&problem, units));
+            let chosen = chosen.unwrap_or_else(|| apex_solvers::select_within(&problem, units));
+            (chosen.solver, chosen.reason)
+        }
     };
     let Some(solver) = wish.means.planners.find(&name) else {
         let names: Vec<&str> = wish.means.planners.iter().map(|solver| solver.name()).collect();
-        return Err(NoPlan::Fault(format!("there is no solver `{name}`; known are {}", names.join(", "))));
+        let by = if wish.solver.is_none() { ", which the profile table chooses" } else { "" };
+        return Err(NoPlan::Fault(format!("there is no solver `{name}`{by}; known are {}", names.join(", "))));
     };
     if !solver.serves(&problem) {
         return Err(NoPlan::Fault(format!("the solver `{name}` does not plan for this kind of problem")));

@@ -189,7 +189,8 @@ impl Search<'_, '_, '_> {
         for visit in &plan.visits {
             let Some(choice) = self.choice_of(visit) else { continue };
             let known = left.as_ref().map_or(&[][..], |left| left.judged.visits.as_slice());
-            let order = left.as_ref().map_or_else(|| vec![choice], |left| inserted(&left.order, left.order.len(), choice));
+            let order =
+                left.as_ref().map_or_else(|| vec![choice], |left| inserted(&left.order, left.order.len(), choice));
             if let Ok(judged) = self.schedule.judge_after(known, &order, self.budget) {
                 left = Some(Candidate { order, judged });
             }
@@ -200,12 +201,13 @@ impl Search<'_, '_, '_> {
     /// The choice that a visit of a plan stands for, if its target and its manoeuvre are still there.
     fn choice_of(&self, visit: &PlannedVisit) -> Option<Choice> {
         let targets = &self.schedule.problem.targets;
-        let target = *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
+        let target =
+            *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
         let data = targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
         let corners = data.timing.iter().map(|(time_s, _)| *time_s);
         // It waits for the corner of its timing at which it begins.
         let waits = |corner_s: &f64| (corner_s - visit.begin_s).abs() < 1e-6;
-        let not_before_s = corners.filter(waits).next_back().unwrap_or(f64::NEG_INFINITY);
+        let not_before_s = corners.rev().find(waits).unwrap_or(f64::NEG_INFINITY);
         Some(Choice { target, manoeuvre: visit.manoeuvre, not_before_s })
     }
 

@@ -57,7 +57,12 @@ mod tests {
     use apex_model::solver::{Environment, Solver, WorkBudget};
     use proptest::prelude::*;
 
-    fn plan(solver: &dyn Solver, problem: &SurveillanceProblem, units: u64, previous: Option<&Plan>) -> SurveillancePlan {
+    fn plan(
+        solver: &dyn Solver,
+        problem: &SurveillanceProblem,
+        units: u64,
+        previous: Option<&Plan>,
+    ) -> SurveillancePlan {
         let problem = Problem::Surveillance(problem.clone());
         let mut reported = f64::INFINITY;
         let mut report = |plan: &Plan| match plan {

@@ -318,7 +318,9 @@ impl<'a> Scenario<'a> {
             return "no time is left for it among the others".to_string();
         }
         if best > cost {
-            format!("one visit on the way would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer")
+            format!(
+                "one visit on the way would raise the expected cost from {cost:.4} to {best:.4}: the others would wait longer"
+            )
         } else {
             format!(
                 "this planner's cycle is cheaper without it; one single visit would give {best:.4} instead of {cost:.4}"

@@ -111,7 +111,9 @@ pub fn improve(
     budget: &mut dyn Budget,
 ) {
     for _ in 0..IMPROVEMENTS_MAX {
-        if budget.exhausted() || !(two_opt(scenario, tour, distance, budget) || or_opt(scenario, tour, distance, budget)) {
+        if budget.exhausted()
+            || !(two_opt(scenario, tour, distance, budget) || or_opt(scenario, tour, distance, budget))
+        {
             return;
         }
     }

@@ -12,10 +12,11 @@ use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::problem::Problem;
 use apex_model::solver::{Solver, units_in};
 use apex_model::time::{Duration, Time};
-use apex_solvers::Registry;
 use apex_solvers::features::Space;
+use apex_solvers::formats::FormatTrouble;
 use apex_solvers::profile::{Profile, SHIPPED, budget_words};
 use apex_solvers::test_missions::{Cell, Scale, Spread};
+use apex_solvers::{ProfileTable, Registry};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -39,12 +40,24 @@ fn read(path: Option<&Path>) -> Outcome<Profile> {
         Some(path) => (path.display().to_string(), read_text(path)?),
         None => ("the profile that ships".to_string(), SHIPPED.to_string()),
     };
-    text.parse().map_err(|trouble: apex_solvers::formats::FormatTrouble| {
-        let place = format!("{name}:{}:{}", trouble.line, trouble.column);
-        Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
-            .because(trouble.reason)
-            .help(trouble.help)
-    })
+    text.parse().map_err(|trouble| not_understood(&name, trouble))
+}
+
+fn not_understood(name: &str, trouble: FormatTrouble) -> Trouble {
+    let place = format!("{name}:{}:{}", trouble.line, trouble.column);
+    Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
+        .because(trouble.reason)
+        .help(trouble.help)
+}
+
+/// The table of solver selection in a file.
+///
+/// # Errors
+/// It cannot be read, or a place in it is not understood.
+pub fn table(path: &Path) -> Outcome<Arc<ProfileTable>> {
+    let text = read_text(path)?;
+    let table = ProfileTable::read(&text).map_err(|trouble| not_understood(&path.display().to_string(), trouble))?;
+    Ok(Arc::new(table))
 }
 
 /// The planners of these names, each once.
