@@ -24,7 +24,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench bench-orienteering bench-curves bench-travel golden-travel spec sim properties nightly clean
+.PHONY: help build fly test check web python bench bench-orienteering bench-units bench-curves bench-travel golden-travel spec sim properties nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -78,6 +78,9 @@ bench-travel: $(TARGET)/extremity/.installed ## Travel matrices among zones, bes
 golden-travel: $(TARGET)/extremity/.installed ## Ask extremitypathfinder for the committed lengths of shortest ways again.
 	$(EXTREMITY) check crates/geo/src/travel/golden/extremity.txt
 
+bench-units: ## What a unit of work takes: every planner, from 10 to 1,000 targets.
+	cargo run --locked --quiet --release --package apex-benches --bin units
+
 bench-curves: ## Value against processor time for all planners, and growth with targets: data and picture of docs/pictures/anytime-curves.
 	cargo run --locked --quiet --release --package apex-benches --bin curves -- measure docs/pictures/anytime-curves.csv
 	cargo run --locked --quiet --release --package apex-benches --bin curves -- draw docs/pictures/anytime-curves.csv docs/pictures/anytime-curves.svg
@@ -100,7 +103,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	cargo run --locked $(CI_PROFILE) --package apex-conditions-random -- --count 10000000 --seed 1000000
 	cargo test --locked $(CI_PROFILE) --package apex-conditions-random --features planted-bugs --test planted
 	cargo run --locked --quiet --release --package apex-benches --bin monitoring -- soak 100000000
-	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 10ms,30ms,100ms,1s
+	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 1ms,3ms,10ms,100ms
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way

@@ -49,6 +49,21 @@ def test_the_example_is_short_and_on_the_page():
     assert f"```python\n{code}```\n" in (ROOT / "docs/guides/adding-a-solver.md").read_text()
 
 
+def test_the_example_is_measured_and_chosen_by_its_table(tmp_path, capfd):
+    profile, table = str(tmp_path / "mine.txt"), str(tmp_path / "mine.csv")
+    swaps = [example().Swaps()]
+    cell = "large-fixed-fixed-8-uniform"
+    build = ["--cells", cell, "--missions", "6", "--budgets", "10ms", "--planners", "nearest-neighbour", "--no-progress"]
+    assert apex("profile", "build", profile, *build)
+    update = ["--planners", "py-swaps", "--table", table, "--no-progress"]
+    assert apex("profile", "update", profile, *update, planners=swaps)
+    best = next(line for line in Path(table).read_text().splitlines() if line.startswith(cell))
+    assert ",py-swaps," in best
+    capfd.readouterr()
+    assert apex("plan", f"{cell}@9", "--table", table, "--budget", "10ms", planners=swaps)
+    assert "planned by py-swaps" in capfd.readouterr().out
+
+
 def test_the_example_plans(capfd):
     swaps = example().Swaps()
     given = problem(capfd)

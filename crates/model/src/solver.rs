@@ -8,9 +8,9 @@ use crate::time::Duration;
 
 /// Time that one unit of a solver's work stands for: in flights, in budgets and in the profile table.
 ///
-/// Measured on one core of a loaded server: the planners of surveillance take 0.05 to 0.12 microseconds a unit, alike to a
-/// factor of two (`docs/reference/profile-table.md`; `apex profile build` measures it again), the planner of single visits on
-/// given travel times about one. So a unit is a bound that a flight computer of a tenth of that speed still keeps.
+/// Measured on one core of a loaded server: all planners take 0.5 to 1.3 microseconds a unit, from 10 to 1,000 targets
+/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer does less in a second of flight
+/// than a unit stands for: its budgets should be smaller, or its plans are late.
 pub const WORK_UNIT: Duration = Duration(1_000);
 
 /// Work units in `time`; at least one.

@@ -28,7 +28,7 @@ pub struct ProfileBuildOptions {
     #[arg(long, value_name = "NUMBER", default_value_t = 50)]
     pub missions: u64,
     /// Times for deliberation, rising; a millisecond is 1,000 units of work.
-    #[arg(long, value_delimiter = ',', value_name = "TIME,..", default_value = "10ms,30ms,100ms")]
+    #[arg(long, value_delimiter = ',', value_name = "TIME,..", default_value = "1ms,3ms,10ms")]
     pub budgets: Vec<String>,
     /// Planners.
     #[arg(
