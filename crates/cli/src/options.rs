@@ -337,6 +337,12 @@ pub struct PlanOptions {
     /// Seed of the solver's chance; default is the mission's own, or 1.
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
+    /// Do not plan: these targets in this order are a person's plan (planner `human`), to be scored and printed like any other.
+    #[arg(long, value_delimiter = ',', value_name = "TARGET,..", conflicts_with_all = ["solver", "table"])]
+    pub visits: Vec<String>,
+    /// Of surveillance: the visits are a round that is flown again and again.
+    #[arg(long, requires = "visits")]
+    pub repeat: bool,
     /// Do not plan: print the problem as JSON.
     #[arg(long, conflicts_with_all = ["solver", "budget", "format", "json"])]
     pub problem: bool,

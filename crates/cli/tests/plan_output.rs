@@ -235,3 +235,18 @@ fn names_that_nothing_has_are_told_with_the_nearest() {
     plan(&"a-".repeat(5000), &["SCALE-RATE"]);
     plan("missing/mission.pdl", &["cannot read missing/mission.pdl", "folder missing does not exist"]);
 }
+
+#[test]
+fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
+    let desk = Desk::with_mission("structure-watch");
+    let by_hand = ["plan", "m", "--visits", "barn,winery,farmhouse", "--repeat"];
+    let table = desk.apex(&by_hand).well();
+    table.told(&["planned by human", "no plan can cost less"]);
+    desk.apex(&["plan", "m", "--visits", "barn,wineri"]).complained(2, &["there is no target `wineri`", "winery"]);
+    desk.apex(&["plan", "m", "--visits", "barn", "--solver", "wam"]).complained(2, &["cannot be used with"]);
+    let printed = [by_hand.as_slice(), &["--out", "m/plan.pdl"]].concat();
+    desk.apex(&printed).well();
+    desk.change("m/mission.pdl", "  :targets", "  :files (\"plan.pdl\")\n  :targets");
+    desk.apex(&["fly", "m", "--until", "10min", "--record", "r.apex", "--no-progress"]).well();
+    desk.apex(&["trace", "r.apex", "--type", "selection"]).well().told(&["plan.pdl"]);
+}

@@ -8,6 +8,7 @@ pub mod bound;
 pub mod checker;
 pub mod features;
 pub mod formats;
+pub mod human;
 pub mod nearest_neighbour;
 pub mod profile;
 pub mod random;

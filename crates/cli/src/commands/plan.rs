@@ -16,6 +16,7 @@ use apex_runtime::ports::Withdrawal;
 use apex_solvers::Registry;
 use apex_solvers::bound::ages::cycles::{self, WithoutEnd};
 use apex_solvers::formats;
+use apex_solvers::human::Human;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -39,8 +40,17 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
     }
     refuse(format, &question)?;
-    let (solver, budget, seed) = (options.solver.as_deref(), question.budget, question.seed);
+    let by_hand = !options.visits.is_empty();
+    let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
+    let (budget, seed) = (question.budget, question.seed);
     let mut means = Means::of(planners);
+    if by_hand {
+        let mut planners = Registry::clone(planners);
+        planners
+            .add(Arc::new(Human { visits: options.visits.clone(), repeat: options.repeat }))
+            .map_err(|reason| Trouble::user("the visits of a person cannot be planned").because(reason))?;
+        means.planners = Arc::new(planners);
+    }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())

@@ -7,6 +7,7 @@
 //! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
 
 mod explain;
+mod in_order;
 mod moves;
 mod plan;
 pub mod schedule;
@@ -16,6 +17,8 @@ mod travel;
 
 #[cfg(test)]
 pub(crate) mod examples;
+
+pub use in_order::in_order;
 
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Environment, Solver};
