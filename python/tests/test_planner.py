@@ -52,15 +52,14 @@ def test_the_example_is_short_and_on_the_page():
 def test_the_example_is_measured_and_chosen_by_its_table(tmp_path, capfd):
     profile, table = str(tmp_path / "mine.txt"), str(tmp_path / "mine.csv")
     swaps = [example().Swaps()]
-    cell = "large-fixed-fixed-8-uniform"
-    build = ["--cells", cell, "--missions", "6", "--budgets", "10ms", "--planners", "nearest-neighbour", "--no-progress"]
-    assert apex("profile", "build", profile, *build)
-    update = ["--planners", "py-swaps", "--table", table, "--no-progress"]
+    cell = "small-fixed-fixed-4-uniform"
+    build = ["--cells", cell, "--missions", "3", "--budgets", "1ms", "--planners", "py-swaps", "--no-progress"]
+    assert apex("profile", "build", profile, *build, planners=swaps)
+    update = ["--planners", "nearest-neighbour,py-swaps", "--no-progress"]
     assert apex("profile", "update", profile, *update, planners=swaps)
-    best = next(line for line in Path(table).read_text().splitlines() if line.startswith(cell))
-    assert ",py-swaps," in best
+    assert apex("profile", "build", profile, *build, "--table", table, planners=swaps)
     capfd.readouterr()
-    assert apex("plan", f"{cell}@9", "--table", table, "--budget", "10ms", planners=swaps)
+    assert apex("plan", f"{cell}@9", "--table", table, "--budget", "1ms", planners=swaps)
     assert "planned by py-swaps" in capfd.readouterr().out
 
 

@@ -247,6 +247,7 @@ fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
     let printed = [by_hand.as_slice(), &["--out", "m/plan.pdl"]].concat();
     desk.apex(&printed).well();
     desk.change("m/mission.pdl", "  :targets", "  :files (\"plan.pdl\")\n  :targets");
+    desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 500ms)", "");
     desk.apex(&["fly", "m", "--until", "10min", "--record", "r.apex", "--no-progress"]).well();
     desk.apex(&["trace", "r.apex", "--type", "selection"]).well().told(&["plan.pdl"]);
 }

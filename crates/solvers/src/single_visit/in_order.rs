@@ -1,10 +1,13 @@
-//! Visits in an order that is given: each in the way that is best after those before it.
+//! Visits in an order that is given: each first in the way that ends first, then in the way that is worth most beside the others.
 
-use super::schedule::{Choice, Judged, Refusal, Schedule};
+use super::schedule::{Choice, Refusal, Schedule};
 use super::search::{Candidate, inserted};
 use super::{explain, plan};
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Budget, Environment};
+
+/// Passes over all visits in which better ways are sought.
+const PASSES_MAX: usize = 8;
 
 /// The plan of visiting these targets, by index, in this order; it is by `solver`.
 ///
@@ -30,11 +33,19 @@ pub fn in_order(
         }
         best = Some(added(&mut schedule, best.as_ref(), *target, environment.budget).map_err(|why| refused(&why))?);
     }
-    let best = best.ok_or("no visit is asked for")?;
+    let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, environment.budget);
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
 }
 
-/// `before` with a visit of the target at its end, in the best way; else why there is none.
+/// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
+fn ways(problem: &SingleVisitProblem, target: usize) -> Vec<Choice> {
+    let Some(data) = problem.targets.get(target) else { return Vec::new() };
+    let starts = || [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+    let way = |manoeuvre| starts().map(move |not_before_s| Choice { target, manoeuvre, not_before_s });
+    (0..data.manoeuvres.len()).flat_map(way).collect()
+}
+
+/// `before` with the visit of the target that ends first; else why there is none.
 fn added(
     schedule: &mut Schedule<'_>,
     before: Option<&Candidate>,
@@ -42,27 +53,50 @@ fn added(
     budget: &mut dyn Budget,
 ) -> Result<Candidate, String> {
     let (order, known) = before.map_or((&[][..], &[][..]), |it| (it.order.as_slice(), it.judged.visits.as_slice()));
-    let data = schedule.problem.targets.get(target);
-    let corners = data.map(|data| data.timing.iter().map(|(time_s, _)| *time_s).collect::<Vec<f64>>());
-    let starts: Vec<f64> = [f64::NEG_INFINITY].into_iter().chain(corners.unwrap_or_default()).collect();
-    let mut best: Option<Candidate> = None;
+    let end_s = |it: &Candidate| it.judged.visits.last().map_or(f64::INFINITY, |visit| visit.end_s);
+    let mut first: Option<Candidate> = None;
     let mut trouble = "it has no manoeuvre".to_string();
-    for manoeuvre in 0..data.map_or(0, |data| data.manoeuvres.len()) {
-        for not_before_s in &starts {
-            let choice = Choice { target, manoeuvre, not_before_s: *not_before_s };
-            let order = inserted(order, order.len(), choice);
-            match schedule.judge_after(known, &order, budget) {
-                Ok(judged) if best.as_ref().is_none_or(|best| Judged::beats(&judged, &best.judged)) => {
-                    best = Some(Candidate { order, judged });
+    for choice in ways(schedule.problem, target) {
+        let order = inserted(order, order.len(), choice);
+        match schedule.judge_after(known, &order, budget) {
+            Ok(judged) => {
+                let found = Candidate { order, judged };
+                if first.as_ref().is_none_or(|first| end_s(&found) < end_s(first)) {
+                    first = Some(found);
                 }
-                Ok(_) => {}
-                Err(Refusal::TooLate { over_s }) => {
-                    trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit_name);
-                }
-                Err(Refusal::Impossible(why)) => trouble = why,
-                Err(Refusal::Order) => trouble = "another target must be visited before it".to_string(),
             }
+            Err(Refusal::TooLate { over_s }) => {
+                trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit_name);
+            }
+            Err(Refusal::Impossible(why)) => trouble = why,
+            Err(Refusal::Order) => trouble = "another target must be visited before it".to_string(),
         }
     }
-    best.ok_or(trouble)
+    first.ok_or(trouble)
+}
+
+/// The same order, each visit in another way where that is worth more and the others can still be made.
+fn improved(schedule: &mut Schedule<'_>, mut best: Candidate, budget: &mut dyn Budget) -> Candidate {
+    for _ in 0..PASSES_MAX {
+        let mut better = false;
+        for at in 0..best.order.len() {
+            let Some(target) = best.order.get(at).map(|choice| choice.target) else { break };
+            for choice in ways(schedule.problem, target) {
+                let mut order = best.order.clone();
+                if let Some(slot) = order.get_mut(at) {
+                    *slot = choice;
+                }
+                let known = best.judged.visits.get(..at).unwrap_or(&[]);
+                if let Ok(judged) = schedule.judge_after(known, &order, budget)
+                    && judged.beats(&best.judged)
+                {
+                    (best, better) = (Candidate { order, judged }, true);
+                }
+            }
+        }
+        if !better || budget.exhausted() {
+            break;
+        }
+    }
+    best
 }
