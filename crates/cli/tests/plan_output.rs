@@ -249,5 +249,5 @@ fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
     desk.change("m/mission.pdl", "  :targets", "  :files (\"plan.pdl\")\n  :targets");
     desk.change("m/mission.pdl", "(solver auto (index (patrol the structures)) :budget 500ms)", "");
     desk.apex(&["fly", "m", "--until", "10min", "--record", "r.apex", "--no-progress"]).well();
-    desk.apex(&["trace", "r.apex", "--type", "selection"]).well().told(&["plan.pdl"]);
+    desk.apex(&["trace", "r.apex", "--type", "selected"]).well().told(&["plan.pdl"]);
 }
