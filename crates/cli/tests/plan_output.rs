@@ -94,6 +94,68 @@ fn the_fires_on_a_map() {
     assert!(polygons.len() > 3 && polygons.len() < 9, "{}", polygons.len());
 }
 
+/// What QGroundControl's public description of the format (developer guide, "Plan File Format") requires, by key and type.
+fn is_a_plan_file(plan: &Value) {
+    let whole = |value: &Value, key: &str| assert!(value[key].is_u64(), "{key} of {value}");
+    let number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);
+    assert_eq!((&plan["fileType"], &plan["version"]), (&"Plan".into(), &1.into()));
+    assert!(plan["groundStation"].is_string());
+    let mission = &plan["mission"];
+    assert_eq!(mission["version"], 2);
+    ["firmwareType", "vehicleType", "globalPlanAltitudeMode"].iter().for_each(|key| whole(mission, key));
+    assert!(number(&mission["cruiseSpeed"]) && number(&mission["hoverSpeed"]));
+    let place = |value: &Value, count: usize| {
+        let numbers = value.as_array().unwrap();
+        assert!(numbers.len() == count && numbers.iter().all(number), "{value}");
+        assert!(numbers[0].as_f64().unwrap().abs() <= 90.0 && numbers[1].as_f64().unwrap().abs() <= 180.0, "{value}");
+    };
+    place(&mission["plannedHomePosition"], 3);
+    let items = mission["items"].as_array().unwrap();
+    assert!(!items.is_empty(), "a plan has an item at least");
+    for (index, item) in items.iter().enumerate() {
+        assert_eq!(item["type"], "SimpleItem");
+        assert!(item["autoContinue"].is_boolean());
+        ["command", "doJumpId", "frame"].iter().for_each(|key| whole(item, key));
+        assert_eq!(item["doJumpId"], index + 1);
+        let params = item["params"].as_array().unwrap();
+        assert!(params.len() == 7 && params.iter().all(|param| param.is_null() || number(param)), "{item}");
+        // Above home or above mean sea level; what has no place has no altitude.
+        let modes = [(0, Some(2)), (3, Some(1)), (2, None)];
+        let expected = modes.iter().find(|(frame, _)| item["frame"] == *frame).unwrap().1;
+        if let Some(mode) = expected {
+            assert_eq!(item["AltitudeMode"], mode, "{item}");
+            assert!(number(&item["Altitude"]) && item["AMSLAltAboveTerrain"].is_null(), "{item}");
+            assert_eq!(item["Altitude"], params[6]);
+            place(&Value::Array(params[4..6].to_vec()), 2);
+        }
+        if item["command"] == 177 {
+            assert!((1..=items.len() as u64).contains(&params[0].as_u64().unwrap()), "a jump to an item: {item}");
+        }
+    }
+    let fence = &plan["geoFence"];
+    assert_eq!((&fence["version"], &plan["rallyPoints"]["version"]), (&2.into(), &2.into()));
+    assert!(fence["circles"].is_array() && plan["rallyPoints"]["points"].is_array());
+    for polygon in fence["polygons"].as_array().unwrap() {
+        assert!(polygon["version"] == 1 && polygon["inclusion"].is_boolean(), "{polygon}");
+        let corners = polygon["polygon"].as_array().unwrap();
+        assert!(corners.len() >= 3, "{polygon}");
+        corners.iter().for_each(|corner| place(corner, 2));
+    }
+}
+
+#[test]
+fn plan_files_have_every_key_that_ground_stations_ask_for() {
+    let desk = Desk::new();
+    desk.write("two.json", TWO);
+    let (fires, structures) = (mission("western-states"), mission("structure-watch"));
+    let questions: [&[&str]; 4] =
+        [&["two.json"], &[&fires], &[&structures], &["small-fixed-fixed-4-two-cluster", "--height", "60m"]];
+    for question in questions {
+        let plan = desk.apex(&[&["plan"], question, &["--budget", "20ms", "--format", "qgc"]].concat()).well();
+        is_a_plan_file(&json(&plan.out));
+    }
+}
+
 #[test]
 fn rounds_are_jumps_and_every_visit_is_kept() {
     let desk = Desk::new();

@@ -53,6 +53,15 @@ impl Direction {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// The vector product: square to both, of length 1 where they are a quarter turn apart.
+    pub fn cross(self, other: Direction) -> Direction {
+        Direction {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
     /// Length of the straight line between two directions' ends: never more than the angle.
     pub fn chord(self, other: Direction) -> f64 {
         let (x, y, z) = (self.x - other.x, self.y - other.y, self.z - other.z);
@@ -88,11 +97,7 @@ impl Direction {
     pub fn at_angle_from_both(self, other: Direction, cosine: f64) -> Option<[Direction; 2]> {
         let between = self.dot(other);
         let share = cosine / (1.0 + between);
-        let normal = Direction {
-            x: self.y * other.z - self.z * other.y,
-            y: self.z * other.x - self.x * other.z,
-            z: self.x * other.y - self.y * other.x,
-        };
+        let normal = self.cross(other);
         let room = (1.0 - 2.0 * cosine * share) / normal.dot(normal);
         if !(room > 0.0 && room.is_finite()) {
             return None;

@@ -11,6 +11,7 @@ fn plan(score: f64) -> Plan {
         solver: "bad".into(),
         visits: Vec::new(),
         return_route: Vec::new(),
+        return_path: Vec::new(),
         return_depart_s: 0.0,
         end_s: 0.0,
         fuel_used_kg: 0.0,

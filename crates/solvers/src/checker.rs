@@ -7,6 +7,7 @@
 mod given_times;
 mod single_visit;
 mod surveillance;
+mod turns;
 
 use apex_model::problem::{Plan, Problem};
 

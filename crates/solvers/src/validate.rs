@@ -96,6 +96,7 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     positive("The true airspeed", vehicle.true_airspeed_mps)?;
     positive("The endurance", vehicle.endurance_s)?;
     not_negative("The endurance reserve", vehicle.endurance_reserve_s)?;
+    not_negative("The turn radius", vehicle.turn_radius_m)?;
     not_negative("The fuel flow", vehicle.fuel_flow_kg_per_s)?;
     not_negative("The fuel reserve", vehicle.fuel_reserve_kg)?;
     not_negative("The margin of zones", problem.zone_margin_m)?;

@@ -4,17 +4,21 @@ use super::bookkeeping::Bookkeeping;
 use super::{Fire, Mission, Site, TargetKind};
 use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
 use apex_geo::perimeter::perimeter_manoeuvre;
+use apex_geo::travel;
 use apex_model::problem::{
     Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
     SurveillanceTarget, WindField,
 };
 use apex_model::time::Time;
+use apex_sim::{Airframe, VehicleModel};
 use apex_solvers::surveillance::travel::{Transit, Ways};
 
-/// Time to turn onto a line and roll level before it begins, beyond the turn itself: the first line is met from any
-/// side, each further one antiparallel and close by. Medians of simulated flights at 95 m/s and 15 degrees of bank.
-const FIRST_JOIN_S: f64 = 120.0;
+/// Time to roll level before a line begins. The turn onto the first line is part of the way to it; each further one is met
+/// antiparallel and close by: median of simulated flights at 95 m/s and 15 degrees of bank.
+const FIRST_JOIN_S: f64 = 30.0;
 const FURTHER_JOIN_S: f64 = 390.0;
+/// Share of the greatest roll angle that turns are planned with; the rest corrects errors.
+const PLANNED_BANK_SHARE: f64 = 0.85;
 /// Share of the endurance and fuel that must be left at the end.
 const RESERVE_SHARE: f64 = 0.08;
 /// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
@@ -107,6 +111,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
             fuel_flow_kg_per_s: model.fuel.flow_kg_h_reference / 3600.0,
             endurance_s,
             endurance_reserve_s: mission.settings.duration.seconds() * RESERVE_SHARE,
+            turn_radius_m: turn_radius_m(model),
         },
         start,
         start_altitude_m: books.vehicle.altitude_m.max(mission.start_altitude_m),
@@ -124,6 +129,17 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
         failure: mission.failure,
         travel: None,
     })
+}
+
+/// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
+fn turn_radius_m(model: &VehicleModel) -> f64 {
+    match model.airframe {
+        Airframe::FixedWing => travel::turn_radius_m(
+            model.true_airspeed_m_s_cruise,
+            (PLANNED_BANK_SHARE * model.bank_deg_max).to_radians(),
+        ),
+        Airframe::Rotorcraft => 0.0,
+    }
 }
 
 /// One sweep for each altitude that the vehicle can hold, best product of factors first; worse and slower ones are

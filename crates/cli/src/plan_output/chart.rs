@@ -171,7 +171,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         let Some(manoeuvre) = target.manoeuvres.get(visit.manoeuvre) else { continue };
         let at = |position: Position| Place { position, altitude_m: high(manoeuvre.altitude_m) };
         let mut way = vec![before];
-        way.extend(bends(&visit.route, high(altitude_m)));
+        way.extend(bends(drawn(&visit.route, &visit.path), high(altitude_m)));
         let lines: Vec<Place> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
         way.push(lines.first().copied().unwrap_or(at(target.position)));
         before = lines.last().copied().unwrap_or(at(target.position));
@@ -185,7 +185,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
     let mut return_way = Vec::new();
     if let Some(base) = base {
         return_way.push(before);
-        return_way.extend(bends(&plan.return_route, high(altitude_m)));
+        return_way.extend(bends(drawn(&plan.return_route, &plan.return_path), high(altitude_m)));
         return_way.push(base);
     }
     Chart {
@@ -233,6 +233,11 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     crate::mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
+}
+
+/// The path with its turns where there is one, else the route.
+fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
+    if path.is_empty() { route } else { path }
 }
 
 /// What lies strictly between the ends of a route.

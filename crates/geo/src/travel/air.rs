@@ -104,6 +104,21 @@ impl Air {
         (begin_s.copied().unwrap_or(f64::NEG_INFINITY), end_s.copied().unwrap_or(f64::INFINITY))
     }
 
+    /// Speed through the air.
+    pub(crate) fn true_airspeed_mps(&self) -> f64 {
+        self.true_airspeed_mps
+    }
+
+    /// East and north parts of the wind at a place in `span`.
+    pub(crate) fn wind(&self, span: usize, position: Position) -> (f64, f64) {
+        let wind = match self.spans.get(span) {
+            Some(Blows::Everywhere(wind)) => *wind,
+            Some(Blows::ByArea(field, time_s)) => wind::at(field, position, self.altitude_m, *time_s),
+            None => Wind::default(),
+        };
+        (wind.east_mps, wind.north_mps)
+    }
+
     /// Speed over ground in `span` along the track of `step`, or backwards; none where it cannot be flown.
     pub(crate) fn speed_mps(&self, span: usize, step: &Step, backwards: bool) -> Option<f64> {
         let wind = match self.spans.get(span)? {

@@ -81,7 +81,9 @@ impl Ground {
     ) -> Ground {
         let boxes = zones.iter().map(|zone| {
             // What is kept in is asked by every leg, not found by boxes.
-            let margin = if zone.keep_in { f64::NEG_INFINITY } else { zone.margin };
+            // Chords of turns keep a little more than the margin ([`Ground::blocks_wider`]).
+            let margin = zone.margin + 2.0 * super::turns::TOLERANCE_SHARE * zone.bend_radius;
+            let margin = if zone.keep_in { f64::NEG_INFINITY } else { margin };
             let by = Point { x: margin, y: margin };
             (zone.solid.low.minus(by), zone.solid.high.plus(1.0, by))
         });
@@ -202,6 +204,23 @@ impl Ground {
         gaps(ALWAYS, &merged(shut, 0.0))
     }
 
+    /// A point of a leg's turns made ready: near zones it need not keep more than the leg's ends do.
+    pub(crate) fn between(&self, (from, to): (&Spot, &Spot), position: Position, point: Point) -> Option<Spot> {
+        let direction = Direction::of(position);
+        let point = match &self.plane {
+            Some(plane) => plane.project(position).or(self.zones.is_empty().then(Point::default))?,
+            None => point,
+        };
+        let mut close = from.close.clone();
+        for (number, distance) in &to.close {
+            match close.iter_mut().find(|(known, _)| known == number) {
+                Some((_, known)) => *known = known.min(*distance),
+                None => close.push((*number, *distance)),
+            }
+        }
+        Some(Spot { position, direction, point, close, bend: None, is_place: false })
+    }
+
     /// Why it is not allowed to be at `spot` at some time of `time_s`; none where it is at all times of it.
     pub(crate) fn place_trouble(&self, spot: &Spot, (from_s, until_s): Span) -> Option<Trouble> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
@@ -231,12 +250,21 @@ impl Ground {
     /// # Errors
     /// Some part is shut for ever: what shuts it.
     pub(crate) fn blocks(&self, from: &Spot, to: &Spot) -> Result<Vec<Block>, Trouble> {
+        self.blocks_wider(from, to, 0.0)
+    }
+
+    /// As [`Ground::blocks`], where margins that the ends keep are wider by `more`.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn blocks_wider(&self, from: &Spot, to: &Spot, more: f64) -> Result<Vec<Block>, Trouble> {
         let mut blocks = Vec::new();
         let mut trouble = None;
         let (a, b) = (from.point, to.point);
         self.tree.any(a, b, |number| {
             let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in) else { return false };
-            let margin = self.margin(number, zone, from, to);
+            let kept = self.margin(number, zone, from, to);
+            let margin = if kept >= zone.margin * (1.0 - TOUCH) { kept + more } else { kept };
             if zone.is_always_active() {
                 if zone.solid.meets(a, b, margin) {
                     trouble = Some(Trouble::Crosses(zone.name.clone()));

@@ -21,6 +21,7 @@ mod spans;
 #[cfg(test)]
 mod tests;
 mod trouble;
+mod turns;
 mod ways;
 
 pub use air::Air;
@@ -29,4 +30,5 @@ pub use dubins::{Flyer, Part, Pose, TurnPath, turn_radius_m};
 pub use network::{BENDS_MAX, Network, PlaceId};
 pub use setting::{PlaneZone, Setting};
 pub use trouble::Trouble;
+pub use turns::TOLERANCE_SHARE;
 pub use ways::{Trip, WayId};

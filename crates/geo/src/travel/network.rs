@@ -56,6 +56,8 @@ pub(super) struct Place {
     pub(super) spot: Spot,
     /// When it is allowed to be there.
     pub(super) open_s: Vec<Span>,
+    /// In which direction it is left and reached, clockwise from north; none is any.
+    pub(super) track_rad: Option<f64>,
     /// Rides to bends, once they are known.
     joins: Option<Vec<Join>>,
 }
@@ -68,7 +70,9 @@ pub struct Network {
     pub(super) time_s: Span,
     /// When zones open or shut, in order.
     pub(super) changes_s: Vec<f64>,
-    on_plane: bool,
+    pub(super) on_plane: bool,
+    /// Turns are no tighter than this; 0 where they take no time and no room.
+    pub(super) turn_radius: f64,
     bends: Vec<Spot>,
     /// For each bend when it is allowed to be there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
@@ -88,7 +92,7 @@ impl Network {
     /// # Errors
     /// A sentence that names the zone that is no polygon, crosses itself or is too far away.
     pub fn new(setting: &Setting<'_>, air: Air) -> Result<Network, String> {
-        Ok(Network::over(setting::ground(setting)?, air, setting.time_s, false))
+        Ok(Network::over(setting::ground(setting)?, air, setting.time_s, (false, setting.turn_radius_m)))
     }
 
     /// The network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
@@ -101,10 +105,10 @@ impl Network {
         air: Air,
         time_s: Span,
     ) -> Result<Network, String> {
-        Ok(Network::over(setting::drawn(zones, margin, turn_radius, time_s)?, air, time_s, true))
+        Ok(Network::over(setting::drawn(zones, margin, turn_radius, time_s)?, air, time_s, (true, turn_radius)))
     }
 
-    fn over(ground: Ground, air: Air, time_s: Span, on_plane: bool) -> Network {
+    fn over(ground: Ground, air: Air, time_s: Span, (on_plane, turn_radius): (bool, f64)) -> Network {
         let mut bends = ground.bends();
         bends.truncate(BENDS_MAX);
         let bends_open_s = bends.iter().map(|bend| ground.open_s(bend)).collect();
@@ -116,6 +120,7 @@ impl Network {
             air,
             time_s,
             on_plane,
+            turn_radius,
             bends: Vec::new(),
             bends_open_s,
             joins,
@@ -169,8 +174,16 @@ impl Network {
 
     fn admit(&mut self, spot: Spot) -> PlaceId {
         let open_s = self.ground.open_s(&spot);
-        self.places.push(Place { spot, open_s, joins: None });
+        self.places.push(Place { spot, open_s, track_rad: None, joins: None });
         PlaceId(self.places.len() - 1)
+    }
+
+    /// Says in which direction a place is left and reached, clockwise from north. Only counts where turns are limited, and only
+    /// for ways that are asked for later.
+    pub fn head(&mut self, place: PlaceId, track_rad: Option<f64>) {
+        if let Some(place) = self.places.get_mut(place.0) {
+            place.track_rad = track_rad.filter(|track_rad| track_rad.is_finite());
+        }
     }
 
     /// Why it is not allowed to be at `place` at some time of `time_s`; none where it is at all times of it.

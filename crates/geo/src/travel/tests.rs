@@ -249,6 +249,85 @@ mod random {
         }
 
         #[test]
+        fn no_way_with_wide_turns_enters_a_zone_or_its_margin(
+            world in worlds(7), margin in 0.0..3.0f64, depart_s in 0.0..150.0f64, radius in 0.5..4.0f64,
+            tracks in prop::collection::vec(prop::option::of(0.0..std::f64::consts::TAU), 6),
+            wind in (-4.0..4.0f64, -4.0..4.0f64, 0.0..150.0f64),
+        ) {
+            let margin = if margin < 1.0 { 0.0 } else { margin };
+            let air = super::gust(wind.0, wind.1, wind.2);
+            let mut network = Network::on_plane(&world.zones, (margin, radius), air, ALL_DAY).unwrap();
+            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            for (place, track) in places.iter().zip(&tracks) {
+                network.head(*place, *track);
+            }
+            for from in &places {
+                for to in &places {
+                    let Ok(trip) = network.trip(*from, *to, depart_s) else { continue };
+                    let points = network.path_points(trip.way, trip.depart_s);
+                    prop_assert!(points.first() == Some(&world.places[from.0]) && points.last() == Some(&world.places[to.0]));
+                    // Where it begins and ends in its direction, as far as a chord of a turn shows it.
+                    let off = |along: Point, place: &PlaceId| {
+                        let bearing = libm::atan2(along.x, along.y);
+                        tracks[place.0].filter(|_| along.length() > 0.0).map_or(0.0, |track| {
+                            let apart = (bearing - track).rem_euclid(std::f64::consts::TAU);
+                            apart.min(std::f64::consts::TAU - apart)
+                        })
+                    };
+                    if let [first, second, ..] = points[..] {
+                        prop_assert!(off(second.minus(first), from) < 0.12, "{points:?}");
+                        let (last, before) = (points[points.len() - 1], points[points.len() - 2]);
+                        prop_assert!(off(last.minus(before), to) < 0.12, "{points:?}");
+                    }
+                    let ends = [*from, *to].map(|place| world.places[place.0]);
+                    let nearest = world.zones.iter().flat_map(|zone| {
+                        ends.map(|end| plane::segment_to_edges(end, end, &zone.corners))
+                    });
+                    let margin = nearest.fold(margin, f64::min);
+                    // When it is where is not asked: zones with times count as long as the flight lasts.
+                    let during = |zone: &&PlaneZone| {
+                        let meets = |(shut_s, open_s): &(f64, f64)| *shut_s + 1e-4 < trip.depart_s && trip.arrive_s + 1e-4 < *open_s;
+                        zone.active_s.is_empty() || zone.active_s.iter().any(meets)
+                    };
+                    let zones: Vec<PlaneZone> = world.zones.iter().filter(during).cloned()
+                        .map(|zone| PlaneZone { active_s: Vec::new(), ..zone }).collect();
+                    for pair in points.windows(2) {
+                        for step in 0..=12 {
+                            let here = pair[0].plus(f64::from(step) / 12.0, pair[1].minus(pair[0]));
+                            let entry = entered(&zones, here, 0.0, margin - 1e-9);
+                            prop_assert!(entry.is_none(), "{here:?} in {entry:?} of {points:?}");
+                        }
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn leaving_later_with_wide_turns_is_never_being_there_earlier(
+            world in worlds(6), wind in (-4.0..4.0f64, -4.0..4.0f64, 10.0..80.0f64), radius in 0.5..4.0f64,
+            departs in prop::collection::vec(0.0..200.0f64, 2..12), track in prop::option::of(0.0..std::f64::consts::TAU),
+        ) {
+            let air = super::gust(wind.0, wind.1, wind.2);
+            let mut network = Network::on_plane(&world.zones, (0.0, radius), air, ALL_DAY).unwrap();
+            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            places.iter().for_each(|place| network.head(*place, track));
+            let outside = |place: &Point| world.zones.iter().all(|zone| !plane::inside(*place, &zone.corners));
+            if !outside(&world.places[0]) {
+                return Ok(());
+            }
+            let mut departs = departs;
+            departs.sort_by(f64::total_cmp);
+            for to in &places[1..] {
+                let arrive: Vec<f64> = departs.iter()
+                    .map(|depart_s| network.trip(places[0], *to, *depart_s).map_or(f64::INFINITY, |trip| trip.arrive_s))
+                    .collect();
+                for (early, late) in arrive.iter().zip(arrive.iter().skip(1)) {
+                    prop_assert!(*late >= early - 1e-5, "{departs:?} {arrive:?}");
+                }
+            }
+        }
+
+        #[test]
         fn leaving_later_is_never_being_there_earlier(
             world in worlds(7), wind in (-0.8..0.8f64, -0.8..0.8f64, 10.0..80.0f64),
             departs in prop::collection::vec(0.0..200.0f64, 2..20),

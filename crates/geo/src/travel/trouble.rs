@@ -23,6 +23,8 @@ pub enum Trouble {
     NoLandingPlace(f64),
     /// Every way leads too far from emergency landing places, of which one must be within this distance.
     LeavesReach(f64),
+    /// Around the ways there is no room for turns as wide as they must be.
+    NoRoomToTurn,
     /// The way is shut at every time at which it could still be flown.
     Shut,
 }
@@ -46,6 +48,7 @@ impl fmt::Display for Trouble {
             Trouble::LeavesReach(distance_m) => {
                 write!(f, "every way leaves the reach of the emergency landing places ({:.0} km)", distance_m / 1000.0)
             }
+            Trouble::NoRoomToTurn => f.write_str("there is no room beside restricted areas for turns of the vehicle"),
             Trouble::Shut => f.write_str("restricted areas or the wind shut the way whenever it could be flown"),
         }
     }

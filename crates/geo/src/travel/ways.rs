@@ -6,10 +6,12 @@
 //! later never means arriving earlier. Bound of a question: O(ways x legs), mostly O(1).
 
 use super::course::first_open;
+use super::ground::Spot;
 use super::network::{Network, PlaceId, Ride};
 use super::search::{FoundWay, Tree};
 use super::spans::{Span, merged};
 use super::trouble::Trouble;
+use super::turns::{Tracks, Turned};
 use crate::plane::Point;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
@@ -40,6 +42,8 @@ struct Way {
     rides: Vec<Ride>,
     /// Departures at which some part is shut: open spans, sorted.
     closed_s: Vec<Span>,
+    /// What turns make of it, once that was asked for; none where there is no room for them.
+    turned: Option<Option<Turned>>,
 }
 
 /// The ways found so far.
@@ -82,11 +86,18 @@ impl Network {
                 best = Some(trip);
             }
         }
+        if best.is_none() && self.turn_radius > 0.0 {
+            let ways = self.found.sets.get(set).cloned().unwrap_or_default();
+            if !ways.into_iter().any(|way| self.has_room(way)) {
+                return Err(Trouble::NoRoomToTurn);
+            }
+        }
         best.ok_or(Trouble::Shut)
     }
 
     /// The first arrival by one way; none where it is shut or `from` must not be held at for so long.
     fn trip_by(&mut self, number: WayId, ready_s: f64) -> Option<Trip> {
+        let extra_s = if self.turn_radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
         let way = self.found.ways.get(number.0)?;
         let depart_s = first_open(&way.closed_s, ready_s);
         let (from, rides) = (way.from, way.rides.len());
@@ -98,7 +109,38 @@ impl Network {
             let ride = self.found.ways.get(number.0).and_then(|way| way.rides.get(index)).copied()?;
             now_s = self.arrive(ride, now_s);
         }
-        now_s.is_finite().then_some(Trip { depart_s, arrive_s: now_s, way: number })
+        now_s.is_finite().then_some(Trip { depart_s, arrive_s: now_s + extra_s, way: number })
+    }
+
+    /// What turns make of a way, and its closed departures with theirs; none where there is no room for them.
+    pub(super) fn turned(&mut self, number: WayId) -> Option<&Turned> {
+        if self.turn_radius <= 0.0 {
+            return None;
+        }
+        if self.found.ways.get(number.0)?.turned.is_none() {
+            let turned = self.turn(number);
+            let way = self.found.ways.get_mut(number.0)?;
+            if let Some(turned) = &turned {
+                way.closed_s.extend_from_slice(&turned.closed_s);
+                way.closed_s = merged(std::mem::take(&mut way.closed_s), 0.0);
+            }
+            way.turned = Some(turned);
+        }
+        self.found.ways.get(number.0)?.turned.as_ref()?.as_ref()
+    }
+
+    /// Has a way room for its turns?
+    fn has_room(&mut self, number: WayId) -> bool {
+        self.turn_radius <= 0.0 || self.turned(number).is_some()
+    }
+
+    /// A way's ends and bends, and in which directions it is left and reached.
+    pub(super) fn ends_and_bends(&self, number: WayId) -> Option<(Vec<Spot>, Tracks)> {
+        let way = self.found.ways.get(number.0)?;
+        let (from, to) = (self.places.get(way.from.0)?, self.places.get(way.to.0)?);
+        let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
+        let spots = [&from.spot].into_iter().chain(between).chain([&to.spot]).cloned().collect();
+        Some((spots, (from.track_rad, to.track_rad)))
     }
 
     /// Both ends of a way and the bends between, on the Earth.
@@ -111,7 +153,7 @@ impl Network {
         self.spots(way).into_iter().map(|(_, point)| point).collect()
     }
 
-    fn spots(&self, way: WayId) -> Vec<(Position, Point)> {
+    pub(super) fn spots(&self, way: WayId) -> Vec<(Position, Point)> {
         let Some(way) = self.found.ways.get(way.0) else { return Vec::new() };
         let ends = |place: PlaceId| self.places.get(place.0).map(|place| &place.spot);
         let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
@@ -138,7 +180,7 @@ impl Network {
     fn trip_now(&mut self, from: PlaceId, to: PlaceId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
         let straight = self.straight_way(from, to).ok();
         let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));
-        if straight.is_some_and(|(_, free)| free) {
+        if straight.is_some_and(|(way, free)| free && self.has_room(way)) {
             return direct;
         }
         if tree.is_none() {
@@ -171,7 +213,9 @@ impl Network {
 
     fn find(&mut self, from: PlaceId, to: PlaceId) -> Result<Vec<WayId>, Trouble> {
         let straight = self.straight_way(from, to);
-        if let Ok((way, true)) = straight {
+        if let Ok((way, true)) = straight
+            && self.has_room(way)
+        {
             return Ok(vec![way]);
         }
         for place in [from, to] {
@@ -234,7 +278,7 @@ impl Network {
             }
         }
         let closed_s = merged(closed_s, 0.0);
-        self.found.ways.push(Way { from, to, bends: found.bends, rides: found.rides, closed_s });
+        self.found.ways.push(Way { from, to, bends: found.bends, rides: found.rides, closed_s, turned: None });
         WayId(self.found.ways.len() - 1)
     }
 }

@@ -169,6 +169,10 @@ pub struct SingleVisitVehicle {
     pub endurance_s: f64,
     /// Flight time that must be left at the end.
     pub endurance_reserve_s: f64,
+    /// Least radius of a turn through the air, from speed and greatest roll angle; 0: turns take neither time nor room. Else
+    /// targets are left and reached in the directions of their lines.
+    #[serde(default)]
+    pub turn_radius_m: f64,
 }
 
 /// A person whose hours cost.
@@ -210,6 +214,10 @@ pub struct PlannedVisit {
     pub manoeuvre: usize,
     /// Way points from the exit before to this entry, both included; detours around airspace are in between.
     pub route: Vec<Position>,
+    /// What is flown from end to end of the route, turns included: points never farther than a thousandth of the vehicle's
+    /// turn radius from it. Empty where turns are not limited: the route itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<Position>,
     /// When the vehicle leaves the exit before (or the start); later than the visit before has ended where it holds first.
     pub depart_s: f64,
     /// When it is at the entry.
@@ -233,6 +241,9 @@ pub struct SingleVisitPlan {
     pub visits: Vec<PlannedVisit>,
     /// Way points from the last exit to the base, both included; empty where there is no base.
     pub return_route: Vec<Position>,
+    /// What is flown there, as [`PlannedVisit::path`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub return_path: Vec<Position>,
     /// When the vehicle leaves the last exit for the base; later than the last visit's end where it holds first.
     pub return_depart_s: f64,
     /// When the flight ends: at the base, or at the last exit where there is none.

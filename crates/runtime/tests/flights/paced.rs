@@ -71,6 +71,7 @@ impl Solver for Bad {
             solver: self.0.into(),
             visits: Vec::new(),
             return_route: Vec::new(),
+            return_path: Vec::new(),
             return_depart_s: 0.0,
             end_s: 0.0,
             fuel_used_kg: 0.0,

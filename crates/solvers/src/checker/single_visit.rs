@@ -1,7 +1,7 @@
 //! The checker's own look at a single-visit plan: flies it in short steps, with its own arithmetic for wind, polygons,
 //! fuel and worth.
 
-use super::given_times;
+use super::{given_times, turns};
 use apex_geo::geodesy::{self, Position, RAD_PER_DEG, wrap_180};
 use apex_geo::{sun, wind};
 use apex_model::problem::{
@@ -26,6 +26,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     let mut altitude_m = problem.start_altitude_m;
     let mut time_s = problem.start_s;
     let mut benefits = 0.0;
+    let mut exit = None;
     for (number, visit) in plan.visits.iter().enumerate() {
         let target = problem.targets.iter().find(|target| target.name == visit.target);
         let manoeuvre = target.and_then(|target| target.manoeuvres.get(visit.manoeuvre));
@@ -43,10 +44,14 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
                 found.push(format!("leaves for {} before the visit before has ended", visit.target));
             }
             ends_meet(&visit.route, here, entry, &visit.target, &mut found);
-            fly(problem, &visit.route, &leg, (visit.depart_s, visit.arrive_s), &mut found);
+            let flown = turns::flown(problem, &visit.route, &visit.path);
+            fly(problem, flown, &leg, (visit.depart_s, visit.arrive_s), &mut found);
+            let ends = (exit, turns::track_rad(manoeuvre.lines.first(), false));
+            turns::check(problem, flown, visit.depart_s, ends, &visit.target, &mut found);
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
+        exit = turns::track_rad(manoeuvre.lines.last(), true);
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
         (altitude_m, time_s) = (manoeuvre.altitude_m, visit.end_s);
     }
@@ -56,7 +61,9 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
         let depart_s = plan.return_depart_s.max(time_s);
-        fly(problem, &plan.return_route, &leg, (depart_s, plan.end_s), &mut found);
+        let flown = turns::flown(problem, &plan.return_route, &plan.return_path);
+        fly(problem, flown, &leg, (depart_s, plan.end_s), &mut found);
+        turns::check(problem, flown, depart_s, (exit, None), "the base", &mut found);
     } else if (plan.end_s - time_s).abs() > 1e-6 {
         found.push("does not end with its last visit".to_string());
     }
@@ -117,7 +124,13 @@ fn fly(
 }
 
 /// Speed over ground from vectors: the air velocity of given length whose sum with the wind points along the step.
-fn ground_speed_mps(problem: &SingleVisitProblem, from: Position, to: Position, middle: Position, time_s: f64) -> f64 {
+pub(super) fn ground_speed_mps(
+    problem: &SingleVisitProblem,
+    from: Position,
+    to: Position,
+    middle: Position,
+    time_s: f64,
+) -> f64 {
     let here = wind::at(&problem.wind, middle, problem.vehicle.cruise_altitude_m, time_s);
     let north = to.latitude_deg - from.latitude_deg;
     let east = wrap_180(to.longitude_deg - from.longitude_deg) * libm::cos(middle.latitude_deg * RAD_PER_DEG);

@@ -107,3 +107,43 @@ proptest! {
         }
     }
 }
+
+/// A mission whose vehicle turns wide, with its plan.
+fn turning(seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
+    let mut problem = crate::single_visit::examples::random(5, seed);
+    problem.vehicle.turn_radius_m = turn_radius_m;
+    let problem = Problem::SingleVisit(problem);
+    let mut budget = WorkBudget::new(60_000);
+    let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
+    let plan = crate::single_visit::SingleVisit.solve(&problem, &mut environment);
+    (problem, plan)
+}
+
+#[test]
+fn plans_with_wide_turns_pass_and_without_their_turns_do_not() {
+    let mut refused = 0;
+    for seed in 0..12 {
+        let (problem, plan) = turning(seed, 3_400.0);
+        let Ok(plan) = plan else { continue };
+        assert_eq!(violations(&problem, &plan), Vec::<String>::new(), "seed {seed}");
+        let Plan::SingleVisit(mut straight) = plan else { panic!("of another kind") };
+        assert!(straight.visits.iter().all(|visit| visit.path.len() > visit.route.len()), "seed {seed}");
+        for visit in &mut straight.visits {
+            visit.path.clear();
+        }
+        let found = violations(&problem, &Plan::SingleVisit(straight));
+        refused += usize::from(found.iter().any(|what| what.contains("turns more tightly than 3400 m")));
+    }
+    assert!(refused >= 8, "{refused}");
+}
+
+#[test]
+fn a_plan_of_who_turns_at_once_is_too_hasty_for_who_does_not() {
+    let mut hasty = 0;
+    for seed in 0..12 {
+        let (_, plan) = turning(seed, 0.0);
+        let (problem, _) = turning(seed, 3_400.0);
+        hasty += usize::from(plan.is_ok_and(|plan| !violations(&problem, &plan).is_empty()));
+    }
+    assert!(hasty >= 8, "{hasty}");
+}

@@ -78,6 +78,7 @@ pub(crate) fn western_states(endurance_s: f64) -> SingleVisitProblem {
             fuel_flow_kg_per_s: 0.02,
             endurance_s,
             endurance_reserve_s: 1800.0,
+            turn_radius_m: 0.0,
         },
         start: Position::new(34.905, -117.884),
         start_altitude_m: 700.0,

@@ -34,6 +34,7 @@ pub(super) fn plan_of(
             target: target.name.clone(),
             manoeuvre: choice.manoeuvre,
             route: way.route,
+            path: way.path,
             depart_s: way.depart_s,
             arrive_s: timed.arrive_s,
             begin_s: timed.begin_s,
@@ -44,7 +45,7 @@ pub(super) fn plan_of(
     }
     let back = match schedule.problem.base {
         Some(_) => schedule.travel.way(node, Node::Base, ready_s)?,
-        None => Way { route: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
+        None => Way { route: Vec::new(), path: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
     };
     let left_out = left_out(schedule, &best.order, &best.judged, troubles);
     Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
@@ -82,6 +83,7 @@ fn assembled(
         solver: solver.to_string(),
         visits,
         return_route: back.route,
+        return_path: back.path,
         return_depart_s: back.depart_s,
         end_s: best.judged.end_s,
         fuel_used_kg: problem.vehicle.fuel_flow_kg_per_s * flight_s,

@@ -5,7 +5,7 @@
 //! departure and first in, first out. What a network looks at is charged as work.
 
 use apex_geo::direction::Direction;
-use apex_geo::geodesy::Position;
+use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
 use apex_geo::travel::{Air, Network, PlaceId, Setting, Trip, Trouble};
 use apex_model::problem::{FOREVER_S, SingleVisitProblem, TravelTimes, UNREACHABLE_S};
 use std::collections::BTreeMap;
@@ -33,6 +33,8 @@ pub(crate) enum Node {
 pub(crate) struct Way {
     /// Both ends and the bends between.
     pub(crate) route: Vec<Position>,
+    /// What is flown, turns included; empty where they are not limited.
+    pub(crate) path: Vec<Position>,
     /// When it begins: later than asked for where the vehicle has to hold first.
     pub(crate) depart_s: f64,
     /// When it ends.
@@ -64,6 +66,8 @@ struct Spot {
     position: Position,
     altitude_m: f64,
     direction: Direction,
+    /// In which direction it is left and reached, clockwise from north; none is any.
+    track_rad: Option<f64>,
 }
 
 /// The travel model with its memory.
@@ -103,7 +107,8 @@ impl<'a> Travel<'a> {
         }
         let spots = nodes.iter().map(|node| {
             let (position, altitude_m) = place(problem, *node);
-            Spot { position, altitude_m, direction: Direction::of(position) }
+            let (direction, track_rad) = (Direction::of(position), track_rad(problem, *node));
+            Spot { position, altitude_m, direction, track_rad }
         });
         let mut faces_m: Vec<f64> =
             problem.zones.iter().flat_map(|zone| [zone.altitude_m_min, zone.altitude_m_max]).collect();
@@ -194,11 +199,16 @@ impl<'a> Travel<'a> {
         if let Some(travel) = &self.problem.travel {
             let arrive_s = ready_s + given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
             let route = vec![place(self.problem, from).0, place(self.problem, to).0];
-            return Ok(Way { route, depart_s: ready_s, arrive_s });
+            return Ok(Way { route, path: Vec::new(), depart_s: ready_s, arrive_s });
         }
         let (layer, times, trip) = self.find(from, to, ready_s)?;
-        let route = self.layers.get(layer).map_or_else(Vec::new, |layer| layer.network.positions(trip.way));
-        Ok(Way { route, depart_s: times.depart_s, arrive_s: times.arrive_s })
+        let limited = self.problem.vehicle.turn_radius_m > 0.0;
+        let network = self.layers.get_mut(layer).map(|layer| &mut layer.network);
+        let (route, path) = network.map_or_else(Default::default, |network| {
+            let path = if limited { network.path(trip.way, trip.depart_s) } else { Vec::new() };
+            (network.positions(trip.way), path)
+        });
+        Ok(Way { route, path, depart_s: times.depart_s, arrive_s: times.arrive_s })
     }
 
     /// The layer, the times and the trip; climbs and descents take their time.
@@ -213,7 +223,8 @@ impl<'a> Travel<'a> {
         let number = self.layer(self.band(low_m, high_m), (low_m, high_m))?;
         let climb_s = self.climb_s(start.altitude_m, end.altitude_m);
         let layer = self.layers.get_mut(number).ok_or("no way was found")?;
-        let places = layer.place(from, start.position).and_then(|from| Ok((from, layer.place(to, end.position)?)));
+        let mut place = |number: usize, spot: &Spot| layer.place(number, spot.position, spot.track_rad);
+        let places = place(from, &start).and_then(|from| Ok((from, place(to, &end)?)));
         let trip = places.and_then(|(from, to)| layer.network.trip(from, to, ready_s));
         let trip = trip.map_err(|trouble| trouble.to_string())?;
         let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
@@ -241,7 +252,7 @@ impl<'a> Travel<'a> {
         let setting = Setting {
             zones: &problem.zones,
             margin_m: problem.zone_margin_m,
-            turn_radius_m: 0.0,
+            turn_radius_m: problem.vehicle.turn_radius_m,
             landing_places: &problem.landing_places,
             landing_distance_m_max: problem.landing_distance_m_max,
             around: &self.around,
@@ -298,7 +309,8 @@ impl<'a> Travel<'a> {
         let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
         let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
         let mut legs = lines.iter().copied().chain(turns);
-        let trouble = match layer.place(entry_node, entry) {
+        let track_rad = self.spots.get(entry_node).and_then(|spot| spot.track_rad);
+        let trouble = match layer.place(entry_node, entry, track_rad) {
             Ok(place) => layer.network.place_trouble(place, (begin_s, end_s)),
             Err(trouble) => Some(trouble),
         };
@@ -322,11 +334,14 @@ impl<'a> Travel<'a> {
 
 impl Layer {
     /// The place of a node, added when it is first needed.
-    fn place(&mut self, node: usize, position: Position) -> Result<PlaceId, Trouble> {
+    fn place(&mut self, node: usize, position: Position, track_rad: Option<f64>) -> Result<PlaceId, Trouble> {
         if let Some(Some(known)) = self.places.get(node) {
             return known.clone();
         }
         let place = self.network.add(position);
+        if let Ok(place) = &place {
+            self.network.head(*place, track_rad);
+        }
         if let Some(slot) = self.places.get_mut(node) {
             *slot = Some(place.clone());
         }
@@ -359,6 +374,21 @@ fn given_s_min(travel: &TravelTimes, from: Node, to: Node) -> f64 {
         _ => UNREACHABLE_S,
     };
     if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
+}
+
+/// The direction of the line that a manoeuvre begins or ends with; none for other places and lines of no length.
+fn track_rad(problem: &SingleVisitProblem, node: Node) -> Option<f64> {
+    let lines = |target: usize, manoeuvre: usize| {
+        problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)
+    };
+    let (here, there, back) = match node {
+        Node::Start | Node::Base => return None,
+        Node::Entry(target, manoeuvre) => lines(target, manoeuvre)?.first().map(|(from, to)| (*from, *to, false))?,
+        Node::Exit(target, manoeuvre) => lines(target, manoeuvre)?.last().map(|(from, to)| (*to, *from, true))?,
+    };
+    let (length_m, azimuth_deg) = geodesy::inverse(here, there);
+    let track_deg = if back { azimuth_deg + 180.0 } else { azimuth_deg };
+    (length_m > 1.0).then_some(track_deg * RAD_PER_DEG)
 }
 
 /// Where a node is and at which altitude.
