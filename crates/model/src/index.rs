@@ -15,13 +15,14 @@ use rustc_hash::FxBuildHasher;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Something with an index that may serve a goal.
+/// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
+/// made in flight goes before what is stored for the same goal, since whoever asked for it wants it used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Candidate {
-    /// A stored procedure.
-    Procedure(u32),
     /// A generated procedure.
     Generated(u64),
+    /// A stored procedure.
+    Procedure(u32),
     /// A primitive.
     Primitive(u32),
     /// A solver declaration.

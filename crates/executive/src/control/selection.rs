@@ -234,11 +234,7 @@ fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
     }
     if found.len() > 1 {
         let pattern = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
-        // A plan made meanwhile goes before a stored procedure for the same goal: whoever asked for it wants it used.
-        let stored = |candidate: Candidate| !matches!(candidate, Candidate::Generated(_));
-        found.sort_by_cached_key(|(candidate, _)| {
-            (std::cmp::Reverse(pattern(*candidate)), stored(*candidate), *candidate)
-        });
+        found.sort_by_cached_key(|(candidate, _)| (std::cmp::Reverse(pattern(*candidate)), *candidate));
     }
     found
 }

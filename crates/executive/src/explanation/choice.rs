@@ -52,7 +52,7 @@ pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
 }
 
 fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOption> {
-    let mut best: Option<Specificity> = None;
+    let mut best: Option<(Specificity, Candidate)> = None;
     let mut options = Vec::new();
     for candidate in candidates {
         let Some((pattern, place)) = index(agent, *candidate) else { continue };
@@ -61,8 +61,16 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
             Some(reason) => (false, reason),
             None => {
                 let own = specificity(pattern);
-                let because = best.map_or_else(|| "it is the most specific match".into(), |best| why_before(best, own));
-                best.get_or_insert(own);
+                let because = match best {
+                    None => "it is the most specific match".into(),
+                    Some((first, Candidate::Generated(_)))
+                        if first == own && !matches!(candidate, Candidate::Generated(_)) =>
+                    {
+                        "it is as specific, and a plan made in flight goes before what is stored".into()
+                    }
+                    Some((first, _)) => why_before(first, own),
+                };
+                best.get_or_insert((own, *candidate));
                 (true, because)
             }
         };
