@@ -71,9 +71,9 @@ pub struct AbsentPart {
     pub since_final: Time,
     /// The data do not say whether the part holds.
     pub unknown: bool,
-    /// The part holds at instants (`:not`, `:function`, a line) and did so, or was in doubt, at the last look: absence begins
-    /// with the look at which it does not.
-    pub broken: bool,
+    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
+    /// absence begins with the look at which it does not.
+    pub broken: Option<Time>,
     /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
     pub reached: Vec<Reached>,
     /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.

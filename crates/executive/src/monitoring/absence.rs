@@ -41,7 +41,7 @@ pub(super) fn create(
         taken_back: None,
         reached: Vec::new(),
         unknown: false,
-        broken: false,
+        broken: None,
         told: None,
         seen: Vec::new(),
         found: Vec::new(),
@@ -55,13 +55,17 @@ pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.seen.clear();
     part.reached.clear();
     (part.since, part.since_final) = (site.window.start, site.window.start);
-    (part.unknown, part.broken, part.told, part.taken_back) = (false, false, None, None);
+    (part.unknown, part.broken, part.told, part.taken_back) = (false, None, None, None);
     part.decides_at = Some(part.since + part.length);
 }
 
-/// A sample of `at` has come, and what was so from `known` on is judged again: windows that reached the sample, and those
-/// that were found then, have not passed yet.
-pub(super) fn take_back(part: &mut AbsentPart, at: Time, known: Time) {
+/// What was so from `known` on is judged again, because a sample came late: one of `at`, if it lies in the window. Then windows
+/// that reached it, and those that were found since `known`, have not passed yet.
+pub(super) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
+    if part.broken.is_some_and(|since| since >= known) {
+        part.broken = None;
+    }
+    let Some(at) = at else { return };
     let stays = |window: &Satisfaction| window.interval.1 < at && window.recognised_at < known;
     let gone = part.found.iter().filter(|window| !stays(window)).map(|window| window.interval.0);
     let first = gone.chain([at - part.length]).min();
@@ -98,11 +102,11 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
     // Instants between looks are as the last look found: nothing changes unnoticed.
-    if quiet && part.broken {
+    if quiet && part.broken.is_some() {
         part.since_final = part.since_final.max(asking.now);
     }
-    part.broken = at_instants && !quiet;
-    if part.broken {
+    part.broken = (at_instants && !quiet).then(|| part.broken.unwrap_or(asking.now));
+    if part.broken.is_some() {
         part.seen.clear();
     } else if quiet {
         pass(part, &extents, site, &mut asking);

@@ -127,12 +127,13 @@ pub(super) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &
 pub(super) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
     let PartKind::Absent(leaf) = &mut part.kind else { return };
-    let late = *at < surroundings.now() && *at >= part.window.start;
-    if !late || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
+    if *at >= surroundings.now() || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
         return;
     }
     let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
-    super::absence::take_back(leaf, *at, known);
+    let known = known.max(part.window.start);
+    // What lies before the window is in no window, but from its value on it may be known what was in them.
+    super::absence::take_back(leaf, (*at >= part.window.start).then_some(*at), known);
     let (now, mut looked) = (surroundings.now(), known);
     if known < now {
         look_then(part, known, surroundings, troubles);

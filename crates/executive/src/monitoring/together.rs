@@ -2,8 +2,8 @@
 //! What: from when to when all parts of an `:and` have been there, without making the combinations of their results.
 //! Runs: whenever an absence looks at an `:and` whose parts need not agree about anything.
 //! Reads: what the parts have found, histories, surroundings.
-//! Writes: takes final results out of the parts; of them, only how far they reach is kept.
-//! Bound: O(new results + objects) per look; memory for messages since the newest sample.
+//! Writes: takes final results out of the parts, but for messages; of them, only how far they reach is kept.
+//! Bound: O(new results + objects + messages) per look.
 //! PDL: `(:absent (:and ..) :for D)`.
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 //!
@@ -35,7 +35,7 @@ pub(super) fn take(absent: &mut AbsentPart, asking: &mut Asking<'_>) -> Extents 
     let (mut hull, mut recognised_at) = (None, Time::BEGINNING);
     let (mut all, mut open, mut doubt) = (Truth::True, false, false);
     for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
-        let found = extents::take_final(each, asking);
+        let found = found(each, asking);
         reached.coming.extend(found.settled.iter().map(|result| (result.recognised_at, result.interval)));
         let full = reached.coming.len() > MONITOR_RESULTS_MAX;
         let is_known = |at: Time, until: Time| at <= until || full;
@@ -67,6 +67,13 @@ pub(super) fn take(absent: &mut AbsentPart, asking: &mut Asking<'_>) -> Extents 
         together.passing.push(Extent { result, open });
     }
     together
+}
+
+/// What a part has found. Messages stay with it: no history need remember them, so who looks at the past again asks the part.
+fn found(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
+    let PartKind::Event(leaf) = &part.kind else { return extents::take_final(part, asking) };
+    let passing = leaf.settled.iter().map(|result| Extent { result: result.clone(), open: false }).collect();
+    Extents { passing, ..Extents::default() }
 }
 
 fn joined(hull: Option<(Time, Time)>, (start, end): (Time, Time)) -> Option<(Time, Time)> {
