@@ -101,8 +101,9 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
-    // Instants between looks are as the last look found: nothing changes unnoticed.
-    if quiet && part.broken.is_some() {
+    // Instants between looks are as the last look found: nothing changes unnoticed. What was so only in the middle of this
+    // instant has not been.
+    if quiet && part.broken.is_some_and(|since| since < asking.now) {
         part.since_final = part.since_final.max(asking.now);
     }
     part.broken = (at_instants && !quiet).then(|| part.broken.unwrap_or(asking.now));
