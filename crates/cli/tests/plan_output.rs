@@ -304,7 +304,8 @@ fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
     let by_hand = ["plan", "m", "--visits", "barn,winery,farmhouse", "--repeat"];
     let table = desk.apex(&by_hand).well();
     table.told(&["planned by human", "no plan that never waits can cost less"]);
-    desk.apex(&["plan", "m", "--visits", "barn,wineri"]).complained(2, &["there is no target `wineri`", "winery"]);
+    desk.apex(&["plan", "m", "--visits", "barn,wineri"])
+        .complained(2, &["there is no target `wineri`", "winery", "write what `--visits` names as the mission does"]);
     desk.apex(&["plan", "m", "--visits", "barn", "--solver", "wam"]).complained(2, &["cannot be used with"]);
     let printed = [by_hand.as_slice(), &["--out", "m/plan.pdl"]].concat();
     desk.apex(&printed).well();

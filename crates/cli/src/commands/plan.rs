@@ -22,6 +22,8 @@ use std::sync::Arc;
 
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
+/// What to do when a person's visits are none.
+const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
 
 /// Plans and prints.
 pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
@@ -42,6 +44,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     refuse(format, &question)?;
     let by_hand = !options.visits.is_empty();
     let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
+    let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
     let (budget, seed) = (question.budget, question.seed);
     let mut means = Means::of(planners);
     if by_hand {
@@ -54,7 +57,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
-        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(NO_PLAN_HELP))?;
+        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))?;
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
