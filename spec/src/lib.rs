@@ -15,6 +15,7 @@ pub mod projection;
 pub mod question;
 pub mod reasons;
 pub mod rederive;
+pub mod rules;
 pub mod scenario;
 pub mod verdict;
 

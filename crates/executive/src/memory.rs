@@ -187,12 +187,11 @@ pub fn kept(library: &Library) -> Vec<Kept> {
             Subject::Messages | Subject::MessagesOf(_) => {
                 messages(subject.clone(), own, limit(library, Limit::EventHistory))
             }
-            Subject::EveryAttribute => samples(subject.clone(), own, None, Duration::ZERO, most),
+            Subject::EveryAttribute => samples(subject.clone(), own, None, most),
             Subject::Attribute(name) => {
                 let declaration = library.state_variables.get(name);
-                let lateness = declaration.and_then(monitoring::lateness).unwrap_or_default();
                 let rate = declaration.and_then(|declared| declared.rate_per_s);
-                samples(subject.clone(), own.chain(everything.iter().copied()), rate, lateness, most)
+                samples(subject.clone(), own.chain(everything.iter().copied()), rate, most)
             }
         }
     };
@@ -221,11 +220,9 @@ fn samples<'a>(
     subject: Subject,
     demands: impl Iterator<Item = &'a Demand>,
     rate_per_s: Option<f64>,
-    lateness: Duration,
     most: u64,
 ) -> Kept {
     let (span, logged) = longest(demands);
-    let span = span.map(|span| if span > Duration::ZERO { span + lateness } else { span });
     let least = HISTORY_SAMPLES_DEFAULT as u64;
     let within = match (span, rate_per_s) {
         (None, _) => Some(most),
