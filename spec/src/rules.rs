@@ -79,7 +79,7 @@ mod tests {
             definitions: vec![],
             pages: vec!["spec/README.md".into()],
         };
-        assert_eq!(rows(text), [expected.clone()]);
+        assert_eq!(rows(text), std::slice::from_ref(&expected));
         let faults = faults(&expected);
         let expected =
             ["no file a/b.rs", "no file c.rs", "in the column of definitions", "README.md is no page that runs"];

@@ -4,6 +4,7 @@
 //! checker with a clear diagnostic, never ignored.
 
 use crate::expression::{Expr, Template};
+use crate::monitor_cyclic::CyclicCondition;
 use crate::pattern::Pattern;
 use crate::source::Place;
 use crate::symbol::Symbol;
@@ -85,12 +86,7 @@ pub enum ConditionKind {
         count_limit: Option<Expr>,
     },
     /// `(:cyclic (ATTR OBJ) :period C ..)`.
-    Cyclic {
-        /// The state variable.
-        variable: VariablePattern,
-        /// Options by keyword without the colon, each with its constraints.
-        options: Vec<(Symbol, Vec<Constraint>)>,
-    },
+    Cyclic(Arc<CyclicCondition>),
 }
 
 /// `(ATTR OBJ)`: the attribute is fixed, the object may contain variables.

@@ -27,7 +27,7 @@ fn collect(condition: &Condition, found: &mut Vec<StateVariable>) {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => add(&measurement.variable),
         ConditionKind::Episode(episode) => add(&episode.variable),
-        ConditionKind::Cyclic { variable, .. } => add(variable),
+        ConditionKind::Cyclic(cyclic) => add(&cyclic.variable),
         ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
             parts.iter().for_each(|part| collect(part, found));
         }

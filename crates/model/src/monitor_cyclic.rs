@@ -1,4 +1,4 @@
-//! State of a cyclic condition (`monitoring.md` section 1, `:cyclic`): turning points and the run of cycles they make.
+//! A cyclic condition (`monitoring.md` section 1, `:cyclic`), and its state: turning points and the run of cycles they make.
 
 use crate::bindings::Bindings;
 use crate::condition::{Constraint, VariablePattern};
@@ -10,14 +10,22 @@ use crate::time::Time;
 use crate::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// `(:cyclic (ATTR OBJ) :period C ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CyclicCondition {
+    /// Whose values.
+    pub variable: VariablePattern,
+    /// Constraints by option, in the order in which they are written: `period`, `amplitude`, `cycles`, `hysteresis`.
+    pub options: Vec<(Symbol, Vec<Constraint>)>,
+}
 
 /// State of a cyclic condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CyclicPart {
-    /// Whose values.
-    pub wanted: VariablePattern,
-    /// Constraints by option: `period`, `amplitude`, `cycles`.
-    pub options: Vec<(Symbol, Vec<Constraint>)>,
+    /// What is wanted.
+    pub condition: Arc<CyclicCondition>,
     /// The state variable when its object is known, else none.
     pub variable: Option<StateVariable>,
     /// How far a value must come back from an extreme to make it a turning point, SI.

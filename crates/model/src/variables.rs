@@ -133,9 +133,9 @@ pub fn of_condition(condition: &Condition, sink: Sink<'_>) {
                 .flatten()
                 .for_each(|part| of_expr(part, sink));
         }
-        ConditionKind::Cyclic { variable, options } => {
-            of_pattern(&variable.object, sink);
-            options.iter().for_each(|(_, constraints)| of_constraints(constraints, sink));
+        ConditionKind::Cyclic(cyclic) => {
+            of_pattern(&cyclic.variable.object, sink);
+            cyclic.options.iter().for_each(|(_, constraints)| of_constraints(constraints, sink));
         }
     }
 }

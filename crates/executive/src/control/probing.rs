@@ -81,7 +81,7 @@ fn collect(condition: &Condition, see: &mut dyn FnMut(&Condition) -> Seen) -> Se
         | ConditionKind::TaskEnded(_)
         | ConditionKind::TaskState { .. }
         | ConditionKind::Function(_)
-        | ConditionKind::Cyclic { .. } => Ok(()),
+        | ConditionKind::Cyclic(_) => Ok(()),
     }
 }
 

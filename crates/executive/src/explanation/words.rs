@@ -86,7 +86,8 @@ pub fn pattern(pattern_to_tell: &Pattern) -> String {
 }
 
 /// The text of a state variable with its pattern.
-fn variable(variable: &VariablePattern) -> String {
+/// The text of a state variable, without its parentheses.
+pub(crate) fn variable(variable: &VariablePattern) -> String {
     match &variable.object {
         Pattern::Literal(Value::List(items)) if items.is_empty() => variable.attribute.to_string(),
         Pattern::List(parts) => std::iter::once(variable.attribute.to_string())
@@ -160,12 +161,6 @@ pub(crate) fn episode(condition: &EpisodeCondition) -> String {
     )
 }
 
-/// The text of a cyclic condition.
-pub(crate) fn cyclic(wanted: &VariablePattern, options: &[(Symbol, Vec<Constraint>)]) -> String {
-    let options = options.iter().map(|(name, constraints)| option(&format!(":{name}"), constraints));
-    format!("(:cyclic ({}){})", variable(wanted), options.collect::<String>())
-}
-
 fn timing(timing: &Timing) -> String {
     let parts: Vec<String> = [(":start", &timing.start), (":end", &timing.end), (":duration", &timing.duration)]
         .into_iter()
@@ -183,7 +178,8 @@ pub(crate) fn event(form: &Pattern, when: &Timing) -> String {
     }
 }
 
-fn option(name: &str, constraints: &[Constraint]) -> String {
+/// The text of an option, with a blank before it; nothing without constraints.
+pub(crate) fn option(name: &str, constraints: &[Constraint]) -> String {
     if constraints.is_empty() {
         return String::new();
     }

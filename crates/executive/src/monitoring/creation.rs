@@ -113,9 +113,7 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             let expression = expression.clone();
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
         }
-        ConditionKind::Cyclic { variable, options } => {
-            PartKind::Cyclic(Box::new(cyclic::create(variable, options, surroundings)?))
-        }
+        ConditionKind::Cyclic(wanted) => PartKind::Cyclic(Box::new(cyclic::create(wanted, surroundings)?)),
         // What is pursued meanwhile is the business of control.
         ConditionKind::Probing { condition, .. } => return part(condition, role, surroundings),
     };
@@ -261,7 +259,7 @@ fn collect<'a>(condition: &'a Condition, names: &mut BTreeSet<&'a Symbol>) {
         ConditionKind::Not(part) | ConditionKind::Absent(part, _) => collect(part, names),
         ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, names)),
         ConditionKind::Probing { condition, .. } => collect(condition, names),
-        ConditionKind::Cyclic { variable, .. } => of_variable(variable, names),
+        ConditionKind::Cyclic(cyclic) => of_variable(&cyclic.variable, names),
         ConditionKind::Delay(..)
         | ConditionKind::Timestamp(..)
         | ConditionKind::TaskEnded(_)

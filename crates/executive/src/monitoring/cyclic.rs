@@ -10,22 +10,23 @@
 use super::constraints::{Reading, all, unit_of};
 use super::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use super::{Asking, Site, Troubles, Truth, remember};
+use crate::explanation::words;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::planted::{self, Bug};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
-use apex_model::condition::{Constraint, VariablePattern};
+use apex_model::condition::Constraint;
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::monitor::{Keep, Satisfaction};
-use apex_model::monitor_cyclic::{CycleRun, CyclicObject, CyclicPart, Extreme, Heading, Swing};
+use apex_model::monitor_cyclic::{CycleRun, CyclicCondition, CyclicObject, CyclicPart, Extreme, Heading, Swing};
 use apex_model::quantity::Dimension;
-use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Cycles that make a pattern when `:cycles` is not stated.
 const CYCLES_DEFAULT: u64 = 2;
@@ -35,13 +36,12 @@ const CYCLES_DEFAULT: u64 = 2;
 /// # Errors
 /// When it cannot be, or is no number of the variable's unit.
 pub(super) fn create(
-    wanted: &VariablePattern,
-    options: &[(Symbol, Vec<Constraint>)],
+    condition: &Arc<CyclicCondition>,
     surroundings: &dyn Surroundings,
 ) -> Result<CyclicPart, EvaluationError> {
-    let unit = unit_of(&wanted.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
     let mut hysteresis = 0.0;
-    for constraint in constraints_of(options, "hysteresis") {
+    for constraint in constraints_of(condition, "hysteresis") {
         let Constraint::Compare { right, .. } = constraint else { continue };
         let found = evaluate(right, surroundings)?;
         hysteresis = match (found.as_number(), unit) {
@@ -54,9 +54,8 @@ pub(super) fn create(
         };
     }
     Ok(CyclicPart {
-        wanted: wanted.clone(),
-        options: options.to_vec(),
-        variable: known_variable(wanted, surroundings),
+        condition: Arc::clone(condition),
+        variable: known_variable(&condition.variable, surroundings),
         hysteresis,
         blind: false,
         settled: Vec::new(),
@@ -64,14 +63,20 @@ pub(super) fn create(
     })
 }
 
-fn constraints_of<'a>(options: &'a [(Symbol, Vec<Constraint>)], name: &str) -> &'a [Constraint] {
-    options.iter().find(|(option, _)| option.is(name)).map_or(&[], |(_, constraints)| constraints)
+fn constraints_of<'a>(condition: &'a CyclicCondition, name: &str) -> &'a [Constraint] {
+    condition.options.iter().find(|(option, _)| option.is(name)).map_or(&[], |(_, constraints)| constraints)
+}
+
+/// The text of the condition.
+pub(super) fn text(condition: &CyclicCondition) -> String {
+    let options = condition.options.iter().map(|(name, constraints)| words::option(&format!(":{name}"), constraints));
+    format!("(:cyclic ({}){})", words::variable(&condition.variable), options.collect::<String>())
 }
 
 /// Starts again from what is remembered.
 pub(super) fn look_back(part: &mut CyclicPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     begin_again(part);
-    let (known, attribute) = (part.variable.clone(), part.wanted.attribute.clone());
+    let (known, attribute) = (part.variable.clone(), part.condition.variable.attribute.clone());
     let (samples, blind) = remembered(known.as_ref(), &attribute, site, surroundings);
     part.blind = blind;
     for sample in samples {
@@ -93,7 +98,7 @@ pub(super) fn notice(
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
-    if !concerns(part.variable.as_ref(), &part.wanted.attribute, sample.variable) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
     }
     let newest = part.objects.get(&sample.variable.object).map(|object| object.newest.0);
@@ -139,7 +144,7 @@ fn bindings_of(
 ) -> Option<Bindings> {
     let mut bindings = Bindings::new();
     let known = part.variable.is_some();
-    match object_holds(&part.wanted, &[], known, sample.variable, &mut bindings, site, surroundings) {
+    match object_holds(&part.condition.variable, &[], known, sample.variable, &mut bindings, site, surroundings) {
         Ok(holds) => holds.then_some(bindings),
         Err(error) => {
             troubles.add(error);
@@ -213,7 +218,7 @@ pub(super) fn words(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> S
         return "no sample yet".to_string();
     };
     let (swing, _) = judge.with_newest(object, state, &mut asking.troubles);
-    let variable = StateVariable::new(part.wanted.attribute.clone(), object.clone());
+    let variable = StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
     match (swing.last, swing.run, swing.turns) {
         (Some((start, end, amplitude)), run, _) => {
             let amplitude = judge.in_unit(amplitude, swing.dimension);
@@ -292,21 +297,21 @@ impl Judge<'_> {
     }
 
     fn satisfies(&self, start: Time, end: Time, amplitude: f64, dimension: Dimension) -> Result<bool, EvaluationError> {
-        let unit = unit_of(&self.part.wanted.attribute, self.surroundings.library());
+        let unit = unit_of(&self.part.condition.variable.attribute, self.surroundings.library());
         let period = Value::Duration(end - start);
         let amplitude = Value::measured(amplitude, dimension);
         Ok(self.hold("period", &period, Reading::Span)? && self.hold("amplitude", &amplitude, Reading::Value(unit))?)
     }
 
     fn is_enough(&self, cycles: u64) -> Result<bool, EvaluationError> {
-        if constraints_of(&self.part.options, "cycles").is_empty() {
+        if constraints_of(&self.part.condition, "cycles").is_empty() {
             return Ok(cycles >= CYCLES_DEFAULT);
         }
         self.hold("cycles", &Value::Integer(i64::try_from(cycles).unwrap_or(i64::MAX)), Reading::Value(None))
     }
 
     fn hold(&self, option: &str, value: &Value, reading: Reading) -> Result<bool, EvaluationError> {
-        let constraints = constraints_of(&self.part.options, option);
+        let constraints = constraints_of(&self.part.condition, option);
         all(constraints, value, reading, &mut Bindings::new(), self.surroundings, self.site.place)
     }
 
@@ -318,7 +323,7 @@ impl Judge<'_> {
         dimension: Dimension,
         recognised_at: Time,
     ) -> Satisfaction {
-        let variable = StateVariable::new(self.part.wanted.attribute.clone(), object.clone());
+        let variable = StateVariable::new(self.part.condition.variable.attribute.clone(), object.clone());
         let interval = (run.start.at, run.end.at);
         let samples = run.end.number.saturating_sub(run.start.number).saturating_add(1);
         let cycles = i64::try_from((run.halves / 2).max(1)).unwrap_or(i64::MAX);
@@ -340,7 +345,7 @@ impl Judge<'_> {
 
     /// An amplitude in the declared unit.
     fn in_unit(&self, amplitude: f64, dimension: Dimension) -> Value {
-        match unit_of(&self.part.wanted.attribute, self.surroundings.library()) {
+        match unit_of(&self.part.condition.variable.attribute, self.surroundings.library()) {
             Some(unit) if unit.dimension == dimension => {
                 crate::expression::arithmetic::with_unit(amplitude / unit.factor, unit)
             }

@@ -69,7 +69,7 @@ pub(super) fn collect_interests(part: &Part, add: &mut dyn FnMut(Interest)) {
         PartKind::Persisted(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
         PartKind::Regression(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
         PartKind::Statistical(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
-        PartKind::Cyclic(leaf) => add(samples(&leaf.variable, &leaf.wanted.attribute)),
+        PartKind::Cyclic(leaf) => add(samples(&leaf.variable, &leaf.condition.variable.attribute)),
         PartKind::Event(leaf) => add(event::interest(&leaf.pattern)),
         PartKind::TaskEnded(leaf) => add(task_state::interest(leaf.task)),
         PartKind::TaskState(leaf) => add(task_state::interest(leaf.task)),

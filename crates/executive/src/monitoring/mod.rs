@@ -253,31 +253,11 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
         replay::replay(part, Some(sequence), surroundings, troubles);
         return;
     }
+    if let Stimulus::Sample { variable, value, at, sequence, newest } = stimulus {
+        let sample = Seen { variable, value, at: *at, sequence: *sequence };
+        notice_sample(part, sample, *newest, surroundings, troubles);
+    }
     match (&mut part.kind, stimulus) {
-        (PartKind::Measurement(leaf), Stimulus::Sample { variable, value, at, sequence, newest }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            measurement::notice(leaf, site, sample, *newest, surroundings, troubles);
-        }
-        (PartKind::Episode(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            episode::notice(leaf, site, sample, surroundings, troubles);
-        }
-        (PartKind::Persisted(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            persistence::notice(leaf, site, sample, surroundings, troubles);
-        }
-        (PartKind::Regression(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            regression::notice(leaf, site, sample, surroundings, troubles);
-        }
-        (PartKind::Statistical(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            statistics::notice(leaf, site, sample, surroundings, troubles);
-        }
-        (PartKind::Cyclic(leaf), Stimulus::Sample { variable, value, at, sequence, .. }) => {
-            let sample = Seen { variable, value, at: *at, sequence: *sequence };
-            cyclic::notice(leaf, site, sample, surroundings, troubles);
-        }
         (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
             event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
         }
@@ -300,6 +280,26 @@ fn notice_part(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surround
             notice_part(&mut leaf.part, stimulus, surroundings, troubles);
             replay::look_at(part, stimulus, surroundings, troubles);
         }
+        _ => {}
+    }
+}
+
+/// Tells a part that watches a state variable of a sample.
+fn notice_sample(
+    part: &mut Part,
+    sample: Seen<'_>,
+    newest: bool,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let site = site(part);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => measurement::notice(leaf, site, sample, newest, surroundings, troubles),
+        PartKind::Episode(leaf) => episode::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Persisted(leaf) => persistence::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Regression(leaf) => regression::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Statistical(leaf) => statistics::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Cyclic(leaf) => cyclic::notice(leaf, site, sample, surroundings, troubles),
         _ => {}
     }
 }

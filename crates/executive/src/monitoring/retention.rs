@@ -8,7 +8,7 @@
 //! Paper: section IV, policies on logged data quantity.
 
 use super::histories::obey;
-use super::reach;
+use super::{cyclic, reach};
 use crate::control::selection::head;
 use crate::explanation::words;
 use crate::expression::arithmetic::duration;
@@ -178,7 +178,7 @@ impl Survey<'_> {
             | ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| self.since_creation(part)),
             ConditionKind::Not(part) | ConditionKind::Absent(part, _) => self.since_creation(part),
             ConditionKind::Probing { condition, .. } => self.since_creation(condition),
-            ConditionKind::Cyclic { .. }
+            ConditionKind::Cyclic(_)
             | ConditionKind::Delay(..)
             | ConditionKind::Timestamp(..)
             | ConditionKind::TaskEnded(_)
@@ -329,10 +329,9 @@ impl Survey<'_> {
                 self.pattern(state);
             }
             ConditionKind::Function(expr) => self.expr(expr),
-            ConditionKind::Cyclic { variable, options } => {
-                let text = || format!("(:cyclic ({} ..))", variable.attribute);
-                self.whole(variable, Why::Cycles, text, condition.place);
-                options.iter().for_each(|(_, constraints)| self.constraints(constraints));
+            ConditionKind::Cyclic(wanted) => {
+                self.whole(&wanted.variable, Why::Cycles, || cyclic::text(wanted), condition.place);
+                wanted.options.iter().for_each(|(_, constraints)| self.constraints(constraints));
             }
         }
     }

@@ -34,7 +34,7 @@ fn attributes<'a>(condition: &'a Condition, found: &mut BTreeSet<&'a Symbol>) {
     match &condition.kind {
         ConditionKind::Measurement(measurement) => drop(found.insert(&measurement.variable.attribute)),
         ConditionKind::Episode(episode) => drop(found.insert(&episode.variable.attribute)),
-        ConditionKind::Cyclic { variable, .. } => drop(found.insert(&variable.attribute)),
+        ConditionKind::Cyclic(cyclic) => drop(found.insert(&cyclic.variable.attribute)),
         ConditionKind::And(parts, _)
         | ConditionKind::Or(parts, _)
         | ConditionKind::InOrder(parts, _)

@@ -104,7 +104,7 @@ pub(super) fn text(part: &Part) -> String {
         PartKind::Persisted(leaf) => words::measurement(&leaf.condition),
         PartKind::Regression(leaf) => words::measurement(&leaf.condition),
         PartKind::Statistical(leaf) => words::episode(&leaf.condition),
-        PartKind::Cyclic(leaf) => words::cyclic(&leaf.wanted, &leaf.options),
+        PartKind::Cyclic(leaf) => cyclic::text(&leaf.condition),
         PartKind::Event(leaf) => words::event(&leaf.pattern, &leaf.timing),
         PartKind::TaskEnded(leaf) => task_state::ended_words(&leaf.variable),
         PartKind::TaskState(leaf) => words::task_state(&leaf.expression, &leaf.state),

@@ -100,7 +100,7 @@ pub(crate) fn by_condition(condition: &Condition) -> Bound<'_> {
         ConditionKind::Event { pattern, .. } => by_pattern(pattern),
         ConditionKind::TaskState { state, .. } => by_pattern(state),
         ConditionKind::Probing { condition, .. } => by_condition(condition),
-        ConditionKind::Cyclic { variable, .. } => by_pattern(&variable.object),
+        ConditionKind::Cyclic(cyclic) => by_pattern(&cyclic.variable.object),
         ConditionKind::Delay(..)
         | ConditionKind::Timestamp(..)
         | ConditionKind::TaskEnded(_)

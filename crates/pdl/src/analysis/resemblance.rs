@@ -128,7 +128,7 @@ fn state_variables(program: &Program<'_>, report: &mut Report<'_>) {
             let attribute = match &condition.kind {
                 ConditionKind::Measurement(measurement) => &measurement.variable.attribute,
                 ConditionKind::Episode(episode) => &episode.variable.attribute,
-                ConditionKind::Cyclic { variable, .. } => &variable.attribute,
+                ConditionKind::Cyclic(cyclic) => &cyclic.variable.attribute,
                 _ => return,
             };
             used.entry(attribute).or_default().push(condition.place);

@@ -327,7 +327,7 @@ impl<'l> Names<'l> {
                 [&timing.start, &timing.end, &timing.duration].into_iter().for_each(|each| self.constraints(each));
             }
             ConditionKind::TaskState { state, .. } => self.predicates(state),
-            ConditionKind::Cyclic { options, .. } => options.iter().for_each(|(_, each)| self.constraints(each)),
+            ConditionKind::Cyclic(cyclic) => cyclic.options.iter().for_each(|(_, each)| self.constraints(each)),
             _ => {}
         }
     }

@@ -135,9 +135,9 @@ pub(crate) fn condition<'l>(root: &'l Condition, visit: Visit<'_, 'l>) {
             template(goal, visit);
             exprs(std::iter::once(interval).chain(time_limit).chain(count_limit), visit);
         }
-        ConditionKind::Cyclic { variable, options } => {
-            pattern(&variable.object, visit);
-            options.iter().for_each(|(_, each)| constraints(each, visit));
+        ConditionKind::Cyclic(cyclic) => {
+            pattern(&cyclic.variable.object, visit);
+            cyclic.options.iter().for_each(|(_, each)| constraints(each, visit));
         }
         ConditionKind::TaskEnded(_) | ConditionKind::Not(_) => {}
     }

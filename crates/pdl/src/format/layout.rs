@@ -224,6 +224,9 @@ fn always_broken(node: &Node, entries: &[Entry]) -> bool {
     }
 }
 
+/// Forms that may have a tag before what they are about.
+const TAGGED: &[&str] = &["step", ":episode", ":measurement", ":atomic-episode", ":cyclic"];
+
 /// How many entries of a broken form may stand on its first line, the head included.
 fn header_count(entries: &[Entry], head: &str) -> usize {
     let is_plain_atom = |entry: &Entry| entry.node().is_some_and(|node| node.atom().is_some() && !leads(node));
@@ -232,7 +235,7 @@ fn header_count(entries: &[Entry], head: &str) -> usize {
         "procedure" => {
             1 + entries.iter().skip(1).take_while(|entry| entry.node().is_some_and(Node::is_keyword)).count()
         }
-        "step" | ":episode" | ":measurement" | ":atomic-episode" | ":cyclic" => {
+        head if TAGGED.contains(&head) => {
             let result = entries.get(atoms + 1).and_then(Entry::node).and_then(Node::atom) == Some("=>");
             atoms + if result { 3 } else { 1 }
         }

@@ -1,4 +1,4 @@
-//! Episodes: quality, statistics, trends; atomic episodes; cyclic conditions (`monitoring.md` section 1).
+//! Episodes: quality, statistics, trends; atomic episodes (`monitoring.md` section 1).
 
 use super::Lowering;
 use super::clauses::{Group, groups, values_of};
@@ -245,7 +245,7 @@ impl Lowering {
     }
 
     /// An option that is a value rather than a constraint: `:hysteresis 3deg`, also as it is printed, `(= 3deg)`.
-    fn one_value(&mut self, option: &str, values: &[Datum], span: Span) -> Option<Vec<Constraint>> {
+    pub(super) fn one_value(&mut self, option: &str, values: &[Datum], span: Span) -> Option<Vec<Constraint>> {
         let datum = self.only(option, values, span)?;
         let right = match datum.as_list() {
             Some([equal, value]) if equal.is("=") => self.expression(value)?,
@@ -273,47 +273,6 @@ impl Lowering {
         let timing = self.timing(values_of(&options, "timing"), true);
         let kind = ConditionKind::Event { pattern: pattern?.into(), timing: timing?.into() };
         self.probing(Condition { tag, kind, place: datum.span.place() }, &options)
-    }
-
-    /// `(:cyclic [tag] (ATTR OBJ) :period C ..)`
-    pub(crate) fn cyclic(&mut self, datum: &Datum, items: &[Datum]) -> Option<Condition> {
-        let (tag, items) = self.condition_tag(items);
-        let Some((form, options)) = items.split_first().filter(|(form, _)| form.as_list().is_some()) else {
-            let diagnostic = Diagnostic::error(
-                codes::MALFORMED_CONDITION,
-                datum.span,
-                "a `:cyclic` condition names a state variable",
-            )
-            .help("its shape is `(:cyclic [tag] (ATTRIBUTE OBJECT) :period CONSTRAINT ..)`");
-            return self.refuse(diagnostic);
-        };
-        let (stray, groups) = groups(options);
-        self.no_stray(stray)?;
-        self.check_groups(&groups, &["period", "amplitude", "cycles", "hysteresis"], "`:cyclic`")?;
-        let variable = self.plain_state_variable(form)?;
-        let values = Expected::values_of(self, &variable.attribute);
-        let mut options = Vec::new();
-        for group in groups {
-            let expected = match group.name {
-                "period" => Expected::plain("the period", ExpectedKind::Duration),
-                "cycles" => Expected::number("the number of cycles"),
-                _ => values.clone(),
-            };
-            let constraints = match group.name {
-                "hysteresis" => self.one_value(":hysteresis", group.values, datum.span)?,
-                _ => self.constraints(group.values, &expected)?,
-            };
-            options.push((Symbol::new(group.name), constraints));
-        }
-        if !options.iter().any(|(name, _)| name.is("period")) {
-            return self.missing_part(
-                datum.span,
-                "a `:cyclic` condition states its `:period`",
-                "(:cyclic (ATTR OBJ) :period C ..)",
-            );
-        }
-        let kind = ConditionKind::Cyclic { variable, options };
-        Some(Condition { tag, kind, place: datum.span.place() })
     }
 
     /// True for a list whose first item is a list: several groups in one pair of parentheses.

@@ -13,6 +13,7 @@ mod compose;
 mod condition;
 mod constants;
 mod constraint;
+mod cyclic;
 mod declarations;
 mod episode;
 mod expected;

@@ -49,9 +49,9 @@ fn with_probing(condition: &Condition, probing: String) -> String {
             let parts = [expression_text(interval), limit("time-limit", time_limit), limit("count-limit", count_limit)];
             with_probing(condition, format!(":probing {}", list_text(&template_text(goal), parts)))
         }
-        ConditionKind::Cyclic { variable, options } => {
-            let options = options.iter().map(|(name, constraints)| group(name.printed(), constraints));
-            list_text(":cyclic", [tag, variable_text(variable, String::new())].into_iter().chain(options))
+        ConditionKind::Cyclic(cyclic) => {
+            let options = cyclic.options.iter().map(|(name, constraints)| group(name.printed(), constraints));
+            list_text(":cyclic", [tag, variable_text(&cyclic.variable, String::new())].into_iter().chain(options))
         }
     }
 }
