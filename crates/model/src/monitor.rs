@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use crate::monitor_parts::{
-    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Reached, Side, TaskEndedPart, TaskStatePart, TimePart,
+    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
 };
 
 /// From when on evidence counts.

@@ -69,13 +69,15 @@ pub struct AbsentPart {
     pub since: Time,
     /// The same of results that no sample can replace any more.
     pub since_final: Time,
+    /// The part is there now: nothing is absent.
+    pub goes_on: bool,
     /// The data do not say whether the part holds.
     pub unknown: bool,
     /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
     /// absence begins with the look at which it does not.
     pub broken: Option<Time>,
     /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
-    pub reached: Vec<Reached>,
+    pub reached: Vec<Option<(Time, Time)>>,
     /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
     pub seen: Vec<(Time, Time)>,
     /// The start of the newest window that passed without it.
@@ -86,15 +88,6 @@ pub struct AbsentPart {
     pub found: Vec<Satisfaction>,
     /// When time alone can decide next.
     pub decides_at: Option<Time>,
-}
-
-/// From when to when a part has been there.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Reached {
-    /// First start and last end of its results.
-    pub hull: Option<(Time, Time)>,
-    /// Results, by the instant of recognition, that are newer than the newest sample: one that comes late is judged without them.
-    pub coming: Vec<(Time, (Time, Time))>,
 }
 
 /// State of `(:function EXPR)`.

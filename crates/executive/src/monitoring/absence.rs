@@ -40,6 +40,7 @@ pub(super) fn create(
         since_final: start,
         taken_back: None,
         reached: Vec::new(),
+        goes_on: false,
         unknown: false,
         broken: None,
         told: None,
@@ -55,7 +56,8 @@ pub(super) fn forget(part: &mut AbsentPart, site: Site) {
     part.seen.clear();
     part.reached.clear();
     (part.since, part.since_final) = (site.window.start, site.window.start);
-    (part.unknown, part.broken, part.told, part.taken_back) = (false, None, None, None);
+    (part.goes_on, part.unknown) = (false, false);
+    (part.broken, part.told, part.taken_back) = (None, None, None);
     part.decides_at = Some(part.since + part.length);
 }
 
@@ -99,6 +101,7 @@ pub(super) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
     // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
+    part.goes_on = goes_on;
     part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
     let quiet = !goes_on && !part.unknown;
     // Instants between looks are as the last look found: nothing changes unnoticed. What was so only in the middle of this

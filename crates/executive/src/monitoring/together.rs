@@ -12,11 +12,10 @@
 //! end, and absence, which asks only what is covered, needs no more than these two.
 
 use super::extents::{self, Extent, Extents};
-use super::{Asking, Truth, logic, replay};
+use super::{Asking, Truth, logic};
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{AbsentPart, Part, PartKind, Reached, Satisfaction};
+use apex_model::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::time::Time;
 
 /// Are these parts whose results all go together, each an interval that stays?
@@ -28,30 +27,24 @@ pub(super) fn is_together(part: &Part) -> bool {
 /// What the parts have found together: one result, as far as it reaches.
 pub(super) fn take(absent: &mut AbsentPart, asking: &mut Asking<'_>) -> Extents {
     let mut together = Extents::default();
-    // What came later than the newest sample may be looked at again without it: a sample may still come late.
-    let newest = replay::newest_known(&absent.part, u64::MAX, asking.surroundings).unwrap_or(Time::BEGINNING);
     let PartKind::And(composite) = &mut absent.part.kind else { return together };
-    absent.reached.resize_with(composite.parts.len(), Reached::default);
-    let (mut hull, mut recognised_at) = (None, Time::BEGINNING);
-    let (mut all, mut open, mut doubt) = (Truth::True, false, false);
+    absent.reached.resize(composite.parts.len(), None);
+    let (mut hull, mut all, mut open, mut doubt) = (None, Truth::True, false, false);
     for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
         let found = found(each, asking);
-        reached.coming.extend(found.settled.iter().map(|result| (result.recognised_at, result.interval)));
-        let full = reached.coming.len() > MONITOR_RESULTS_MAX;
-        let is_known = |at: Time, until: Time| at <= until || full;
-        let certain = reached.coming.iter().filter(|(at, _)| is_known(*at, newest.min(asking.now)));
-        reached.hull = certain.fold(reached.hull, |hull, (_, interval)| joined(hull, *interval));
-        reached.coming.retain(|(at, _)| !is_known(*at, newest.min(asking.now)));
-        let passing = found.passing.iter().map(|extent| (extent.result.recognised_at, extent.result.interval));
-        let now = reached.coming.iter().copied().chain(passing).filter(|(at, _)| *at <= asking.now);
-        let own = now.fold(reached.hull, |hull, (at, interval)| {
-            recognised_at = recognised_at.max(at);
-            joined(hull, interval)
-        });
-        let truth = if own.is_some() { Truth::True } else { logic::truth(each, asking) };
+        // What is final was known by the newest sample, before which no instant is looked at again.
+        debug_assert!(found.settled.iter().all(|result| result.recognised_at <= asking.now), "known before it came");
+        *reached = found.settled.iter().fold(*reached, |hull, result| joined(hull, result.interval));
+        let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
+        let truth = match &each.kind {
+            _ if own.is_some() => Truth::True,
+            // Messages that came after this instant are there already.
+            PartKind::Event(leaf) => Truth::of(false, leaf.blind),
+            _ => logic::truth(each, asking),
+        };
         all = all.min(truth);
         hull = own.map_or(hull, |own| joined(hull, own));
-        open |= found.passing.iter().any(|extent| extent.open && extent.result.recognised_at <= asking.now);
+        open |= found.passing.iter().any(|extent| extent.open);
         doubt |= found.doubt;
         together.changes_at = together.changes_at.into_iter().chain(found.changes_at).min();
     }
@@ -62,18 +55,26 @@ pub(super) fn take(absent: &mut AbsentPart, asking: &mut Asking<'_>) -> Extents 
         Truth::True => doubt,
     };
     if let Some(interval) = hull.filter(|_| all == Truth::True) {
-        let evidence = EvidenceList::default();
+        let (recognised_at, evidence) = (asking.now, EvidenceList::default());
         let result = Satisfaction { interval, recognised_at, bindings: Bindings::new(), evidence };
         together.passing.push(Extent { result, open });
     }
     together
 }
 
-/// What a part has found. Messages stay with it: no history need remember them, so who looks at the past again asks the part.
+/// What a part has found up to this instant. Messages stay with it: no history need remember them, so who looks at the past again
+/// asks the part.
 fn found(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
-    let PartKind::Event(leaf) = &part.kind else { return extents::take_final(part, asking) };
-    let passing = leaf.settled.iter().map(|result| Extent { result: result.clone(), open: false }).collect();
-    Extents { passing, ..Extents::default() }
+    let now = asking.now;
+    let mut found = match &part.kind {
+        PartKind::Event(leaf) => {
+            let all = leaf.settled.iter().map(|result| Extent { result: result.clone(), open: false });
+            Extents { passing: all.collect(), ..Extents::default() }
+        }
+        _ => extents::take_final(part, asking),
+    };
+    found.passing.retain(|extent| extent.result.recognised_at <= now);
+    found
 }
 
 fn joined(hull: Option<(Time, Time)>, (start, end): (Time, Time)) -> Option<(Time, Time)> {

@@ -157,11 +157,13 @@ fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Ve
 /// How long something has been absent, and when that is long enough.
 fn absence_state(leaf: &AbsentPart, asking: &Asking<'_>) -> Known {
     let (silence, over) = absence::state(leaf, asking.now);
-    let (now, until) = match leaf.unknown {
-        true => (format!("the data do not say whether {} goes on", text(&leaf.part)), leaf.decides_at),
-        false => (format!("it has been absent for {silence} of {}", leaf.length), Some(over)),
+    let since = Some(leaf.since);
+    let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
+        (true, _) => (format!("{} goes on", text(&leaf.part)), None, leaf.decides_at),
+        (_, true) => (format!("the data do not say whether {} goes on", text(&leaf.part)), since, leaf.decides_at),
+        _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
     };
-    Known { until: until.filter(|at| *at > asking.now), ..Known::words(now).since(Some(leaf.since)) }
+    Known { until: until.filter(|at| *at > asking.now), ..Known::words(now).since(since) }
 }
 
 /// What is known about a part.
