@@ -167,6 +167,7 @@ fn flown(earth: &Earth, ready_s: f64) -> (usize, usize) {
         zones: &earth.zones,
         margin_m: 3_000.0,
         turn_radius_m: 0.0,
+        circling: false,
         landing_places: &[],
         landing_distance_m_max: None,
         around: &earth.places,

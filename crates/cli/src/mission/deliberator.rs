@@ -17,6 +17,7 @@ use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::record::TargetState;
+use apex_sim::Airframe;
 use apex_solvers::{ProfileTable, Registry};
 use std::sync::Arc;
 
@@ -369,11 +370,13 @@ fn surveillance_steps(
         let open = order.iter().position(|site| route(None, *site, 0).len() == 2);
         order.rotate_left(open.unwrap_or(0));
     }
+    // Who cannot hover looks from a circle around the site.
+    let circles = mission.model.airframe == Airframe::FixedWing;
     let mut steps = Vec::new();
     let mut before = None;
     for (index, number) in order.iter().enumerate() {
         let Some((target, dwell_s)) = sites.get(*number) else { continue };
-        let altitude_m = visit_altitude_m(target);
+        let altitude_m = visit_altitude_m(mission, target);
         if before.is_some() || !repeat {
             detour(&mut steps, &route(before, *number, index), altitude_m);
         }
@@ -381,7 +384,7 @@ fn surveillance_steps(
         let form = Value::list([
             Value::symbol("visit"),
             Value::symbol(&target.id),
-            Value::symbol("at"),
+            Value::symbol(if circles { "around" } else { "at" }),
             at(target.position, altitude_m),
             Value::symbol("for"),
             Value::Duration(Duration::from_seconds(*dwell_s)),
@@ -389,7 +392,7 @@ fn surveillance_steps(
         steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), form));
     }
     if let (true, Some(first), Some(last)) = (repeat, order.first(), order.last()) {
-        let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(target));
+        let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(mission, target));
         detour(&mut steps, &route(Some(*last), *first, order.len()), altitude_m);
     }
     (steps, repeat)

@@ -19,6 +19,9 @@ const FIRST_JOIN_S: f64 = 30.0;
 const FURTHER_JOIN_S: f64 = 390.0;
 /// Share of the greatest roll angle that turns are planned with; the rest corrects errors.
 const PLANNED_BANK_SHARE: f64 = 0.85;
+/// Who circles around a site does so on a circle this much wider than its tightest turn, and surveillance turns no more tightly
+/// elsewhere: the wind may be stronger than forecast.
+const CIRCLE_WIDTH: f64 = 1.3;
 /// Share of the endurance and fuel that must be left at the end.
 const RESERVE_SHARE: f64 = 0.08;
 /// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
@@ -27,8 +30,10 @@ const END_MARGIN_S: f64 = 3_600.0;
 const ZONE_MARGIN_M: f64 = 3_000.0;
 /// Distance kept from obstacles by a vehicle that visits sites.
 const OBSTACLE_MARGIN_M: f64 = 40.0;
-/// Height above ground from which a site is looked at.
+/// Height above a site from which it is looked at by who can hover there.
 const VISIT_HEIGHT_M: f64 = 60.0;
+/// Height above the highest site from which all are looked at by who circles around them.
+const CIRCLING_HEIGHT_M: f64 = 1_000.0;
 /// Steps of altitude among which the planner chooses, above the ground of the target.
 const ALTITUDES_M: [f64; 5] = [4_500.0, 5_500.0, 6_500.0, 7_500.0, 9_000.0];
 /// Cruise altitude of a fixed wing.
@@ -248,9 +253,19 @@ fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Surv
     })
 }
 
+fn sites(mission: &Mission) -> impl Iterator<Item = &super::Target> {
+    mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)))
+}
+
 /// Altitude above mean sea level from which a site is looked at.
-pub fn visit_altitude_m(site: &super::Target) -> f64 {
-    site.elevation_m + VISIT_HEIGHT_M
+pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
+    match mission.model.airframe {
+        Airframe::Rotorcraft => site.elevation_m + VISIT_HEIGHT_M,
+        Airframe::FixedWing => {
+            let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
+            (highest_m + CIRCLING_HEIGHT_M).min(0.95 * mission.model.ceiling_m)
+        }
+    }
 }
 
 /// The ways between the sites at `positions`, around obstacles, for a plan that begins at `now_s`.
@@ -258,12 +273,12 @@ pub fn visit_altitude_m(site: &super::Target) -> f64 {
 /// # Errors
 /// A sentence that names what is wrong with a zone, the start or the base.
 pub(crate) fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
-    let sites = mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_)));
-    let heights = sites.map(visit_altitude_m);
+    let heights = sites(mission).map(|site| visit_altitude_m(mission, site));
     let (low_m, high_m) =
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (f64::min(l, m), f64::max(h, m)));
     let transit = Transit {
         true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
+        turn_radius_m: CIRCLE_WIDTH * turn_radius_m(&mission.model),
         altitude_m: high_m,
         wind: &mission.forecast,
         time_s: now_s,

@@ -9,6 +9,7 @@ use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
+use apex_geo::travel::Circling;
 use apex_sim::Airframe;
 use apex_solvers::surveillance::travel::Ways;
 use serde_json::{Map, Value, json};
@@ -31,12 +32,23 @@ pub struct Visit {
     pub way: Vec<Place>,
     /// What is flown while observing; empty where the vehicle stays.
     pub lines: Vec<Place>,
+    /// Where the vehicle observes from a circle around the target.
+    pub circle: Option<Circle>,
     /// When the vehicle is there.
     pub arrive_s: f64,
     /// When the observation begins.
     pub begin_s: f64,
     /// When the observation ends.
     pub end_s: f64,
+}
+
+/// What an autopilot has to know of an observation from a circle, which it flies by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Circle {
+    /// Around where.
+    pub centre: Place,
+    /// The bends of the way to it.
+    pub bends: Vec<Place>,
 }
 
 /// A target, visited or not.
@@ -179,7 +191,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         shown.facts.extend(factors(manoeuvre, visit));
         shown.place.altitude_m = high(manoeuvre.altitude_m);
         let (arrive_s, begin_s, end_s) = (visit.arrive_s, visit.begin_s, visit.end_s);
-        visits.push(Visit { target: visit.target.clone(), way, lines, arrive_s, begin_s, end_s });
+        visits.push(Visit { target: visit.target.clone(), way, lines, circle: None, arrive_s, begin_s, end_s });
     }
     let base = problem.base.map(|position| Place { position, altitude_m: high(problem.start_altitude_m) });
     let mut return_way = Vec::new();
@@ -246,6 +258,15 @@ fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = Pl
     between.map(move |position| Place { position: *position, altitude_m })
 }
 
+/// Where on its circle the vehicle is when it has looked.
+fn left(
+    ways: &Ways,
+    (from, there): (Option<usize>, Option<Circling>),
+    look_s: (f64, f64),
+) -> Option<Circling> {
+    from.zip(there).map(|(from, there)| ways.look(from, there, look_s).1)
+}
+
 fn of_surveillance(
     problem: &SurveillanceProblem,
     plan: &SurveillancePlan,
@@ -254,8 +275,9 @@ fn of_surveillance(
 ) -> Chart {
     let costs = eci::expected_cost(problem, &plan.visits);
     let altitude_m = |name: &str| {
-        let site = mission?.targets.iter().find(|target| target.id == name)?;
-        matches!(site.kind, TargetKind::Site(_)).then(|| crate::mission::deliberator::visit_altitude_m(site))
+        let mission = mission?;
+        let site = mission.targets.iter().find(|target| target.id == name)?;
+        matches!(site.kind, TargetKind::Site(_)).then(|| crate::mission::deliberator::visit_altitude_m(mission, site))
     };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {
@@ -276,18 +298,34 @@ fn of_surveillance(
     let mut ways = mission.and_then(|mission| flown_ways(mission, problem));
     let (mut before, mut from, mut depart_s) = (start, None, 0.0);
     let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
+    let (mut there, mut began_s) = (None, 0.0);
     for visit in &plan.visits {
         let Some(to) = targets.iter().position(|target| target.name == visit.target) else { continue };
         let Some(here) = targets.get(to).map(|target| target.place) else { continue };
         let route = ways.as_mut().map_or_else(Vec::new, |ways| ways.route(from, to, depart_s));
-        let way: Vec<Place> = before.into_iter().chain(bends(&route, here.altitude_m)).chain([here]).collect();
-        (from, depart_s) = (Some(to), visit.end_s);
+        let mut way: Vec<Place> = before.into_iter().chain(bends(&route, here.altitude_m)).chain([here]).collect();
+        let circles = ways.as_mut().filter(|ways| ways.circle_radius_m() > 0.0);
+        let (mut lines, mut circle) = (Vec::new(), None);
+        if let Some(ways) = circles {
+            let at = |position: Position| Place { position, altitude_m: here.altitude_m };
+            let (path, after) = ways.flown((from, Some(to)), left(ways, (from, there), (began_s, depart_s)), depart_s);
+            way = before.into_iter().filter(|_| from.is_none()).chain(path.into_iter().map(at)).collect();
+            let look = after.map(|after| ways.look(to, after, (visit.arrive_s, visit.end_s)).0).unwrap_or_default();
+            lines = look.into_iter().map(at).collect();
+            circle = Some(Circle { centre: here, bends: bends(&route, here.altitude_m).collect() });
+            there = after;
+        }
+        (from, depart_s, began_s) = (Some(to), visit.end_s, visit.arrive_s);
         let (target, arrive_s, end_s) = (visit.target.clone(), visit.arrive_s, visit.end_s);
-        visits.push(Visit { target, way, lines: Vec::new(), arrive_s, begin_s: arrive_s, end_s });
+        visits.push(Visit { target, way, lines, circle, arrive_s, begin_s: arrive_s, end_s });
         before = Some(here);
     }
     let base = start.filter(|_| problem.return_to_base);
-    let home = ways.as_mut().zip(from).map_or_else(Vec::new, |(ways, from)| ways.route_to_base(from, depart_s));
+    let home = ways.as_mut().zip(from).map_or_else(Vec::new, |(ways, at)| match ways.circle_radius_m() > 0.0 {
+        true => ways.flown((from, None), left(ways, (from, there), (began_s, depart_s)), depart_s).0,
+        false => ways.route_to_base(at, depart_s),
+    });
+    let before = visits.last().and_then(|visit| visit.lines.last().copied()).or(before);
     let cycle = plan.cycle.len();
     let repeats = visits.iter().enumerate().all(|(index, visit)| {
         index.checked_rem(cycle).and_then(|place| plan.cycle.get(place)).is_some_and(|name| *name == visit.target)

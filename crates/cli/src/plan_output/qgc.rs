@@ -130,6 +130,10 @@ impl Items {
     }
 
     fn visit(&mut self, visit: &Visit) {
+        if let Some(circle) = &visit.circle {
+            circle.bends.iter().for_each(|bend| self.at(WAYPOINT, 0.0, *bend));
+            return self.at(LOITER_TIME, (visit.end_s - visit.begin_s).round(), circle.centre);
+        }
         let entry = visit.way.len().saturating_sub(1);
         for bend in visit.way.iter().take(entry).skip(1) {
             self.at(WAYPOINT, 0.0, *bend);

@@ -70,21 +70,21 @@ pub fn turn_radius_m(true_airspeed_mps: f64, roll_rad: f64) -> f64 {
     true_airspeed_mps * true_airspeed_mps / (GRAVITY_MPS2 * libm::tan(roll_rad))
 }
 
-fn unit(angle_rad: f64) -> Point {
+pub(super) fn unit(angle_rad: f64) -> Point {
     Point { x: libm::cos(angle_rad), y: libm::sin(angle_rad) }
 }
 
 /// The direction to the left of `angle_rad`.
-fn left(angle_rad: f64) -> Point {
+pub(super) fn left(angle_rad: f64) -> Point {
     Point { x: -libm::sin(angle_rad), y: libm::cos(angle_rad) }
 }
 
-fn angle(vector: Point) -> f64 {
+pub(super) fn angle(vector: Point) -> f64 {
     libm::atan2(vector.y, vector.x)
 }
 
 /// By how much one turns in the sense `turn` by an angle of `by_rad` to the left.
-fn turned(turn: f64, by_rad: f64) -> f64 {
+pub(super) fn turned(turn: f64, by_rad: f64) -> f64 {
     let around = turn * by_rad;
     let rest = around - TAU * libm::floor(around / TAU);
     if rest > TAU - NO_TURN_RAD { 0.0 } else { rest }

@@ -29,6 +29,8 @@ pub(crate) struct Zone {
     pub(crate) margin: f64,
     /// Ways bend around its corners at this distance, no less than the margin.
     pub(crate) bend_radius: f64,
+    /// Units of the plane for a metre on the ground, at the most.
+    pub(crate) stretch: f64,
     /// When it is active, merged; infinite where it has no end in the time looked at.
     pub(crate) active_s: Vec<Span>,
 }
@@ -291,6 +293,25 @@ impl Ground {
             !reach.holds_leg((from.position, from.direction), (to.position, to.direction), exact)
         });
         reach.map_or(Ok(blocks), |reach| Err(Trouble::LeavesReach(reach.distance_m_max())))
+    }
+
+    /// Does everything within `width` of a leg keep every zone's margin but for `room` of it, at all times, however close its
+    /// ends are? Said no where permitted zones share the leg, and where landing places limit it: these are asked about
+    /// lines only.
+    pub(crate) fn is_clear(&self, from: &Spot, to: &Spot, (width, room): (f64, f64)) -> bool {
+        let (a, b) = (from.point, to.point);
+        let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
+        let kept = |zone: &Zone| (zone.margin - room * zone.stretch).max(0.0) * (1.0 - TOUCH);
+        let mut restricted = self.zones.iter().filter(|zone| !zone.keep_in);
+        if self.reach.is_some() || restricted.any(|zone| zone.solid.meets(a, b, kept(zone) + wide(zone))) {
+            return false;
+        }
+        let mut permitted = self.zones.iter().filter(|zone| zone.keep_in && zone.is_always_active());
+        self.corridors.is_empty()
+            || permitted.any(|zone| {
+                let corners = zone.solid.corners();
+                crate::plane::inside(a, corners) && crate::plane::segment_to_edges(a, b, corners) >= wide(zone)
+            })
     }
 
     /// Why a leg itself is not allowed at some time of `time_s`, whatever ways lead around; none where it is.

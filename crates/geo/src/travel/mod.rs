@@ -10,6 +10,7 @@
 mod air;
 mod bends;
 mod boxes;
+mod circles;
 mod course;
 mod dubins;
 mod ground;
@@ -30,5 +31,5 @@ pub use dubins::{Flyer, Part, Pose, TurnPath, turn_radius_m};
 pub use network::{BENDS_MAX, Network, PlaceId};
 pub use setting::{PlaneZone, Setting};
 pub use trouble::Trouble;
-pub use turns::TOLERANCE_SHARE;
+pub use turns::{Circling, TOLERANCE_SHARE};
 pub use ways::{Trip, WayId};

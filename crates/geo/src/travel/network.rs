@@ -5,6 +5,7 @@
 //! adds n.
 
 use super::air::Air;
+use super::circles;
 use super::course::{Block, Course, Timing, first_open};
 use super::ground::{Ground, Spot};
 use super::setting::{self, PlaneZone, Setting};
@@ -58,8 +59,31 @@ pub(super) struct Place {
     pub(super) open_s: Vec<Span>,
     /// In which direction it is left and reached, clockwise from north; none is any.
     pub(super) track_rad: Option<f64>,
+    /// Is it circled around instead of flown over?
+    pub(super) is_circled: bool,
     /// Rides to bends, once they are known.
     joins: Option<Vec<Join>>,
+}
+
+/// How the vehicle turns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turns {
+    /// Turns are no tighter than this; 0 where they take no time and no room.
+    pub(super) radius: f64,
+    /// Radius of the circles over ground around places; 0 where none is circled around.
+    pub(super) circle_radius: f64,
+}
+
+impl Turns {
+    fn of(radius: f64, circling: bool, air: &Air) -> Turns {
+        let circle = circles::radius(radius, air.true_airspeed_mps(), air.ground_speed_mps_max());
+        Turns { radius, circle_radius: if circling && radius > 0.0 { circle } else { 0.0 } }
+    }
+
+    /// How far from a straight way its circles and turns may lead.
+    pub(super) fn room(self) -> f64 {
+        3.0 * self.circle_radius
+    }
 }
 
 /// Places, bends and the legs between them.
@@ -71,8 +95,7 @@ pub struct Network {
     /// When zones open or shut, in order.
     pub(super) changes_s: Vec<f64>,
     pub(super) on_plane: bool,
-    /// Turns are no tighter than this; 0 where they take no time and no room.
-    pub(super) turn_radius: f64,
+    pub(super) turns: Turns,
     bends: Vec<Spot>,
     /// For each bend when it is allowed to be there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
@@ -92,7 +115,8 @@ impl Network {
     /// # Errors
     /// A sentence that names the zone that is no polygon, crosses itself or is too far away.
     pub fn new(setting: &Setting<'_>, air: Air) -> Result<Network, String> {
-        Ok(Network::over(setting::ground(setting)?, air, setting.time_s, (false, setting.turn_radius_m)))
+        let turns = Turns::of(setting.turn_radius_m, setting.circling, &air);
+        Ok(Network::over(setting::ground(setting, turns.room())?, air, setting.time_s, (false, turns)))
     }
 
     /// The network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
@@ -105,10 +129,23 @@ impl Network {
         air: Air,
         time_s: Span,
     ) -> Result<Network, String> {
-        Ok(Network::over(setting::drawn(zones, margin, turn_radius, time_s)?, air, time_s, (true, turn_radius)))
+        Network::circling_on_plane(zones, (margin, turn_radius), air, time_s, false)
     }
 
-    fn over(ground: Ground, air: Air, time_s: Span, (on_plane, turn_radius): (bool, f64)) -> Network {
+    /// The same, with places that are circled around.
+    pub(super) fn circling_on_plane(
+        zones: &[PlaneZone],
+        (margin, turn_radius): (f64, f64),
+        air: Air,
+        time_s: Span,
+        circling: bool,
+    ) -> Result<Network, String> {
+        let turns = Turns::of(turn_radius, circling, &air);
+        let ground = setting::drawn(zones, margin + turns.room(), turn_radius, time_s)?;
+        Ok(Network::over(ground, air, time_s, (true, turns)))
+    }
+
+    fn over(ground: Ground, air: Air, time_s: Span, (on_plane, turns): (bool, Turns)) -> Network {
         let mut bends = ground.bends();
         bends.truncate(BENDS_MAX);
         let bends_open_s = bends.iter().map(|bend| ground.open_s(bend)).collect();
@@ -120,7 +157,7 @@ impl Network {
             air,
             time_s,
             on_plane,
-            turn_radius,
+            turns,
             bends: Vec::new(),
             bends_open_s,
             joins,
@@ -174,7 +211,7 @@ impl Network {
 
     fn admit(&mut self, spot: Spot) -> PlaceId {
         let open_s = self.ground.open_s(&spot);
-        self.places.push(Place { spot, open_s, track_rad: None, joins: None });
+        self.places.push(Place { spot, open_s, track_rad: None, is_circled: false, joins: None });
         PlaceId(self.places.len() - 1)
     }
 
@@ -183,6 +220,20 @@ impl Network {
     pub fn head(&mut self, place: PlaceId, track_rad: Option<f64>) {
         if let Some(place) = self.places.get_mut(place.0) {
             place.track_rad = track_rad.filter(|track_rad| track_rad.is_finite());
+        }
+    }
+
+    /// Radius of the circles over ground around places; 0 where none is circled around.
+    pub fn circle_radius_m(&self) -> f64 {
+        self.turns.circle_radius
+    }
+
+    /// Says that a place is circled around: a way to it ends on the circle, and one from it begins anywhere on the circle, so that
+    /// it takes what it takes from the worst point. Only counts in a [`Setting::circling`] with a turn radius, and only for ways
+    /// that are asked for later.
+    pub fn circle(&mut self, place: PlaceId) {
+        if let Some(place) = self.places.get_mut(place.0) {
+            place.is_circled = self.turns.circle_radius > 0.0;
         }
     }
 

@@ -17,6 +17,8 @@ pub struct Setting<'a> {
     pub margin_m: f64,
     /// The vehicle cannot turn more tightly than this: ways bend around corners of zones on arcs of at least this radius.
     pub turn_radius_m: f64,
+    /// Are places circled around ([`super::Network::circle`])? Ways then keep room for circles beside the margin.
+    pub circling: bool,
     /// Emergency landing places.
     pub landing_places: &'a [LandingPlace],
     /// Never farther than this from the nearest of them; none is no limit.
@@ -42,8 +44,8 @@ pub struct PlaneZone {
     pub active_s: Vec<(f64, f64)>,
 }
 
-/// A projection around `positions` on which all zones lie.
-pub(crate) fn ground(setting: &Setting<'_>) -> Result<Ground, String> {
+/// A projection around the setting's positions on which all zones lie, kept away from by `room_m` beside the margin.
+pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<Ground, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;
     let mut flat: Vec<(PlaneZone, f64)> = Vec::new();
@@ -71,7 +73,7 @@ pub(crate) fn ground(setting: &Setting<'_>) -> Result<Ground, String> {
         }
     }
     let zones = flat.iter().filter_map(|(zone, stretch)| {
-        made(zone, setting.margin_m * stretch, setting.turn_radius_m * stretch, setting.time_s)
+        made(zone, ((setting.margin_m + room_m) * stretch, setting.turn_radius_m * stretch), *stretch, setting.time_s)
     });
     let reach = setting.landing_distance_m_max.map(|limit_m| Reach::new(setting.landing_places.to_vec(), limit_m));
     Ok(Ground::new(zones.collect(), must_stay, reach, Some(plane), setting.time_s))
@@ -83,7 +85,7 @@ pub(crate) fn drawn(zones: &[PlaneZone], margin: f64, turn_radius: f64, time_s: 
         return Err(no_polygon(&zone.name, zone.corners.len()));
     }
     let must_stay = zones.iter().any(|zone| zone.keep_in);
-    let zones = zones.iter().filter_map(|zone| made(zone, margin, turn_radius, time_s));
+    let zones = zones.iter().filter_map(|zone| made(zone, (margin, turn_radius), 1.0, time_s));
     Ok(Ground::new(zones.collect(), must_stay, None, None, time_s))
 }
 
@@ -114,7 +116,7 @@ fn corners(zone: &AirspaceZone, plane: &Plane) -> Result<Vec<Point>, String> {
 }
 
 /// The zone with its times inside `time_s`; none where it is never active then.
-fn made(zone: &PlaneZone, margin: f64, turn_radius: f64, time_s: Span) -> Option<Zone> {
+fn made(zone: &PlaneZone, (margin, turn_radius): (f64, f64), stretch: f64, time_s: Span) -> Option<Zone> {
     let (begin_s, end_s) = time_s;
     let inside = |(from_s, until_s): &(f64, f64)| {
         let meets = *from_s <= end_s && *until_s > begin_s && until_s > from_s;
@@ -134,6 +136,7 @@ fn made(zone: &PlaneZone, margin: f64, turn_radius: f64, time_s: Span) -> Option
         solid,
         margin,
         bend_radius,
+        stretch,
         active_s,
     })
 }

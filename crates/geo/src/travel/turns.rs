@@ -4,30 +4,53 @@
 //! outside. From bend to bend it is a turn-limited path ([`super::dubins`]) in the mean wind of that piece; directions at its
 //! ends are those of their places, where they have one, and free else. Of the words the quickest is taken that keeps out of
 //! all that is shut for ever. What turning costs beyond the straight way is the same at every departure, namely what it costs
-//! in the worst of the winds of the time looked at, so that nobody who leaves later is there earlier.
+//! in the worst of the winds of the time looked at, so that nobody who leaves later is there earlier. From a place that is
+//! circled around a way takes what it takes from the worst point of the circle, and to one it ends on the circle
+//! ([`super::circles`]).
 //! Bound: eight words for each piece and wind, a question to the ground for each chord of some.
 
+use super::circles::{End, On, Passage, Rounds};
 use super::dubins::{Flyer, Pose, TurnPath};
 use super::ground::Spot;
-use super::network::Network;
+use super::network::{Network, PlaceId};
 use super::spans::Span;
 use super::ways::WayId;
 use crate::direction::Direction;
 use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position};
 use crate::plane::Point;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Drawn paths are never farther than this share of the radius from what is flown: 3 m of 3 km.
 pub const TOLERANCE_SHARE: f64 = 1e-3;
 /// Places of a piece where its wind is taken.
 const WIND_SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+/// Directions of a place that are tried, where one is free.
+const TRACKS: usize = 32;
 /// Work of one piece in one wind, in legs looked at.
 const LOOKS_PER_PIECE: u64 = 20;
 
 /// A path over ground as points, on the Earth and on the plane.
 type Drawn = Vec<(Position, Point)>;
-/// Directions in which a way begins and ends, clockwise from north; none is any.
-pub(super) type Tracks = (Option<f64>, Option<f64>);
+
+/// How a place is left and reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum At {
+    /// In any direction.
+    Free,
+    /// In this direction, clockwise from north.
+    Track(f64),
+    /// On a circle around it.
+    Circle,
+}
+
+/// Where on a circle around a place a vehicle is, and which way round it flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circling {
+    /// From the place to the vehicle, clockwise from north.
+    pub bearing_rad: f64,
+    /// To the right?
+    pub clockwise: bool,
+}
 
 /// What turning makes of a way.
 #[derive(Clone, Debug)]
@@ -117,6 +140,54 @@ impl Piece<'_> {
     }
 }
 
+impl Piece<'_> {
+    fn end(&self) -> Point {
+        Point { x: self.length, y: 0.0 }
+    }
+
+    /// A direction at the beginning or the end, from the x axis to the left; none is any.
+    fn track_rad(&self, at: At, behind: bool) -> Option<f64> {
+        let bearing_rad = if behind { self.bearings_rad.1 } else { self.bearings_rad.0 };
+        if let At::Track(track_rad) = at { Some(bearing_rad - track_rad) } else { None }
+    }
+
+    fn target(&self, to: At) -> End {
+        match (to, self.track_rad(to, true)) {
+            (At::Circle, _) => End::Circle(self.end()),
+            (_, Some(track_rad)) => End::Pose(self.end(), track_rad),
+            (_, None) => End::Place(self.end()),
+        }
+    }
+
+    /// On the circle around the beginning.
+    fn on(&self, from: Circling) -> On {
+        let sense = if from.clockwise { -1.0 } else { 1.0 };
+        let track_rad = self.bearings_rad.0 - from.bearing_rad + sense * FRAC_PI_2;
+        On { centre: Point::default(), sense, track_rad }
+    }
+
+    /// On the circle around the end.
+    fn circling(&self, on: On) -> Circling {
+        let bearing_rad = self.bearings_rad.1 - (on.track_rad - on.sense * FRAC_PI_2);
+        Circling { bearing_rad, clockwise: on.sense < 0.0 }
+    }
+
+    fn shown(&self, point: Point) -> (Position, Point) {
+        let (position, on_map, _) = self.place(point);
+        (position, on_map)
+    }
+}
+
+/// Directions that are tried where any is as good.
+fn tracks() -> impl Iterator<Item = f64> {
+    (0..TRACKS).map(|index| TAU * index as f64 / TRACKS as f64)
+}
+
+/// A place inside a vehicle's turns is reached in one of some directions.
+fn poses(point: Point) -> Vec<End> {
+    tracks().map(|track_rad| End::Pose(point, track_rad)).collect()
+}
+
 /// An angle between minus half a circle and half a circle.
 fn turn_rad(angle_rad: f64) -> f64 {
     angle_rad - TAU * libm::round(angle_rad / TAU)
@@ -125,27 +196,21 @@ fn turn_rad(angle_rad: f64) -> f64 {
 impl Network {
     /// What turning makes of a way; none where there is no room for it. Only asked where turns are limited.
     pub(super) fn turn(&mut self, way: WayId) -> Option<Turned> {
-        let (spots, tracks_rad) = self.ends_and_bends(way)?;
-        let pieces: Vec<Piece<'_>> =
-            spots.iter().zip(spots.iter().skip(1)).map(|(from, to)| Piece::of(from, to, self.on_plane)).collect();
-        let mut tracks: Vec<Option<f64>> = vec![tracks_rad.0];
-        for (into, out) in pieces.iter().zip(pieces.iter().skip(1)) {
-            let (into_rad, out_rad) = (into.bearings_rad.1, out.bearings_rad.0);
-            tracks.push(Some(into_rad + 0.5 * turn_rad(out_rad - into_rad)));
-        }
-        tracks.push(tracks_rad.1);
+        let (spots, ends) = self.ends_and_bends(way)?;
+        let (pieces, at) = self.pieces(&spots, ends);
+        let circled = at.contains(&At::Circle);
         let mut turned = Turned { extra_s: 0.0, closed_s: Vec::new(), spots: Vec::new() };
         let (mut shut, mut flown, mut lasts_s) = (Vec::new(), false, 0.0_f64);
         for span in 0..self.air.spans() {
             let (mut extra_s, mut total_s, mut path) = (0.0, 0.0, Vec::new());
-            let ends = tracks.iter().zip(tracks.iter().skip(1));
+            let ends = at.iter().copied().zip(at.iter().copied().skip(1));
             let mut possible = true;
-            for (piece, (from_rad, to_rad)) in pieces.iter().zip(ends) {
+            for (piece, ends) in pieces.iter().zip(ends) {
                 self.work += LOOKS_PER_PIECE;
                 let wind_mps = piece.wind(self, span);
                 let flyer = Flyer {
                     true_airspeed_mps: self.air.true_airspeed_mps(),
-                    turn_radius_m: self.turn_radius,
+                    turn_radius_m: self.turns.radius,
                     wind_mps,
                 };
                 let Some(straight_s) = straight_s(&flyer, piece.length) else {
@@ -153,7 +218,13 @@ impl Network {
                     possible = false;
                     break;
                 };
-                let (found, points, blocked) = self.free_path(piece, &flyer, (*from_rad, *to_rad))?;
+                if let (At::Circle, _) | (_, At::Circle) = ends {
+                    let time_s = self.circled_s(piece, wind_mps, ends)?;
+                    extra_s += (time_s - straight_s).max(0.0);
+                    total_s += time_s;
+                    continue;
+                }
+                let (found, points, blocked) = self.free_path(piece, &flyer, ends)?;
                 extra_s += (found.time_s - straight_s).max(0.0);
                 total_s += found.time_s;
                 shut.extend(blocked);
@@ -163,7 +234,8 @@ impl Network {
                 (flown, lasts_s) = (true, lasts_s.max(total_s));
                 turned.extra_s = turned.extra_s.max(extra_s);
             }
-            turned.spots.push(path);
+            // Between circles what is flown depends on where the one before was left.
+            turned.spots.push(if circled { Vec::new() } else { path });
         }
         // Who leaves before a zone shuts must be through, wherever on the way it lies; winds between two pieces count too.
         let longest_s = 2.0 * lasts_s + turned.extra_s;
@@ -177,15 +249,11 @@ impl Network {
         &self,
         piece: &Piece<'_>,
         flyer: &Flyer,
-        (from_rad, to_rad): Tracks,
+        (from, to): (At, At),
     ) -> Option<(TurnPath, Drawn, Vec<Span>)> {
-        let pose = |x: f64, track_rad: Option<f64>, bearing_rad: f64| Pose {
-            point: Point { x, y: 0.0 },
-            track_rad: track_rad.map(|track_rad| bearing_rad - track_rad),
-        };
-        let begin = pose(0.0, from_rad, piece.bearings_rad.0);
-        let end = pose(piece.length, to_rad, piece.bearings_rad.1);
-        let tolerance = TOLERANCE_SHARE * self.turn_radius;
+        let begin = Pose { point: Point::default(), track_rad: piece.track_rad(from, false) };
+        let end = Pose { point: piece.end(), track_rad: piece.track_rad(to, true) };
+        let tolerance = TOLERANCE_SHARE * self.turns.radius;
         flyer.paths(begin, end).into_iter().find_map(|path| {
             let mut spots: Vec<Spot> = vec![piece.from.clone()];
             let inner = path.points(tolerance);
@@ -202,6 +270,156 @@ impl Network {
             }
             Some((path, spots.into_iter().map(|spot| (spot.position, spot.point)).collect(), blocked))
         })
+    }
+
+    /// The pieces of a way, and how the places between them are flown over: in the direction halfway between two legs.
+    fn pieces<'a>(&self, spots: &'a [Spot], ends: (At, At)) -> (Vec<Piece<'a>>, Vec<At>) {
+        let pairs = spots.iter().zip(spots.iter().skip(1));
+        let pieces: Vec<Piece<'a>> = pairs.map(|(from, to)| Piece::of(from, to, self.on_plane)).collect();
+        let mut at = vec![ends.0];
+        for (into, out) in pieces.iter().zip(pieces.iter().skip(1)) {
+            let (into_rad, out_rad) = (into.bearings_rad.1, out.bearings_rad.0);
+            at.push(At::Track(into_rad + 0.5 * turn_rad(out_rad - into_rad)));
+        }
+        at.push(ends.1);
+        (pieces, at)
+    }
+
+    /// What a piece takes at the most that begins on a circle, ends on one, or both; none where there is no room for it.
+    fn circled_s(&self, piece: &Piece<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
+        let rounds = self.rounds(wind_mps)?;
+        if ends.0 != At::Circle {
+            return Some(self.passage(piece, &rounds, ends, None)?.time_s);
+        }
+        let opposite = self.has_room_for_the_opposite_turn(piece, ends.1)?;
+        let worst_s = |end: End| rounds.worst(Point::default(), end, opposite);
+        let least_s = |ends: Vec<End>| ends.into_iter().filter_map(worst_s).min_by(f64::total_cmp);
+        match ends.1 {
+            At::Free => worst_s(End::Place(piece.end())).or_else(|| least_s(poses(piece.end()))),
+            to => worst_s(piece.target(to)),
+        }
+    }
+
+    fn rounds(&self, wind_mps: Point) -> Option<Rounds> {
+        Rounds::new(self.turns.circle_radius, self.air.true_airspeed_mps(), wind_mps)
+    }
+
+    /// May a circle at the beginning of a piece be left by the opposite turn? None where there is no room for circles at all.
+    fn has_room_for_the_opposite_turn(&self, piece: &Piece<'_>, to: At) -> Option<bool> {
+        let (radius, room) = (self.turns.circle_radius, self.turns.room());
+        let clear = |width: f64| self.ground.is_clear(piece.from, piece.to, (width, room));
+        let narrow = if let At::Track(_) = to { 2.0 * radius } else { radius };
+        match (clear(room), clear(narrow)) {
+            (true, _) => Some(true),
+            (_, narrow) => narrow.then_some(false),
+        }
+    }
+
+    /// The quickest flight over a piece that has a circle at one end or both, from `on` where it begins on one, else from the
+    /// point of the circle that suits it best.
+    fn passage(&self, piece: &Piece<'_>, rounds: &Rounds, ends: (At, At), on: Option<On>) -> Option<Passage> {
+        if ends.0 != At::Circle {
+            let wide = (2.0 * self.turns.circle_radius, self.turns.room());
+            let track_rad = piece.track_rad(ends.0, false);
+            let clear = self.ground.is_clear(piece.from, piece.to, wide);
+            return rounds.to_circle(Point::default(), track_rad, piece.end()).filter(|_| clear);
+        }
+        let opposite = self.has_room_for_the_opposite_turn(piece, ends.1)?;
+        let anywhere = || [1.0, -1.0].into_iter().flat_map(|sense| tracks().map(move |track_rad| (sense, track_rad)));
+        let ons: Vec<On> = match on {
+            Some(on) => vec![on],
+            None => anywhere().map(|(sense, track_rad)| On { centre: Point::default(), sense, track_rad }).collect(),
+        };
+        let mut targets = vec![piece.target(ends.1)];
+        if ends.1 == At::Free {
+            targets.extend(poses(piece.end()));
+        }
+        let quickest = |end: End| {
+            let found = ons.iter().filter_map(|on| rounds.passage(*on, end, opposite));
+            found.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
+        };
+        targets.into_iter().find_map(quickest)
+    }
+
+    /// What is flown on a way with a circle at one end or both, by who leaves the first from where `from` says (none: from
+    /// where it suits best), as points never farther than [`TOLERANCE_SHARE`] of the radius from it; and where one is then on
+    /// the circle at its end. Empty where there is no room.
+    pub fn circling_path(
+        &mut self,
+        way: WayId,
+        depart_s: f64,
+        from: Option<Circling>,
+    ) -> (Vec<Position>, Option<Circling>) {
+        let (spots, there) = self.circling_spots(way, depart_s, from).unwrap_or_default();
+        (spots.into_iter().map(|(position, _)| position).collect(), there)
+    }
+
+    pub(super) fn circling_spots(
+        &self,
+        way: WayId,
+        depart_s: f64,
+        from: Option<Circling>,
+    ) -> Option<(Drawn, Option<Circling>)> {
+        let (spots, ends) = self.ends_and_bends(way)?;
+        let (pieces, at) = self.pieces(&spots, ends);
+        let (mut drawn, mut there) = (Drawn::new(), from);
+        let tolerance = TOLERANCE_SHARE * self.turns.radius;
+        for (piece, ends) in pieces.iter().zip(at.iter().copied().zip(at.iter().copied().skip(1))) {
+            let wind_mps = piece.wind(self, self.air.span_at(depart_s));
+            if let (At::Circle, _) | (_, At::Circle) = ends {
+                let rounds = self.rounds(wind_mps)?;
+                let passage = self.passage(piece, &rounds, ends, there.map(|there| piece.on(there)))?;
+                let points = rounds.points(&passage, tolerance);
+                drawn.extend(points.into_iter().map(|point| piece.shown(point)));
+                there = passage.end().filter(|_| ends.1 == At::Circle).map(|on| piece.circling(on));
+            } else {
+                let true_airspeed_mps = self.air.true_airspeed_mps();
+                let flyer = Flyer { true_airspeed_mps, turn_radius_m: self.turns.radius, wind_mps };
+                drawn.extend(self.free_path(piece, &flyer, ends)?.1);
+            }
+        }
+        drawn.dedup();
+        Some((drawn, there))
+    }
+
+    /// Some time on the circle around a place, as points, and where one is afterwards.
+    pub fn circling_arc(
+        &self,
+        place: PlaceId,
+        from: Circling,
+        (begin_s, lasts_s): (f64, f64),
+    ) -> (Vec<Position>, Circling) {
+        let (spots, there) = self.circling_arc_spots(place, from, (begin_s, lasts_s)).unwrap_or((Drawn::new(), from));
+        (spots.into_iter().map(|(position, _)| position).collect(), there)
+    }
+
+    pub(super) fn circling_arc_spots(
+        &self,
+        place: PlaceId,
+        from: Circling,
+        (begin_s, lasts_s): (f64, f64),
+    ) -> Option<(Drawn, Circling)> {
+        let spot = &self.places.get(place.0)?.spot;
+        let piece = Piece::of(spot, spot, self.on_plane);
+        let rounds = self.rounds(piece.wind(self, self.air.span_at(begin_s)))?;
+        let on = piece.on(from);
+        let (after, by_rad) = rounds.after(on, lasts_s);
+        // Many rounds are drawn as one and what is left.
+        let shown_rad = if by_rad > TAU { TAU + by_rad % TAU } else { by_rad };
+        let points = rounds.arc(on, shown_rad, TOLERANCE_SHARE * self.turns.radius);
+        Some((points.into_iter().map(|point| piece.shown(point)).collect(), piece.circling(after)))
+    }
+
+    /// Is there room to circle around a place?
+    pub fn has_room_to_circle(&self, place: PlaceId) -> bool {
+        let Some(spot) = self.places.get(place.0).map(|place| &place.spot) else { return false };
+        let wide = (self.turns.circle_radius, self.turns.room());
+        self.turns.circle_radius <= 0.0 || self.ground.is_clear(spot, spot, wide)
+    }
+
+    /// What its turns make a way take more than straight legs; 0 where turns are not limited.
+    pub fn turns_s(&mut self, way: WayId) -> f64 {
+        self.turned(way).map_or(0.0, |turned| turned.extra_s)
     }
 
     /// The path over ground of a trip, turns included: points never farther than [`TOLERANCE_SHARE`] of the radius from it.

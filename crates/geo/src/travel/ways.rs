@@ -7,11 +7,11 @@
 
 use super::course::first_open;
 use super::ground::Spot;
-use super::network::{Network, PlaceId, Ride};
+use super::network::{Network, Place, PlaceId, Ride};
 use super::search::{FoundWay, Tree};
 use super::spans::{Span, merged};
 use super::trouble::Trouble;
-use super::turns::{Tracks, Turned};
+use super::turns::{At, Turned};
 use crate::plane::Point;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ impl Network {
                 best = Some(trip);
             }
         }
-        if best.is_none() && self.turn_radius > 0.0 {
+        if best.is_none() && self.turns.radius > 0.0 {
             let ways = self.found.sets.get(set).cloned().unwrap_or_default();
             if !ways.into_iter().any(|way| self.has_room(way)) {
                 return Err(Trouble::NoRoomToTurn);
@@ -97,7 +97,7 @@ impl Network {
 
     /// The first arrival by one way; none where it is shut or `from` must not be held at for so long.
     fn trip_by(&mut self, number: WayId, ready_s: f64) -> Option<Trip> {
-        let extra_s = if self.turn_radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
+        let extra_s = if self.turns.radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
         let way = self.found.ways.get(number.0)?;
         let depart_s = first_open(&way.closed_s, ready_s);
         let (from, rides) = (way.from, way.rides.len());
@@ -114,7 +114,7 @@ impl Network {
 
     /// What turns make of a way, and its closed departures with theirs; none where there is no room for them.
     pub(super) fn turned(&mut self, number: WayId) -> Option<&Turned> {
-        if self.turn_radius <= 0.0 {
+        if self.turns.radius <= 0.0 {
             return None;
         }
         if self.found.ways.get(number.0)?.turned.is_none() {
@@ -131,16 +131,21 @@ impl Network {
 
     /// Has a way room for its turns?
     fn has_room(&mut self, number: WayId) -> bool {
-        self.turn_radius <= 0.0 || self.turned(number).is_some()
+        self.turns.radius <= 0.0 || self.turned(number).is_some()
     }
 
-    /// A way's ends and bends, and in which directions it is left and reached.
-    pub(super) fn ends_and_bends(&self, number: WayId) -> Option<(Vec<Spot>, Tracks)> {
+    /// A way's ends and bends, and how its ends are left and reached.
+    pub(super) fn ends_and_bends(&self, number: WayId) -> Option<(Vec<Spot>, (At, At))> {
         let way = self.found.ways.get(number.0)?;
         let (from, to) = (self.places.get(way.from.0)?, self.places.get(way.to.0)?);
         let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
         let spots = [&from.spot].into_iter().chain(between).chain([&to.spot]).cloned().collect();
-        Some((spots, (from.track_rad, to.track_rad)))
+        let at = |place: &Place| match place.track_rad {
+            _ if place.is_circled => At::Circle,
+            Some(track_rad) => At::Track(track_rad),
+            None => At::Free,
+        };
+        Some((spots, (at(from), at(to))))
     }
 
     /// Both ends of a way and the bends between, on the Earth.

@@ -253,6 +253,7 @@ impl<'a> Travel<'a> {
             zones: &problem.zones,
             margin_m: problem.zone_margin_m,
             turn_radius_m: problem.vehicle.turn_radius_m,
+            circling: false,
             landing_places: &problem.landing_places,
             landing_distance_m_max: problem.landing_distance_m_max,
             around: &self.around,

@@ -26,6 +26,7 @@ fn ways(wind: &WindField, begin_s: f64) -> (Ways, usize) {
     let targets = targets.map(|(latitude, longitude)| Position::new(latitude, longitude));
     let transit = Transit {
         true_airspeed_mps: 15.0,
+        turn_radius_m: 0.0,
         altitude_m: 100.0,
         wind,
         time_s: begin_s,

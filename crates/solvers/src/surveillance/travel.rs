@@ -1,7 +1,7 @@
 //! Travel times for surveillance problems from positions, speed, wind and zones.
 
 use apex_geo::geodesy::Position;
-use apex_geo::travel::{Air, Network, PlaceId, Setting, Trip, Trouble};
+use apex_geo::travel::{Air, Circling, Network, PlaceId, Setting, Trip, Trouble};
 use apex_geo::wind::WindField;
 use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 
@@ -10,6 +10,9 @@ use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 pub struct Transit<'a> {
     /// Speed through the air.
     pub true_airspeed_mps: f64,
+    /// Least radius of its turns through the air; 0 for who can stop and turn on the spot. With one it circles around the start
+    /// and the targets, and a way takes what it takes from the worst point of a circle.
+    pub turn_radius_m: f64,
     /// Altitude at which the wind is taken.
     pub altitude_m: f64,
     /// The wind.
@@ -70,13 +73,15 @@ impl Ways {
         let setting = Setting {
             zones: &zones,
             margin_m: transit.margin_m,
-            turn_radius_m: 0.0,
+            turn_radius_m: transit.turn_radius_m,
+            circling: true,
             landing_places: &[],
             landing_distance_m_max: None,
             around: &around,
             altitudes_m: transit.altitudes_m,
             time_s: (transit.time_s, transit.until_s),
         };
+        sound_turns(transit)?;
         let (begin_s, until_s) = (transit.time_s, transit.until_s);
         let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, begin_s, until_s);
         let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
@@ -89,11 +94,17 @@ impl Ways {
             }
         };
         let (start, base) = (end(start, "start")?, end(base, "base")?);
+        network.circle(start);
+        if !network.has_room_to_circle(start) {
+            return Err(format!("The start cannot be used: {}.", Trouble::NoRoomToTurn));
+        }
         let mut troubles = Vec::with_capacity(targets.len());
         let mut places: Vec<PlaceId> = Vec::with_capacity(targets.len());
         for position in targets {
             let place = network.add(*position).map_err(|trouble| format!("A target cannot be used: {trouble}."))?;
-            troubles.push(network.place_trouble(place, (begin_s, begin_s)));
+            network.circle(place);
+            let trouble = network.place_trouble(place, (begin_s, begin_s));
+            troubles.push(trouble.or_else(|| (!network.has_room_to_circle(place)).then_some(Trouble::NoRoomToTurn)));
             places.push(place);
         }
         let ends = Ends { start, base, targets: places };
@@ -178,6 +189,57 @@ impl Ways {
         self.positions(ends, depart_s)
     }
 
+    /// Radius of the circles around start and targets; 0 for who turns on the spot.
+    pub fn circle_radius_m(&self) -> f64 {
+        self.network.circle_radius_m()
+    }
+
+    /// What turning makes the way to a target take more than straight legs do, in the worst case, for who leaves another target,
+    /// or the start (none), `depart_s` after the beginning.
+    pub fn turns_s(&mut self, from: Option<usize>, to: usize, depart_s: f64) -> f64 {
+        let from = from.map_or(Some(self.ends.start), |from| self.ends.targets.get(from).copied());
+        self.turns_between_s(from.zip(self.ends.targets.get(to).copied()), depart_s)
+    }
+
+    /// The same from a target to the base.
+    pub fn turns_to_base_s(&mut self, from: usize, depart_s: f64) -> f64 {
+        self.turns_between_s(self.ends.targets.get(from).map(|from| (*from, self.ends.base)), depart_s)
+    }
+
+    fn turns_between_s(&mut self, ends: Option<(PlaceId, PlaceId)>, depart_s: f64) -> f64 {
+        let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
+        trip.map_or(0.0, |trip| self.network.turns_s(trip.way))
+    }
+
+    /// What a vehicle with a turn radius flies around a target while it looks from one time to another, and where on the circle
+    /// it is then.
+    pub fn look(&self, at: usize, from: Circling, (begin_s, end_s): (f64, f64)) -> (Vec<Position>, Circling) {
+        let place = self.ends.targets.get(at).copied();
+        let arc = place.map(|place| self.network.circling_arc(place, from, (self.begin_s + begin_s, end_s - begin_s)));
+        arc.unwrap_or((Vec::new(), from))
+    }
+
+    /// What it flies on the way from a target (none: the start) to another (none: the base) for which it leaves at `depart_s`,
+    /// from where on the circle `left` says (none: from where it suits best); and where on the next circle it is then.
+    pub fn flown(
+        &mut self,
+        (from, to): (Option<usize>, Option<usize>),
+        left: Option<Circling>,
+        depart_s: f64,
+    ) -> (Vec<Position>, Option<Circling>) {
+        let place = |number: Option<usize>, other: PlaceId| match number {
+            Some(number) => self.ends.targets.get(number).copied(),
+            None => Some(other),
+        };
+        let Some((from, to)) = place(from, self.ends.start).zip(place(to, self.ends.base)) else {
+            return (Vec::new(), None);
+        };
+        match self.network.trip(from, to, self.begin_s + depart_s) {
+            Ok(trip) => self.network.circling_path(trip.way, trip.depart_s, left),
+            Err(_) => (Vec::new(), None),
+        }
+    }
+
     /// Why a target cannot be visited at all: what it lies in.
     pub fn trouble(&self, target: usize) -> Option<&Trouble> {
         self.troubles.get(target).and_then(Option::as_ref)
@@ -187,6 +249,20 @@ impl Ways {
         let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
         trip.map_or_else(Vec::new, |trip| self.network.positions(trip.way))
     }
+}
+
+/// Turns wider than this are a mistake: the widest of an airliner in a strong wind are a tenth of it.
+const TURN_RADIUS_M_MAX: f64 = 200_000.0;
+
+/// Refuses turns that nobody flies.
+fn sound_turns(transit: &Transit<'_>) -> Result<(), String> {
+    let radius_m = transit.turn_radius_m;
+    if !(0.0..=TURN_RADIUS_M_MAX).contains(&radius_m) {
+        return Err(format!(
+            "The turn radius is {radius_m} m; it must be between 0 and {TURN_RADIUS_M_MAX} m: look at the vehicle's speed and greatest bank."
+        ));
+    }
+    Ok(())
 }
 
 /// How far the times in the middle are from the straight lines between those before and after.
@@ -233,6 +309,7 @@ mod tests {
         let (zones, home) = ([wall], Position::new(37.39, -121.12));
         let transit = |high_m: f64| Transit {
             true_airspeed_mps: 15.0,
+            turn_radius_m: 0.0,
             altitude_m: 100.0,
             wind: &wind,
             time_s: 0.0,
