@@ -9,3 +9,5 @@ pub(crate) mod examples;
 
 #[cfg(test)]
 mod changing_wind_tests;
+#[cfg(test)]
+mod circling_tests;

@@ -6,7 +6,7 @@ use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
 use crate::plan_output::proof::{self, Proof};
-use crate::plan_output::{geojson, kml, qgc, table};
+use crate::plan_output::{geojson, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
 use apex_model::time::Duration;
@@ -66,7 +66,8 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let text = match format {
         PlanFormat::Table => {
             let without_end = cycles::of_plan(&solved.problem, &solved.plan);
-            table::write(&question.name, question.benchmark.as_ref(), &solved, without_end.as_ref())
+            let beside = table::Beside { without_end: without_end.as_ref(), turns: turns_of(&question, &solved) };
+            table::write(&question.name, question.benchmark.as_ref(), &solved, &beside)
         }
         PlanFormat::Json => json(&question, &solved),
         PlanFormat::Pdl => pdl(&question, &solved),
@@ -157,9 +158,18 @@ fn json(question: &Question, solved: &Deliberation) -> String {
         "work_units": solved.work,
         "cpu_s": solved.cpu_s,
         "plan": solved.plan,
+        "turns": turns_of(question, solved).map(|turns| serde_json::json!({
+            "radius_m": turns.radius_m,
+            "ways": turns.ways,
+            "time_s": turns.time_s,
+        })),
         "without_end": cycles::of_plan(&solved.problem, &solved.plan).as_ref().map(without_end),
     });
     format!("{answer}\n")
+}
+
+fn turns_of(question: &Question, solved: &Deliberation) -> Option<turns::Turns> {
+    turns::of(&solved.problem, &solved.plan, question.mission.as_ref().map(|(mission, _)| mission))
 }
 
 /// What becomes of the plan's cycle if it is flown without end.

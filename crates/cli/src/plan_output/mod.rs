@@ -7,3 +7,4 @@ pub mod kml;
 pub mod proof;
 pub mod qgc;
 pub mod table;
+pub mod turns;

@@ -3,6 +3,7 @@
 use crate::commands::plan_question::Benchmark;
 use crate::mission::deliberator::Deliberation;
 use crate::plan_output::proof::{self, Proof};
+use crate::plan_output::turns::Turns;
 use crate::telling::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
@@ -16,17 +17,26 @@ const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Visits of a better cycle that are shown.
 const CYCLE_SHOWN: usize = 24;
 
+/// What is known beside the plan itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<'a> {
+    /// What becomes of its cycle if it is flown for ever.
+    pub without_end: Option<&'a WithoutEnd>,
+    /// What turns cost.
+    pub turns: Option<Turns>,
+}
+
 /// What was asked, who planned and why, the visits, what they are worth, what is left out.
 pub fn write(
     name: &str,
     benchmark: Option<&Benchmark>,
     solved: &Deliberation,
-    without_end: Option<&WithoutEnd>,
+    beside: &Beside<'_>,
 ) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);
-    let _ = write_table(&mut out, solved, without_end);
+    let _ = write_table(&mut out, solved, beside);
     if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
         let _ = write_tour(&mut out, solved);
     }
@@ -63,7 +73,7 @@ fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) 
     }
 }
 
-fn write_table(out: &mut String, solved: &Deliberation, without_end: Option<&WithoutEnd>) -> std::fmt::Result {
+fn write_table(out: &mut String, solved: &Deliberation, beside: &Beside<'_>) -> std::fmt::Result {
     let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
     writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
@@ -72,7 +82,10 @@ fn write_table(out: &mut String, solved: &Deliberation, without_end: Option<&Wit
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
     }
-    if let Some(without_end) = without_end {
+    if let Some(turns) = &beside.turns {
+        write_turns(out, turns)?;
+    }
+    if let Some(without_end) = beside.without_end {
         write_without_end(out, without_end)?;
     }
     let left_out = solved.plan.left_out();
@@ -150,6 +163,13 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
         }
         None => writeln!(out, "  no bound is known"),
     }
+}
+
+/// What turns cost, so that somebody can see what a vehicle that turns more tightly would gain.
+fn write_turns(out: &mut String, turns: &Turns) -> std::fmt::Result {
+    let Turns { radius_m, ways, time_s } = *turns;
+    let each_s = if ways > 0 { time_s / ways as f64 } else { 0.0 };
+    writeln!(out, "  turns of {radius_m:.0} m make {ways} ways {} longer, {each_s:.0} s each", clock(time_s))
 }
 
 /// What becomes of the cycle if it is flown for ever, by the hour.

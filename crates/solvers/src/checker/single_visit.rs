@@ -51,7 +51,9 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
-        exit = turns::track_rad(manoeuvre.lines.last(), true);
+        // Who passes over a place leaves it as it came.
+        let came = || turns::end_track_rad(turns::flown(problem, &visit.route, &visit.path));
+        exit = turns::track_rad(manoeuvre.lines.last(), true).or_else(came);
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
         (altitude_m, time_s) = (manoeuvre.altitude_m, visit.end_s);
     }

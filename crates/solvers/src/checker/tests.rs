@@ -110,7 +110,10 @@ proptest! {
 
 /// A mission whose vehicle turns wide, with its plan.
 fn turning(seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
-    let mut problem = crate::single_visit::examples::random(5, seed);
+    turning_over(crate::single_visit::examples::random(5, seed), seed, turn_radius_m)
+}
+
+fn turning_over(mut problem: SingleVisitProblem, seed: u64, turn_radius_m: f64) -> (Problem, Result<Plan, String>) {
     problem.vehicle.turn_radius_m = turn_radius_m;
     let problem = Problem::SingleVisit(problem);
     let mut budget = WorkBudget::new(60_000);
@@ -135,6 +138,31 @@ fn plans_with_wide_turns_pass_and_without_their_turns_do_not() {
         refused += usize::from(found.iter().any(|what| what.contains("turns more tightly than 3400 m")));
     }
     assert!(refused >= 8, "{refused}");
+}
+
+#[test]
+fn a_turn_back_over_a_place_that_is_looked_at_from_overhead_takes_its_time() {
+    let (mut planned, mut slower_s) = (0, 0.0);
+    for seed in 0..12 {
+        let mut problem = crate::single_visit::examples::random(5, seed);
+        problem.targets.iter_mut().flat_map(|target| &mut target.manoeuvres).for_each(|way| way.lines.clear());
+        // There and back: the base is the start, and the direction over the place is the one in which one comes.
+        problem.targets.truncate(1);
+        problem.precedence.clear();
+        let (quick, slow) = (turning_over(problem.clone(), seed, 0.0), turning_over(problem, seed, 3_400.0));
+        let (Ok(Plan::SingleVisit(quick)), Ok(Plan::SingleVisit(mut plan))) = (quick.1, slow.1) else { continue };
+        assert_eq!(violations(&slow.0, &Plan::SingleVisit(plan.clone())), Vec::<String>::new(), "seed {seed}");
+        planned += 1;
+        if quick.visits[0].manoeuvre == plan.visits[0].manoeuvre && plan.return_route.len() == 2 {
+            slower_s = f64::max(slower_s, plan.end_s - quick.end_s);
+        }
+        // The same without the turn is refused.
+        plan.return_path = plan.return_route.clone();
+        let found = violations(&slow.0, &Plan::SingleVisit(plan));
+        assert!(found.iter().any(|what| what.contains("turns more tightly than 3400 m")), "{found:?}");
+    }
+    // Half a circle of 3.4 km at some 95 m/s, and a little more to come back to the line.
+    assert!(planned >= 6 && slower_s > 100.0, "{planned} {slower_s}");
 }
 
 #[test]

@@ -28,6 +28,13 @@ pub(super) fn track_rad(line: Option<&(Position, Position)>, behind: bool) -> Op
     (length_m > 1.0).then_some((azimuth_deg + if behind { 180.0 } else { 0.0 }) * RAD_PER_DEG)
 }
 
+/// The direction in which a path ends; none where it has no length.
+pub(super) fn end_track_rad(flown: &[Position]) -> Option<f64> {
+    let end = flown.last()?;
+    let before = flown.iter().rev().find(|before| geodesy::distance_m(**before, *end) > SHORT_M)?;
+    track_rad(Some(&(*before, *end)), true)
+}
+
 /// A piece of a path: in which direction the air is flown through, and for how long.
 struct Piece {
     heading_rad: f64,

@@ -48,6 +48,27 @@ impl Solver for SingleVisit {
     }
 }
 
+/// How many ways a plan has, and what turns make them take beyond straight legs.
+///
+/// # Errors
+/// As planning: a zone makes no sense.
+pub fn turns_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Result<(usize, f64), String> {
+    let mut travel = travel::Travel::new(problem)?;
+    let (mut here, mut ready_s) = (travel::Node::Start, problem.start_s);
+    let (mut ways, mut sum_s) = (0, 0.0);
+    for visit in &plan.visits {
+        let Some(target) = problem.targets.iter().position(|target| target.name == visit.target) else { continue };
+        sum_s += travel.turns_s(here, travel::Node::Entry(target, visit.manoeuvre), ready_s);
+        ways += 1;
+        (here, ready_s) = (travel::Node::Exit(target, visit.manoeuvre), visit.end_s);
+    }
+    if problem.base.is_some() && !plan.visits.is_empty() {
+        sum_s += travel.turns_s(here, travel::Node::Base, ready_s);
+        ways += 1;
+    }
+    Ok((ways, sum_s))
+}
+
 fn solve(
     problem: &Problem,
     previous: Option<&SingleVisitPlan>,

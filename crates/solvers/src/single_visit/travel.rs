@@ -180,6 +180,12 @@ impl<'a> Travel<'a> {
         self.times(from, to, ready_s).map(|times| times.arrive_s - ready_s)
     }
 
+    /// What turns make the way from `from` to `to` take beyond straight legs; 0 where there is no way.
+    pub(crate) fn turns_s(&mut self, from: Node, to: Node, ready_s: f64) -> f64 {
+        let Ok((layer, _, trip)) = self.find(from, to, ready_s) else { return 0.0 };
+        self.layers.get_mut(layer).map_or(0.0, |layer| layer.network.turns_s(trip.way))
+    }
+
     /// No way from `from` to `to` takes less than this.
     pub(crate) fn time_s_min(&self, from: Node, to: Node) -> f64 {
         if let Some(travel) = &self.problem.travel {
@@ -377,8 +383,21 @@ fn given_s_min(travel: &TravelTimes, from: Node, to: Node) -> f64 {
     if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
 }
 
-/// The direction of the line that a manoeuvre begins or ends with; none for other places and lines of no length.
+/// The direction of the line that a manoeuvre begins or ends with. A place without one is flown over as one comes from the
+/// start, so that whoever turns back over it pays for the turn; start and base are left and met in any direction (none).
 fn track_rad(problem: &SingleVisitProblem, node: Node) -> Option<f64> {
+    let target = match node {
+        Node::Start | Node::Base => return None,
+        Node::Entry(target, _) | Node::Exit(target, _) => problem.targets.get(target)?,
+    };
+    line_track_rad(problem, node).or_else(|| {
+        let (length_m, azimuth_deg) = geodesy::inverse(target.position, problem.start);
+        Some(if length_m > 1.0 { (azimuth_deg + 180.0) * RAD_PER_DEG } else { 0.0 })
+    })
+}
+
+/// The direction of the line that a manoeuvre begins or ends with; none where it has none.
+fn line_track_rad(problem: &SingleVisitProblem, node: Node) -> Option<f64> {
     let lines = |target: usize, manoeuvre: usize| {
         problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)
     };

@@ -1,0 +1,53 @@
+//! What turns cost in a plan, where its vehicle cannot turn at once.
+
+use crate::mission::Mission;
+use crate::mission::problem::survey;
+use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, SurveillanceProblem};
+
+/// What turning makes a plan's ways take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turns {
+    /// Least radius of a turn through the air; of surveillance that of the circles around its targets over ground.
+    pub radius_m: f64,
+    /// Ways of the plan, the return included.
+    pub ways: usize,
+    /// What they take together beyond straight legs, in the worst wind and, of surveillance, from the worst point of each circle.
+    pub time_s: f64,
+}
+
+/// None where turns take no time, or the problem says times only.
+pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<Turns> {
+    match (problem, plan) {
+        (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => {
+            let radius_m = problem.vehicle.turn_radius_m;
+            let turning = radius_m > 0.0 && problem.travel.is_none();
+            let (ways, time_s) = turning.then(|| apex_solvers::single_visit::turns_s(problem, plan).ok())??;
+            Some(Turns { radius_m, ways, time_s })
+        }
+        (Problem::Surveillance(problem), Plan::Surveillance(plan)) => of_surveillance(problem, plan, mission?),
+        _ => None,
+    }
+}
+
+fn of_surveillance(problem: &SurveillanceProblem, plan: &SurveillancePlan, mission: &Mission) -> Option<Turns> {
+    let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
+    let mut ways = survey(mission, &positions, mission.start, 0.0).ok()?;
+    let mut turns = Turns { radius_m: ways.circle_radius_m(), ways: 0, time_s: 0.0 };
+    if turns.radius_m <= 0.0 {
+        return None;
+    }
+    let (mut from, mut depart_s) = (None, 0.0);
+    for visit in &plan.visits {
+        let to = problem.targets.iter().position(|target| target.name == visit.target)?;
+        if from != Some(to) {
+            turns.ways += 1;
+            turns.time_s += ways.turns_s(from, to, depart_s);
+        }
+        (from, depart_s) = (Some(to), visit.end_s);
+    }
+    if let Some(from) = from.filter(|_| problem.return_to_base) {
+        turns.ways += 1;
+        turns.time_s += ways.turns_to_base_s(from, depart_s);
+    }
+    Some(turns)
+}
