@@ -96,7 +96,7 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     positive("The true airspeed", vehicle.true_airspeed_mps)?;
     positive("The endurance", vehicle.endurance_s)?;
     not_negative("The endurance reserve", vehicle.endurance_reserve_s)?;
-    not_negative("The turn radius", vehicle.turn_radius_m)?;
+    turn_radius(vehicle.turn_radius_m)?;
     not_negative("The fuel flow", vehicle.fuel_flow_kg_per_s)?;
     not_negative("The fuel reserve", vehicle.fuel_reserve_kg)?;
     not_negative("The margin of zones", problem.zone_margin_m)?;
@@ -123,6 +123,23 @@ pub fn single_visit(problem: &SingleVisitProblem) -> Result<(), String> {
     }
     problem.travel.as_ref().map_or(Ok(()), |travel| given_times(problem, travel))?;
     precedence(problem)
+}
+
+/// Turns wider than this are a mistake: the widest of an airliner in a strong wind are a tenth of it.
+const TURN_RADIUS_M_MAX: f64 = 200_000.0;
+
+/// Refuses turns that nobody flies.
+///
+/// # Errors
+/// A sentence that says how wide turns may be.
+pub(crate) fn turn_radius(radius_m: f64) -> Result<(), String> {
+    not_negative("The turn radius", radius_m)?;
+    if radius_m > TURN_RADIUS_M_MAX {
+        return Err(format!(
+            "The turn radius is {radius_m} m, wider than the {TURN_RADIUS_M_MAX} m that any aircraft needs; give metres, from its speed and bank."
+        ));
+    }
+    Ok(())
 }
 
 /// Travel times given as numbers: one for each pair, and nothing beside them that a vehicle in the air would need.

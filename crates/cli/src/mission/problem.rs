@@ -183,11 +183,14 @@ fn manoeuvres(
             Err(error) => reason = error,
         }
     }
-    let better = |a: &Manoeuvre, b: &Manoeuvre| {
-        a.quality.product() >= b.quality.product() && a.duration_s <= b.duration_s && a.name != b.name
+    // Of equally good ones the first stays: in calm air altitudes may make no difference.
+    let better = |(number, a): (usize, &Manoeuvre), (other, b): (usize, &Manoeuvre)| {
+        let (a, b) = ((a.quality.product(), -a.duration_s), (b.quality.product(), -b.duration_s));
+        a.0 >= b.0 && a.1 >= b.1 && (a != b || number < other)
     };
+    let all = || made.iter().enumerate();
     let kept: Vec<Manoeuvre> =
-        made.iter().filter(|each| !made.iter().any(|other| better(other, each))).cloned().collect();
+        all().filter(|each| !all().any(|other| better(other, *each))).map(|(_, each)| each.clone()).collect();
     if kept.is_empty() { Err(format!("{}: no way to observe it: {reason}", target.id)) } else { Ok(kept) }
 }
 

@@ -3,13 +3,13 @@
 //! Planners know names, times and, where they fly through air, routes. A chart adds where each thing is; formats are written
 //! from it alone.
 
+use super::watch::Watch;
 use crate::mission::{Mission, TargetKind};
 use apex_metrics::eci;
 use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
-use apex_geo::travel::Circling;
 use apex_sim::Airframe;
 use apex_solvers::surveillance::travel::Ways;
 use serde_json::{Map, Value, json};
@@ -253,18 +253,9 @@ fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
 }
 
 /// What lies strictly between the ends of a route.
-fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = Place> {
+pub(super) fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = Place> {
     let between = route.iter().skip(1).take(route.len().saturating_sub(2));
     between.map(move |position| Place { position: *position, altitude_m })
-}
-
-/// Where on its circle the vehicle is when it has looked.
-fn left(
-    ways: &Ways,
-    (from, there): (Option<usize>, Option<Circling>),
-    look_s: (f64, f64),
-) -> Option<Circling> {
-    from.zip(there).map(|(from, there)| ways.look(from, there, look_s).1)
 }
 
 fn of_surveillance(
@@ -295,37 +286,15 @@ fn of_surveillance(
     }
     let start = start.or(mission.map(|mission| mission.start));
     let start = start.map(|position| Place { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
-    let mut ways = mission.and_then(|mission| flown_ways(mission, problem));
-    let (mut before, mut from, mut depart_s) = (start, None, 0.0);
+    let mut watch = Watch::new(mission.and_then(|mission| flown_ways(mission, problem)), start);
     let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
-    let (mut there, mut began_s) = (None, 0.0);
     for visit in &plan.visits {
         let Some(to) = targets.iter().position(|target| target.name == visit.target) else { continue };
         let Some(here) = targets.get(to).map(|target| target.place) else { continue };
-        let route = ways.as_mut().map_or_else(Vec::new, |ways| ways.route(from, to, depart_s));
-        let mut way: Vec<Place> = before.into_iter().chain(bends(&route, here.altitude_m)).chain([here]).collect();
-        let circles = ways.as_mut().filter(|ways| ways.circle_radius_m() > 0.0);
-        let (mut lines, mut circle) = (Vec::new(), None);
-        if let Some(ways) = circles {
-            let at = |position: Position| Place { position, altitude_m: here.altitude_m };
-            let (path, after) = ways.flown((from, Some(to)), left(ways, (from, there), (began_s, depart_s)), depart_s);
-            way = before.into_iter().filter(|_| from.is_none()).chain(path.into_iter().map(at)).collect();
-            let look = after.map(|after| ways.look(to, after, (visit.arrive_s, visit.end_s)).0).unwrap_or_default();
-            lines = look.into_iter().map(at).collect();
-            circle = Some(Circle { centre: here, bends: bends(&route, here.altitude_m).collect() });
-            there = after;
-        }
-        (from, depart_s, began_s) = (Some(to), visit.end_s, visit.arrive_s);
-        let (target, arrive_s, end_s) = (visit.target.clone(), visit.arrive_s, visit.end_s);
-        visits.push(Visit { target, way, lines, circle, arrive_s, begin_s: arrive_s, end_s });
-        before = Some(here);
+        visits.push(watch.visit((to, here), visit));
     }
     let base = start.filter(|_| problem.return_to_base);
-    let home = ways.as_mut().zip(from).map_or_else(Vec::new, |(ways, at)| match ways.circle_radius_m() > 0.0 {
-        true => ways.flown((from, None), left(ways, (from, there), (began_s, depart_s)), depart_s).0,
-        false => ways.route_to_base(at, depart_s),
-    });
-    let before = visits.last().and_then(|visit| visit.lines.last().copied()).or(before);
+    let return_way = base.map_or_else(Vec::new, |base| watch.home(base));
     let cycle = plan.cycle.len();
     let repeats = visits.iter().enumerate().all(|(index, visit)| {
         index.checked_rem(cycle).and_then(|place| plan.cycle.get(place)).is_some_and(|name| *name == visit.target)
@@ -345,9 +314,7 @@ fn of_surveillance(
         speed_mps: None,
         start,
         base,
-        return_way: before.zip(base).map_or_else(Vec::new, |(before, base)| {
-            [before].into_iter().chain(bends(&home, before.altitude_m)).chain([base]).collect()
-        }),
+        return_way,
         end_s: plan.return_s.unwrap_or(ends),
         visits,
         round: (cycle > 0 && repeats).then_some(cycle),

@@ -8,3 +8,4 @@ pub mod proof;
 pub mod qgc;
 pub mod table;
 pub mod turns;
+mod watch;

@@ -27,12 +27,7 @@ pub struct Beside<'a> {
 }
 
 /// What was asked, who planned and why, the visits, what they are worth, what is left out.
-pub fn write(
-    name: &str,
-    benchmark: Option<&Benchmark>,
-    solved: &Deliberation,
-    beside: &Beside<'_>,
-) -> String {
+pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, beside: &Beside<'_>) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);

@@ -240,9 +240,8 @@ impl Rounds {
             let found = self.leaving(point(centre, sense, number), end, opposite);
             found.map(|found| (number, found.time_s))
         };
-        let on_s = |from: usize, to: usize| {
-            self.arc_s(point(centre, sense, from), TAU * (to - from) as f64 / POINTS as f64)
-        };
+        let on_s =
+            |from: usize, to: usize| self.arc_s(point(centre, sense, from), TAU * (to - from) as f64 / POINTS as f64);
         let mut known: Vec<(usize, f64)> = (0..POINTS).step_by(APART).map(leaving_s).collect::<Option<_>>()?;
         loop {
             // Backwards around the circle, twice: from each point at once, or from the next.

@@ -81,7 +81,7 @@ impl Ways {
             altitudes_m: transit.altitudes_m,
             time_s: (transit.time_s, transit.until_s),
         };
-        sound_turns(transit)?;
+        crate::validate::turn_radius(transit.turn_radius_m)?;
         let (begin_s, until_s) = (transit.time_s, transit.until_s);
         let air = Air::new(transit.wind, transit.altitude_m, transit.true_airspeed_mps, begin_s, until_s);
         let changes_s: Vec<f64> = air.changes_s().iter().map(|change_s| change_s - begin_s).collect();
@@ -249,20 +249,6 @@ impl Ways {
         let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
         trip.map_or_else(Vec::new, |trip| self.network.positions(trip.way))
     }
-}
-
-/// Turns wider than this are a mistake: the widest of an airliner in a strong wind are a tenth of it.
-const TURN_RADIUS_M_MAX: f64 = 200_000.0;
-
-/// Refuses turns that nobody flies.
-fn sound_turns(transit: &Transit<'_>) -> Result<(), String> {
-    let radius_m = transit.turn_radius_m;
-    if !(0.0..=TURN_RADIUS_M_MAX).contains(&radius_m) {
-        return Err(format!(
-            "The turn radius is {radius_m} m; it must be between 0 and {TURN_RADIUS_M_MAX} m: look at the vehicle's speed and greatest bank."
-        ));
-    }
-    Ok(())
 }
 
 /// How far the times in the middle are from the straight lines between those before and after.
