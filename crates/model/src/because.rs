@@ -135,6 +135,17 @@ pub enum ConflictRule {
     },
 }
 
+/// Why one of several matches that are equally specific goes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EqualsRule {
+    /// It is a plan made in flight: whoever asked for it wants it used.
+    MadeInFlight,
+    /// It is a procedure, and the others are primitives.
+    Procedure,
+    /// It comes first in the library.
+    FirstInLibrary,
+}
+
 /// What a task brings to a conflict: its priority (or rank), and its interrupt cost where it defends what it holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strength {

@@ -1,6 +1,6 @@
 //! The kinds of causes. `docs/reference/trace.md` lists them with their meaning; a test holds the two together.
 
-use crate::because::{ConflictRule, Share, Strength};
+use crate::because::{ConflictRule, EqualsRule, Share, Strength};
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
 use crate::probing::ProbingEnd;
 use crate::symbol::Symbol;
@@ -218,6 +218,15 @@ pub enum Cause {
     MostSpecific {
         /// How many matched.
         candidates: u64,
+    },
+    /// No match is more specific, and of those as specific it goes first.
+    FirstOfEquals {
+        /// How many matched.
+        candidates: u64,
+        /// How many of them are as specific, itself included.
+        equals: u64,
+        /// Why it goes first.
+        rule: EqualsRule,
     },
     /// The activity is built in: there is nothing to choose.
     BuiltIn {

@@ -1,7 +1,7 @@
 //! Causes in words, and the name of each kind: made here and nowhere else, so that the trace, `apex why`, Sherpa and
 //! Python say the same.
 
-use crate::because::{ConflictRule, Share, Strength};
+use crate::because::{ConflictRule, EqualsRule, Share, Strength};
 use crate::cause::Cause;
 use crate::probing::{ordinal, stopped_text};
 use crate::task::TaskId;
@@ -86,6 +86,18 @@ impl Cause {
             Cause::HandlerEnded { handler } => format!("{handler} handled its failure and ended"),
             Cause::MostSpecific { candidates: 1 } => "it is the only match".into(),
             Cause::MostSpecific { candidates } => format!("it is the most specific of {candidates} matches"),
+            Cause::FirstOfEquals { candidates, equals, rule } => {
+                let of = match equals == candidates {
+                    true => format!("of {candidates} matches, all as specific, it is"),
+                    false => format!("of {candidates} matches {equals} are the most specific, and it is"),
+                };
+                let rule = match rule {
+                    EqualsRule::MadeInFlight => "the plan made in flight",
+                    EqualsRule::Procedure => "a procedure, which goes before primitives",
+                    EqualsRule::FirstInLibrary => "the first in the library",
+                };
+                format!("{of} {rule}")
+            }
             Cause::BuiltIn { activity } => format!("({activity} ..) is built in"),
             Cause::ForAll { items } => format!("its forall has {items} items"),
             Cause::NoProcedureMatched => "no procedure or primitive matches, and a solver serves the goal".into(),

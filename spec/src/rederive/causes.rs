@@ -348,6 +348,10 @@ impl Scene<'_> {
             (Cause::MostSpecific { candidates }, Method::Procedure(_) | Method::Primitive(_)) => {
                 require(*candidates == alternatives as u64 + 1, "it counts others than are listed")
             }
+            (Cause::FirstOfEquals { candidates, equals, .. }, Method::Procedure(_) | Method::Primitive(_)) => {
+                require(*candidates == alternatives as u64 + 1, "it counts others than are listed")?;
+                require((2..=*candidates).contains(equals), "so many cannot be as specific")
+            }
             (Cause::BuiltIn { activity }, Method::BuiltIn) => require(head(activity), "the goal is another activity"),
             (Cause::ForAll { items }, Method::BuiltIn) => {
                 let made = self.step.effects.iter().filter(|effect| {

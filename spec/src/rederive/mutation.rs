@@ -86,6 +86,7 @@ fn shifted(because: &Because) -> Option<Because> {
         | Cause::OperatorSilent { question, .. }
         | Cause::OperatorMute { question } => question.0 += 10_000,
         Cause::MostSpecific { candidates: number }
+        | Cause::FirstOfEquals { equals: number, .. }
         | Cause::ForAll { items: number }
         | Cause::LimitReached { value: number, .. } => *number += 7,
         Cause::ResourceExhausted { needed, left, .. } => std::mem::swap(needed, left),

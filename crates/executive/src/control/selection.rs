@@ -11,7 +11,7 @@ use crate::expression::{EvaluationError, evaluate, instantiate};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::specificity;
 use apex_model::agent_limits::Limit;
-use apex_model::because::{Because, Cause};
+use apex_model::because::{Because, Cause, EqualsRule};
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
 use apex_model::controller::{Selection, Way};
@@ -175,7 +175,7 @@ fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<Choice, 
         let (way, cause) = (Way::Solver(solver), Cause::NoProcedureMatched);
         return Ok(Choice { goal, way, method, alternatives: Vec::new(), cause });
     }
-    let cause = Cause::MostSpecific { candidates: matches.len() as u64 };
+    let cause = why_first(cycle, &matches);
     let (candidate, bindings) = matches.remove(0);
     let alternatives = matches.iter().filter_map(|(candidate, _)| method_of(cycle, *candidate)).collect();
     let way = match candidate {
@@ -214,6 +214,22 @@ pub(crate) fn head(goal: &Value) -> Option<&Symbol> {
 
 /// What serves a goal, with what its index binds.
 type Matches = SmallVec<[(Candidate, Bindings); 1]>;
+
+/// Why the first of the matches is taken: nothing is as specific, or the order of what is.
+fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
+    let candidates = matches.len() as u64;
+    let specific = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
+    let own = matches.first().filter(|_| matches.len() > 1).map(|(first, _)| specific(*first));
+    let others = matches.iter().skip(1).map(|(other, _)| *other);
+    let equals: SmallVec<[Candidate; 2]> = others.take_while(|other| own.as_ref() == Some(&specific(*other))).collect();
+    let rule = match (matches.first(), equals.first()) {
+        (_, None) => return Cause::MostSpecific { candidates },
+        (Some((Candidate::Generated(_), _)), _) => EqualsRule::MadeInFlight,
+        (Some((Candidate::Procedure(_), _)), Some(Candidate::Primitive(_))) => EqualsRule::Procedure,
+        _ => EqualsRule::FirstInLibrary,
+    };
+    Cause::FirstOfEquals { candidates, equals: equals.len() as u64 + 1, rule }
+}
 
 /// All procedures and primitives that serve the goal with what their indexes bind, best first.
 fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {

@@ -53,7 +53,7 @@ pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
 
 fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOption> {
     let mut best: Option<(Specificity, Candidate)> = None;
-    let mut options = Vec::new();
+    let mut options: Vec<MethodOption> = Vec::new();
     for candidate in candidates {
         let Some((pattern, place)) = index(agent, *candidate) else { continue };
         let Some(method) = method(agent, *candidate) else { continue };
@@ -63,10 +63,12 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
                 let own = specificity(pattern);
                 let because = match best {
                     None => "it is the most specific match".into(),
-                    Some((first, Candidate::Generated(_)))
-                        if first == own && !matches!(candidate, Candidate::Generated(_)) =>
-                    {
-                        "it is as specific, and a plan made in flight goes before what is stored".into()
+                    Some((first, before)) if first == own => {
+                        if let Some(option) = options.iter_mut().find(|option| option.matches) {
+                            option.because =
+                                "no match is more specific, and it goes first among those as specific".into();
+                        }
+                        as_specific(before, *candidate).into()
                     }
                     Some((first, _)) => why_before(first, own),
                 };
@@ -77,6 +79,17 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
         options.push(MethodOption { method, index: words::pattern(pattern), place, matches, because });
     }
     options
+}
+
+/// Why `other`, which says as much of the goal, comes after `first`.
+fn as_specific(first: Candidate, other: Candidate) -> &'static str {
+    match (first, other) {
+        (Candidate::Generated(_), Candidate::Procedure(_) | Candidate::Primitive(_)) => {
+            "it is as specific, and a plan made in flight goes before what is stored"
+        }
+        (Candidate::Procedure(_), Candidate::Primitive(_)) => "it is as specific, and procedures go before primitives",
+        _ => "it is as specific, and comes later in the library",
+    }
 }
 
 /// Why the index does not match; none when it does. An index sees no variables but its own.

@@ -149,9 +149,8 @@ impl<'a> Chain<'a> {
 
     /// The decisions that a cause names, or that stand behind it without being named.
     fn behind(&self, row: &Row, cause: &Cause) -> Found {
-        let log = self.log;
+        let (log, here) = (self.log, (row.id, row.at));
         let own = row.task.unwrap_or(TaskId(u64::MAX));
-        let here = (row.id, row.at);
         let found = match cause {
             Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
                 log.transition(*parent, "ongoing", here)?
@@ -200,6 +199,7 @@ impl<'a> Chain<'a> {
             | Cause::SolverFailed { request, .. }
             | Cause::SolverTimedOut { request, .. } => log.request(own, request.0)?,
             Cause::MostSpecific { .. }
+            | Cause::FirstOfEquals { .. }
             | Cause::BuiltIn { .. }
             | Cause::ForAll { .. }
             | Cause::NoProcedureMatched
