@@ -28,14 +28,28 @@ pub(super) struct Round {
     pub(super) cold: f64,
 }
 
+impl Round {
+    /// Temperature after so many moves, for words that cost about `scale`.
+    pub(super) fn temperature(&self, scale: f64, step: u64) -> f64 {
+        let share = step as f64 / self.moves.max(1) as f64;
+        scale * self.hot * libm::pow(self.cold / self.hot, share)
+    }
+}
+
+/// The threshold of Metropolis: an increase passes with probability exp(-increase / temperature). What changes nothing does not.
+pub(super) fn passes(increase: f64, temperature: f64, chance: f64) -> bool {
+    increase < 0.0
+        || increase > 0.0 && increase <= 40.0 * temperature && increase <= -temperature * libm::log(chance.max(1e-300))
+}
+
 /// A word that was found, with its cost.
 pub(super) type Found = (f64, Vec<usize>);
 
 /// What all rounds share.
 pub(super) struct Annealing<'s, 'p> {
-    scenario: &'s Scenario<'p>,
-    near: Vec<Vec<usize>>,
-    random: Generator,
+    pub(super) scenario: &'s Scenario<'p>,
+    pub(super) near: Vec<Vec<usize>>,
+    pub(super) random: Generator,
 }
 
 impl<'s, 'p> Annealing<'s, 'p> {
@@ -69,8 +83,7 @@ impl<'s, 'p> Annealing<'s, 'p> {
                 if budget.exhausted() {
                     break;
                 }
-                let share = step as f64 / round.moves as f64;
-                temperature = scale * round.hot * libm::pow(round.cold / round.hot, share);
+                temperature = round.temperature(scale, step);
             }
             if flight.flown() == 0 {
                 break;
@@ -79,12 +92,9 @@ impl<'s, 'p> Annealing<'s, 'p> {
             let mut draw = Draw { word, flown, usable, near: &self.near, random: &mut self.random };
             self.scenario.spend(PROPOSAL_NS);
             let Some(change) = moves::propose(&mut draw) else { continue };
-            // The threshold of Metropolis: an increase passes with probability exp(-increase / temperature).
-            let chance = self.random.unit().max(1e-300);
+            let chance = self.random.unit();
             let increase = flight.cost_with(&change, budget) - flight.cost();
-            if increase == 0.0
-                || increase > 0.0 && (increase > 40.0 * temperature || increase > -temperature * libm::log(chance))
-            {
+            if !passes(increase, temperature, chance) {
                 continue;
             }
             flight.apply(&change, budget);

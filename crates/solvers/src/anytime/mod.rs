@@ -2,8 +2,8 @@
 //!
 //! A word may visit a target as often as it likes in any order, so it can do what a cycle cannot: see some targets every
 //! other lap, and bend the end of the mission to its horizon. Rounds of cooling follow each other, each longer than the one
-//! before and from the best word so far, until the budget is exhausted or rounds bring nothing more. A change of a word is
-//! priced from its [timetable](timetable) without flying it.
+//! before and from the best word so far, until the budget is exhausted or rounds bring nothing more; in between words that
+//! begin elsewhere are tried ([starts]). A change of a word is priced from its [timetable](timetable) without flying it.
 //! Bound: none but the budget; after [`STALE_ROUNDS_MAX`] rounds without gain it ends by itself.
 
 mod annealing;
@@ -12,25 +12,27 @@ mod flight;
 mod interval;
 mod moves;
 mod rows;
+mod starts;
 mod timetable;
 
-use crate::surveillance::previous;
 use crate::surveillance::scenario::Scenario;
-use crate::{two_opt, wam};
 use annealing::{Annealing, Round};
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, Solver};
+use starts::Starts;
 
-/// Work of each of the planners it starts from: a quick look at both.
-pub const SEED_UNITS: u64 = 2_000;
 /// Rounds in a row without gain after which the search ends.
 pub const STALE_ROUNDS_MAX: u32 = 24;
-/// Moves of the first round, and of the longest; each has half as many again as the one before.
-const ROUND_MOVES: (u64, u64) = (20_000, 2_000_000);
-/// Temperature at a round's beginning and end, as a share of the cost.
-const COOLING: (f64, f64) = (5e-4, 5e-6);
+/// Moves of the first round for each visit, and its bounds; each round has half as many again as the one before.
+const FIRST_MOVES: (u64, u64, u64) = (150, 2_000, 20_000);
+/// Moves of the longest round.
+const ROUND_MOVES_MAX: u64 = 2_000_000;
+/// Temperature at a round's beginning and end, in what a visit of the word costs on average.
+const COOLING: (f64, f64) = (5e-2, 5e-4);
 /// The same where rounds bring nothing: every third one begins hot enough to leave the valley.
-const REHEATED: (f64, f64) = (3e-3, 5e-6);
+const REHEATED: (f64, f64) = (3e-1, 5e-4);
+/// Longer words are searched as warm as those of so many visits, or they stay in the first valley.
+const COOL_VISITS_MAX: usize = 100;
 
 /// The planner.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,7 +56,7 @@ impl Solver for Anytime {
         let mut tell = |word: &[usize]| {
             report(&Plan::Surveillance(scenario.plan("anytime", word.iter().copied())));
         };
-        let start = first_word(&scenario, environment.previous, environment.budget);
+        let start = starts::first(&scenario, environment.previous, environment.budget);
         tell(&start);
         let word = search(&scenario, start, environment.seed, &mut *environment.budget, &mut tell);
         Ok(Plan::Surveillance(scenario.plan(self.name(), word)))
@@ -79,19 +81,6 @@ impl Budget for Share<'_> {
     }
 }
 
-/// The best of the plan before, the best cycle and WAM's word after a quick look at both.
-fn first_word(scenario: &Scenario<'_>, previous: Option<&Plan>, budget: &mut dyn Budget) -> Vec<usize> {
-    let until = budget.used().saturating_add(SEED_UNITS);
-    let cycle = two_opt::best_cycle(scenario, None, &mut Share { whole: &mut *budget, until }, &mut |_, _| {}).1;
-    let cycle = scenario.flown(cycle.iter().copied().cycle());
-    let until = budget.used().saturating_add(SEED_UNITS);
-    let word = wam::best_word(scenario, &mut Share { whole: &mut *budget, until }, &mut |_| {});
-    let cost = |word: &[usize], budget: &mut dyn Budget| scenario.cost(word.iter().copied(), budget);
-    let quick = if cost(&cycle, budget) <= cost(&word, budget) { cycle } else { word };
-    let quick_cost = cost(&quick, budget);
-    previous::better(scenario, previous, quick_cost, budget).map_or(quick, |(_, word)| word)
-}
-
 /// Rounds of cooling until the budget ends or nothing more is gained; returns the best word.
 fn search(
     scenario: &Scenario<'_>,
@@ -102,12 +91,17 @@ fn search(
 ) -> Vec<usize> {
     let mut annealing = Annealing::new(scenario, seed);
     let mut best = (scenario.cost(start.iter().copied(), budget), start);
-    let (mut moves, mut stale) = (ROUND_MOVES.0, 0_u32);
+    let (per_visit, least, most) = FIRST_MOVES;
+    let (mut moves, mut stale) = ((best.1.len() as u64 * per_visit).clamp(least, most), 0_u32);
+    let mut starts = Starts::new(scenario);
     while stale < STALE_ROUNDS_MAX && !budget.exhausted() {
         stale += 1;
-        let (hot, cold) = if stale.is_multiple_of(3) { REHEATED } else { COOLING };
-        let found = annealing.round(&best.1, Round { moves, hot, cold }, budget);
-        moves = (moves + moves / 2).min(ROUND_MOVES.1);
+        let temperatures = if stale.is_multiple_of(3) { REHEATED } else { COOLING };
+        let mut found = annealing.round(&best.1, round(&best.1, moves, temperatures), budget);
+        if let Some(better) = starts.try_next(&mut annealing, moves, found.0.min(best.0), budget) {
+            found = better;
+        }
+        moves = (moves + moves / 2).min(ROUND_MOVES_MAX);
         if found.0 < best.0 * (1.0 - 1e-9) {
             if found.0 < best.0 * (1.0 - 1e-5) {
                 stale = 0;
@@ -119,10 +113,17 @@ fn search(
     best.1
 }
 
+/// A round from `word` with temperatures by the visit.
+fn round(word: &[usize], moves: u64, (hot, cold): (f64, f64)) -> Round {
+    let visits = word.len().clamp(1, COOL_VISITS_MAX) as f64;
+    Round { moves, hot: hot / visits, cold: cold / visits }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::surveillance::examples;
+    use crate::{two_opt, wam};
     use apex_model::problem::SurveillanceProblem;
     use apex_model::solver::WorkBudget;
 

@@ -83,6 +83,12 @@ pub fn best_cycle(
     (search.best_cost, search.into_best())
 }
 
+/// The shortest tour of `targets` found within the budget, begun where flying it again and again costs least.
+pub fn cycle_of(scenario: &Scenario<'_>, targets: &[usize], budget: &mut dyn Budget) -> Vec<usize> {
+    let tour = tour::shortest(scenario, targets, budget);
+    subset::best_beginning(scenario, tour, budget).1
+}
+
 /// Equal targets with linear cost: then the best cycle in the long run is the shortest tour.
 fn targets_are_equal(problem: &SurveillanceProblem) -> bool {
     let Some(first) = problem.targets.first() else { return true };

@@ -62,7 +62,22 @@ pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut 
     best_of_passes(scenario, budget, &mut |_, word| report(word)).1
 }
 
-/// The same with its cost, which `report` hears too.
+/// How many passes there are.
+pub fn passes() -> usize {
+    PASSES.len()
+}
+
+/// How much work the pass of this number takes in comparison with others.
+pub fn weight(number: usize) -> f64 {
+    PASSES.get(number).map_or(0.0, |(window, open, children)| window * (open * children) as f64)
+}
+
+/// The word of one pass; none where the budget ran out or there is no such pass.
+pub fn pass(scenario: &Scenario<'_>, number: usize, budget: &mut dyn Budget) -> Option<Vec<usize>> {
+    build(scenario, *PASSES.get(number)?, false, budget)
+}
+
+/// The best word of all passes with its cost, which `report` hears too.
 fn best_of_passes(
     scenario: &Scenario<'_>,
     budget: &mut dyn Budget,

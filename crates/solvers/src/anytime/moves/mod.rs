@@ -6,6 +6,7 @@ mod insert;
 mod relocate;
 mod remove;
 mod replace;
+mod stay;
 mod turn;
 
 use super::change::Change;
@@ -66,6 +67,7 @@ const MOVES: &[Move] = &[
     exchange::propose,
     turn::propose,
     graft::propose,
+    stay::propose,
 ];
 
 /// A change by one of the moves.
