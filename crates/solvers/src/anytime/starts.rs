@@ -21,7 +21,7 @@ const START_SHARE: u64 = 4;
 /// Work of the search from the first word before there are others.
 const ALONE_UNITS: u64 = 20_000;
 /// A start waits until so much work is allowed.
-const START_UNITS_MIN: f64 = 4_000.0;
+const START_UNITS_MIN: u64 = 4_000;
 /// Moves of the first round from a start.
 const TRIAL_MOVES: u64 = 8_000;
 /// What counts as near: a longer round is made.
@@ -64,18 +64,21 @@ enum Way {
 #[derive(Debug)]
 pub(super) struct Starts {
     ways: VecDeque<Way>,
-    /// What a pass of WAM took for one of its weight; unknown before the first.
+    /// Work that any start takes at least.
+    least_units: u64,
+    /// What a pass of WAM takes for one of its weight, as far as is known; nothing before the first.
     wam_units: f64,
     /// Work that starts have taken.
     taken: u64,
 }
 
 impl Starts {
-    pub(super) fn new(scenario: &Scenario<'_>) -> Starts {
+    /// All of them; the first word has taken `first_units`, with many targets more than it was allowed.
+    pub(super) fn new(scenario: &Scenario<'_>, first_units: u64) -> Starts {
         let mut ways: VecDeque<Way> = VecDeque::from([Way::TwoOpt]);
         ways.extend(groups(scenario).into_iter().map(Way::Group));
         ways.extend((1..wam::passes()).map(Way::Wam));
-        Starts { ways, wam_units: 0.0, taken: 0 }
+        Starts { ways, least_units: first_units.max(START_UNITS_MIN), wam_units: 0.0, taken: 0 }
     }
 
     /// Tries the next words for which there is time: each with a short round, and where that comes near to `cost` with a longer
@@ -91,7 +94,10 @@ impl Starts {
         loop {
             let before = budget.used();
             let allowed = (before.saturating_sub(ALONE_UNITS) / START_SHARE).saturating_sub(self.taken);
-            let Some(word) = self.next(annealing.scenario, allowed, budget) else { return best };
+            let Some(word) = self.next(annealing.scenario, allowed, budget) else {
+                self.taken += budget.used() - before;
+                return best;
+            };
             let least = best.as_ref().map_or(cost, |best| best.0);
             let mut found = annealing.round(&word, round(&word, TRIAL_MOVES, COOLING), budget);
             if found.0 < least * NEAR {
@@ -107,27 +113,32 @@ impl Starts {
 
     /// The next word, where there is one and it is time for it.
     fn next(&mut self, scenario: &Scenario<'_>, allowed: u64, budget: &mut dyn Budget) -> Option<Vec<usize>> {
-        let least = match self.ways.front()? {
-            Way::Wam(number) => self.wam_units * wam::weight(*number),
-            _ => START_UNITS_MIN,
+        let known = match self.ways.front()? {
+            Way::Wam(number) => (self.wam_units * wam::weight(*number)) as u64,
+            _ => 0,
         };
-        if (allowed as f64) < least.max(START_UNITS_MIN) || budget.exhausted() {
+        if allowed < known.max(self.least_units) || budget.exhausted() {
             return None;
         }
-        Some(match self.ways.pop_front()? {
-            Way::TwoOpt => best_cycle(scenario, allowed, budget),
+        let before = budget.used();
+        let until = before.saturating_add(allowed);
+        match self.ways.pop_front()? {
+            Way::TwoOpt => Some(best_cycle(scenario, allowed, budget)),
             Way::Group(group) => {
-                let until = budget.used().saturating_add(allowed);
                 let cycle = two_opt::cycle_of(scenario, &group, &mut Share { whole: budget, until });
-                scenario.flown(cycle.iter().copied().cycle())
+                Some(scenario.flown(cycle.iter().copied().cycle()))
             }
             Way::Wam(number) => {
-                let before = budget.used();
-                let word = wam::pass(scenario, number, budget)?;
+                let word = wam::pass(scenario, number, &mut Share { whole: &mut *budget, until });
                 self.wam_units = (budget.used() - before) as f64 / wam::weight(number);
+                if word.is_none() {
+                    // It takes more than is allowed: again when twice as much is.
+                    self.wam_units *= 2.0;
+                    self.ways.push_front(Way::Wam(number));
+                }
                 word
             }
-        })
+        }
     }
 }
 
@@ -210,11 +221,29 @@ mod tests {
     }
 
     #[test]
+    fn with_many_targets_a_pass_that_takes_too_much_waits() {
+        let problem = examples::random(300, 1);
+        let scenario = Scenario::new(&problem).unwrap();
+        let mut annealing = Annealing::new(&scenario, 1);
+        let mut starts = Starts::new(&scenario, 0);
+        starts.ways = VecDeque::from([Way::Wam(4)]);
+        let mut budget = WorkBudget::new(u64::MAX);
+        budget.charge(ALONE_UNITS + START_SHARE * 50_000);
+        assert!(starts.try_next(&mut annealing, 2_000, f64::INFINITY, &mut budget).is_none());
+        assert_eq!(starts.ways.len(), 1, "not given up");
+        // A pass looks at the budget once a visit.
+        assert!((50_000..60_000).contains(&starts.taken), "{}", starts.taken);
+        let before = budget.used();
+        assert!(starts.try_next(&mut annealing, 2_000, f64::INFINITY, &mut budget).is_none());
+        assert_eq!(budget.used(), before, "waits");
+    }
+
+    #[test]
     fn starts_end_and_keep_their_share() {
         let problem = examples::random(5, 1);
         let scenario = Scenario::new(&problem).unwrap();
         let mut annealing = Annealing::new(&scenario, 1);
-        let mut starts = Starts::new(&scenario);
+        let mut starts = Starts::new(&scenario, 0);
         let mut budget = WorkBudget::new(u64::MAX);
         budget.charge(10_000_000);
         starts.try_next(&mut annealing, 2_000, 0.0, &mut budget);
