@@ -14,7 +14,7 @@ use apex_solvers::single_visit::SingleVisit;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Of the 76 problems with windows every so-many-th is measured.
+/// Of the 76 problems with windows every so-many-th is measured where `APEX_BENCH_EVERY` says nothing else.
 const EVERY: usize = 10;
 /// Of these every so-many-th is cut to few targets.
 const EVERY_OF_FEW: usize = 4;
@@ -40,7 +40,8 @@ fn tell_usage() {
 
 /// The problems that are measured: name and problem.
 fn suite() -> Vec<(String, SingleVisitProblem)> {
-    let windows = generate::windows_suite().into_iter().step_by(EVERY);
+    let every = std::env::var("APEX_BENCH_EVERY").ok().and_then(|text| text.parse().ok()).filter(|every| *every > 0);
+    let windows = generate::windows_suite().into_iter().step_by(every.unwrap_or(EVERY));
     let texts = windows.chain([("op1000".to_string(), generate::oplib(1_001, 0.5, 1))]);
     texts.map(|(name, text)| (name.clone(), formats::read(&name, &text).expect("our own text").problem)).collect()
 }

@@ -4,11 +4,14 @@
 //! anytime planner's gap to its best after the longer one (0: not asked), and to the proven bound. `all` stands for all cells.
 //! `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets flown without end against the bound by ages, on a grid of
 //! so many points.
+//! `planners pairs FROM TO OURS_MILLISECONDS THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV
+//! each: expected costs and CPU seconds. `planners tally FILE`: what these rows say of each cell and of all.
 
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment};
 use apex_solvers::bound::ages::cycles;
 use apex_solvers::test_missions::Cell;
+use std::collections::BTreeMap;
 
 /// CPU time of this thread, in nanoseconds.
 fn cpu_ns() -> u64 {
@@ -78,12 +81,66 @@ fn cycles(missions: u64, points: usize, names: &[String]) {
     println!("{near} of {count} cells at most 2 %, mean {:.2} %", all / f64::from(count));
 }
 
+/// Prints the costs of all three planners, mission after mission over all cells, so that whoever stops it has whole missions.
+fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[String]) {
+    println!("mission,cell,two_opt,wam,anytime,two_opt_s,wam_s,anytime_s");
+    for number in missions {
+        for cell in Cell::all().into_iter().filter(|cell| names.is_empty() || names.contains(&cell.to_string())) {
+            let problem = Problem::Surveillance(cell.mission(number));
+            let (two_opt, _, two_opt_ms) = cost("two-opt", &problem, theirs_ms, 1);
+            let (wam, _, wam_ms) = cost("wam", &problem, theirs_ms, 1);
+            let (anytime, _, anytime_ms) = cost("anytime", &problem, ours_ms, 1);
+            let (two_opt_s, wam_s, anytime_s) = (1e-3 * two_opt_ms, 1e-3 * wam_ms, 1e-3 * anytime_ms);
+            println!("{number},{cell},{two_opt},{wam},{anytime},{two_opt_s:.3},{wam_s:.3},{anytime_s:.3}");
+        }
+    }
+}
+
+/// Mean log ratio of the anytime planner to the better of the others, by cells.
+fn tally(file: &str) -> std::io::Result<()> {
+    let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    let mut spent_s = [0.0; 3];
+    for line in std::fs::read_to_string(file)?.lines().skip(1) {
+        let words: Vec<&str> = line.split(',').collect();
+        let number = |index: usize| words.get(index).and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN);
+        let ratio = (number(4) / number(2).min(number(3))).ln();
+        cells.entry(words.get(1).copied().unwrap_or_default().to_string()).or_default().push(ratio);
+        spent_s.iter_mut().zip(5..).for_each(|(sum, index)| *sum += number(index));
+    }
+    let mean = |ratios: &[f64]| 100.0 * ratios.iter().sum::<f64>() / ratios.len() as f64;
+    let of_cell: Vec<(f64, &String, usize)> =
+        cells.iter().map(|(cell, ratios)| (mean(ratios), cell, ratios.len())).collect();
+    let missions: usize = of_cell.iter().map(|(_, _, count)| count).sum();
+    let worse = of_cell.iter().filter(|(mean, _, _)| *mean > 0.1).count();
+    let better = of_cell.iter().filter(|(mean, _, _)| *mean <= -1.0).count();
+    for (mean, cell, count) in of_cell.iter().filter(|(mean, _, _)| *mean > -0.1) {
+        println!("{cell:44} {mean:7.3} %, {count} missions");
+    }
+    let all = of_cell.iter().map(|(mean, _, _)| mean).sum::<f64>() / of_cell.len() as f64;
+    println!(
+        "{} cells, {missions} missions: at least 1 % better in {better}, more than 0.1 % worse in {worse}",
+        cells.len()
+    );
+    let [two_opt_s, wam_s, anytime_s] = spent_s.map(|sum| sum / missions as f64);
+    println!("mean {all:.2} %; CPU seconds a mission: 2-Opt {two_opt_s:.3}, WAM {wam_s:.3}, anytime {anytime_s:.3}");
+    Ok(())
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [first, file] = arguments.as_slice()
+        && first == "tally"
+    {
+        return tally(file).unwrap_or_else(|why| eprintln!("{file}: {why}"));
+    }
     if arguments.first().is_some_and(|first| first == "cycles") {
         let number = |index: usize| arguments.get(index).and_then(|text| text.parse().ok());
         let names = arguments.get(3..).unwrap_or_default();
         return cycles(number(1).unwrap_or(1), number(2).unwrap_or(56_000) as usize, names);
+    }
+    if arguments.first().is_some_and(|first| first == "pairs") {
+        let number = |index: usize| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(0);
+        return pairs(number(1)..number(2), number(3), number(4), arguments.get(5..).unwrap_or_default());
     }
     let number =
         |index: usize, default: u64| arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(default);

@@ -3,8 +3,8 @@
 mod profile;
 
 pub use profile::{
-    ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileShowOptions, ProfileUpdateOptions,
-    ProfileWorkOptions,
+    ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileMergeOptions, ProfileShowOptions,
+    ProfileUpdateOptions, ProfileWorkOptions,
 };
 
 use clap::{Args, Parser, Subcommand};

@@ -28,6 +28,43 @@ fn a_profile_is_the_same_for_any_number_of_threads_and_any_way_to_it() {
 }
 
 #[test]
+fn parts_that_were_measured_apart_make_the_profile_of_one_machine() {
+    let desk = Desk::new();
+    measured(&desk, "one.txt", "two-opt,wam", "2");
+    let part = |file: &str, cell: &str, planners: &str, more: &[&str]| {
+        let arguments = ["profile", "build", file, "--cells", cell, "--planners", planners, "--no-progress"];
+        desk.apex(&[arguments.as_slice(), &["--budgets", "1ms,10ms"], more].concat()).well();
+    };
+    let six = ["--missions", "6"];
+    let [first, second] = [0, 1].map(|at| CELLS.split(',').nth(at).unwrap());
+    part("a.txt", second, "two-opt,wam", &six);
+    part("b.txt", first, "two-opt", &six);
+    part("c.txt", first, "wam", &six);
+    desk.apex(&["profile", "merge", "whole.txt", "a.txt", "b.txt", "c.txt", "a.txt", "--table", "whole.csv"]).well();
+    assert_eq!(desk.read("whole.txt"), desk.read("one.txt"));
+    assert_eq!(desk.read("whole.csv"), desk.read("table.csv"));
+
+    let refused = |parts: &[&str], told: &[&str]| {
+        desk.apex(&[&["profile", "merge", "no.txt"], parts].concat()).complained(2, told);
+    };
+    refused(&["a.txt", "b.txt"], &["not parts of one", &format!("wam was not measured in {first}")]);
+    part("d.txt", first, "wam", &["--missions", "5"]);
+    refused(&["a.txt", "d.txt"], &["d.txt has other numbers of missions than a.txt"]);
+    desk.write("e.txt", &desk.read("c.txt").replacen("planner wam ", "planner wam 9.", 1));
+    refused(&["a.txt", "e.txt"], &["e.txt has wam 9."]);
+    let text = desk.read("c.txt");
+    let cost = text.lines().find(|line| line.starts_with("wam 1000 ")).and_then(|line| line.split(' ').nth(2)).unwrap();
+    desk.write("f.txt", &text.replacen(cost, "1.0", 1));
+    refused(&["c.txt", "f.txt"], &["f.txt: wam has other costs in", "than in a part before"]);
+    desk.write("g.txt", &text.replacen("generator 1", "generator 2", 1));
+    refused(&["c.txt", "g.txt"], &["g.txt has other missions (by version"]);
+    desk.write("mine.txt", "my notes");
+    desk.apex(&["profile", "merge", "mine.txt", "c.txt"]).complained(2, &["is not written over"]);
+    assert_eq!(desk.read("mine.txt"), "my notes");
+    refused(&[], &["PART"]);
+}
+
+#[test]
 fn a_profile_is_shown_and_compared() {
     let desk = Desk::new();
     measured(&desk, "a.txt", "nearest-neighbour,two-opt,wam", "2");

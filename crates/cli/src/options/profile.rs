@@ -10,6 +10,8 @@ pub enum ProfileCommand {
     Build(ProfileBuildOptions),
     /// Measure some planners again, or new ones, and put them into a profile.
     Update(ProfileUpdateOptions),
+    /// Make one profile of parts that were measured apart, on several machines for example.
+    Merge(ProfileMergeOptions),
     /// Print which planner is best where, or draw it.
     Show(ProfileShowOptions),
     /// Compare two profiles, a profile with the paper's Figure 4, or the choices of selection with the best planners.
@@ -60,6 +62,19 @@ pub struct ProfileUpdateOptions {
     /// How it is measured.
     #[command(flatten)]
     pub work: ProfileWorkOptions,
+}
+
+/// `apex profile merge`
+#[derive(Args)]
+pub struct ProfileMergeOptions {
+    /// The profile to write.
+    pub profile: PathBuf,
+    /// Profiles of the same missions and budgets, of some cells or some planners each.
+    #[arg(required = true, value_name = "PART")]
+    pub parts: Vec<PathBuf>,
+    /// Also write what selection needs of it, as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub table: Option<PathBuf>,
 }
 
 /// How planners are measured.

@@ -4,7 +4,9 @@
 //! length `d`; its exponential is a polynomial that the compiler turns into vector code. Plans are priced by the exact
 //! metric in the end, so the small error here (below 1e-10 of the exponential) only ranks moves.
 
+use super::change::LETTERS_MAX;
 use apex_model::problem::{CostFunction, SurveillanceProblem, SurveillanceTarget};
+use smallvec::SmallVec;
 use wide::f64x4;
 
 /// Targets that are computed at once.
@@ -30,37 +32,60 @@ impl Coefficients {
 
 /// Coefficients of every target; those of targets that only fill up the last lanes are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Intervals(Vec<Coefficients>);
+pub(super) struct Intervals {
+    lanes: Vec<Coefficients>,
+    /// The same target by target, so that any four can be put side by side.
+    by_target: Vec<[f64; 4]>,
+}
+
+/// Intervals that close one after the other: targets and lengths in seconds.
+pub(super) type Closing = SmallVec<[(usize, f64); LETTERS_MAX]>;
 
 impl Intervals {
     /// The coefficients of a problem; none where a target's cost or rate is of another family.
     pub(super) fn of(problem: &SurveillanceProblem) -> Option<Intervals> {
-        let mut all = Vec::with_capacity(problem.targets.len().div_ceil(LANES));
-        for targets in problem.targets.chunks(LANES) {
-            let mut numbers = [[0.0; LANES]; 4];
-            for (lane, target) in targets.iter().enumerate() {
-                for (row, number) in numbers.iter_mut().zip(coefficients(target)?) {
-                    if let Some(slot) = row.get_mut(lane) {
-                        *slot = number;
-                    }
-                }
-            }
-            let [linear, square, decay, rate_per_s] = numbers.map(f64x4::new);
-            all.push(Coefficients { linear, square, decay, rate_per_s });
-        }
-        Some(Intervals(all))
+        let by_target: Vec<[f64; 4]> = problem.targets.iter().map(coefficients).collect::<Option<_>>()?;
+        let lanes = by_target.chunks(LANES).map(|targets| side_by_side(targets.iter().copied())).collect();
+        Some(Intervals { lanes, by_target })
     }
 
     /// The coefficients, lanes by lanes.
     pub(super) fn lanes(&self) -> &[Coefficients] {
-        &self.0
+        &self.lanes
+    }
+
+    /// `sum` with the costs of all that closes added in order; what does not exist costs 0.
+    pub(super) fn add(&self, mut sum: f64, closing: &Closing) -> f64 {
+        for few in closing.chunks(LANES) {
+            let of = |(target, _): &(usize, f64)| self.by_target.get(*target).copied().unwrap_or_default();
+            let mut lengths_s = [0.0; LANES];
+            lengths_s.iter_mut().zip(few).for_each(|(slot, (_, length_s))| *slot = *length_s);
+            let costs = side_by_side(few.iter().map(of)).cost(f64x4::new(lengths_s)).to_array();
+            sum = costs.iter().take(few.len()).fold(sum, |sum, cost| sum + cost);
+        }
+        sum
     }
 
     /// The cost of an interval of `length_s` of one target; 0 for a target that does not exist.
     pub(super) fn cost(&self, target: usize, length_s: f64) -> f64 {
-        let costs = self.0.get(target / LANES).map(|coefficients| coefficients.cost(f64x4::splat(length_s)));
+        let costs = self.lanes.get(target / LANES).map(|coefficients| coefficients.cost(f64x4::splat(length_s)));
         costs.and_then(|costs| costs.to_array().get(target % LANES).copied()).unwrap_or(0.0)
     }
+}
+
+/// The coefficients of four targets at most, lane by lane.
+#[inline(always)]
+fn side_by_side(targets: impl Iterator<Item = [f64; 4]>) -> Coefficients {
+    let mut numbers = [[0.0; LANES]; 4];
+    for (lane, target) in targets.enumerate() {
+        for (row, number) in numbers.iter_mut().zip(target) {
+            if let Some(slot) = row.get_mut(lane) {
+                *slot = number;
+            }
+        }
+    }
+    let [linear, square, decay, rate_per_s] = numbers.map(f64x4::new);
+    Coefficients { linear, square, decay, rate_per_s }
 }
 
 fn coefficients(target: &SurveillanceTarget) -> Option<[f64; 4]> {

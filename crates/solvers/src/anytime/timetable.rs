@@ -6,7 +6,7 @@
 //! Bound: O(targets + letters) to price a change, O(visits x targets) to carry it out.
 
 use super::change::Change;
-use super::interval::{Intervals, LANES};
+use super::interval::{Closing, Intervals, LANES};
 use super::rows::Rows;
 use crate::surveillance::scenario::Scenario;
 use apex_model::problem::UNREACHABLE_S;
@@ -274,7 +274,8 @@ impl<'s, 'p> Timetable<'s, 'p> {
         let base_s = self.end_before(change.from);
         let mut place = change.from.checked_sub(1).and_then(|last| self.word.get(last)).copied();
         let mut time_s = base_s;
-        let mut cost = self.closed.get(change.from).copied().unwrap_or(0.0);
+        let mut closing = Closing::new();
+        let mut too_late = false;
         for target in change.letters() {
             let leg_s = self.leg_s(place, target);
             let home_s = self.home_s(target);
@@ -282,15 +283,20 @@ impl<'s, 'p> Timetable<'s, 'p> {
                 return f64::INFINITY;
             }
             let end_s = time_s + leg_s + self.dwell_s(target);
-            if end_s + home_s > limit_s {
-                return cost + self.open(since_s, base_s);
+            too_late = end_s + home_s > limit_s;
+            if too_late {
+                break;
             }
             (place, time_s) = (Some(target), end_s);
             let lanes = since_s.get_mut(target / LANES).map(f64x4::as_mut_array);
             if let Some(since_s) = lanes.and_then(|lanes| lanes.get_mut(target % LANES)) {
-                cost += self.intervals.cost(target, *since_s + (time_s - base_s));
+                closing.push((target, *since_s + (time_s - base_s)));
                 *since_s = base_s - time_s;
             }
+        }
+        let cost = self.intervals.add(self.closed.get(change.from).copied().unwrap_or(0.0), &closing);
+        if too_late {
+            return cost + self.open(since_s, base_s);
         }
         let Some((next, old_end_s)) = self.word.get(change.until).zip(self.ends_s.get(change.until)) else {
             return cost + self.open(since_s, base_s);

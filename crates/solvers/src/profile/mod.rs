@@ -8,6 +8,7 @@
 pub mod conclusion;
 mod file;
 pub mod measure;
+pub mod merge;
 pub mod picture;
 pub mod published;
 pub mod regret;

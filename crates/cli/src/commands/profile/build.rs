@@ -113,7 +113,7 @@ fn rising(texts: &[String]) -> Outcome<Vec<u64>> {
 }
 
 /// The text of an older profile that may be written over; anything else is left alone, before anything is measured.
-fn refuse_other(path: &Path) -> Outcome<Option<String>> {
+pub(super) fn refuse_other(path: &Path) -> Outcome<Option<String>> {
     if !path.exists() {
         return Ok(None);
     }
@@ -126,7 +126,7 @@ fn refuse_other(path: &Path) -> Outcome<Option<String>> {
 }
 
 /// Writes a file as a whole; `before` is what an older one held.
-fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
+pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
     if let Some(before) = before {
         return replacing::replace(path, before, text);
     }
@@ -135,7 +135,8 @@ fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
     })
 }
 
-fn write_table(path: Option<&Path>, profile: &Profile) -> Outcome {
+/// Writes what selection needs of a profile, where a place for it is named.
+pub(super) fn write_table(path: Option<&Path>, profile: &Profile) -> Outcome {
     let Some(path) = path else { return Ok(()) };
     let before = if path.exists() { Some(crate::trouble::read_text(path)?) } else { None };
     if before.as_deref().is_some_and(|text| conclusion::read(text).is_err()) {

@@ -3,6 +3,7 @@
 mod build;
 mod compare;
 mod measuring;
+mod merge;
 mod regret;
 mod show;
 
@@ -28,6 +29,7 @@ pub fn run(command: &ProfileCommand, registry: &Registry) -> Outcome {
     match command {
         ProfileCommand::Build(options) => build::build(options, registry),
         ProfileCommand::Update(options) => build::update(options, registry),
+        ProfileCommand::Merge(options) => merge::run(options),
         ProfileCommand::Show(options) => show::run(options),
         ProfileCommand::Compare(options) if options.regret => regret::run(options, registry),
         ProfileCommand::Compare(options) => compare::run(options),

@@ -1,0 +1,22 @@
+//! `apex profile merge`: parts that were measured apart become one profile.
+
+use super::build::{refuse_other, write, write_table};
+use super::read;
+use crate::options::ProfileMergeOptions;
+use crate::trouble::{Outcome, Trouble};
+use apex_solvers::profile::Profile;
+use apex_solvers::profile::merge::merged;
+
+/// Reads all parts, then writes.
+pub(super) fn run(options: &ProfileMergeOptions) -> Outcome {
+    let before = refuse_other(&options.profile)?;
+    let part = |path: &std::path::PathBuf| Ok((path.display().to_string(), read(Some(path))?));
+    let parts: Vec<(String, Profile)> = options.parts.iter().map(part).collect::<Outcome<_>>()?;
+    let whole = merged(&parts).map_err(|why| {
+        Trouble::user("these profiles are not parts of one")
+            .because(why)
+            .help("measure all parts by the same program with the same `--missions` and `--budgets`, and each planner in all cells")
+    })?;
+    write(&options.profile, before.as_deref(), &whole.to_string())?;
+    write_table(options.table.as_deref(), &whole)
+}
