@@ -25,7 +25,12 @@ pub struct Selection {
     pub solver: String,
     /// Why: the features, the cell, and what the table says of it.
     pub reason: String,
+    /// The table says that people plan such missions better; `solver` is the best that is none of them.
+    pub people_plan_better: bool,
 }
+
+/// People among the planners of a table.
+const PEOPLE: &str = "human";
 
 /// A table: of each cell, at each time for deliberation, which planner is best. `apex profile build --table` writes one; planners
 /// that do not ship are chosen by a table for which they were measured.
@@ -80,13 +85,21 @@ fn of_surveillance(
 ) -> Result<Selection, String> {
     let features = features::classify(problem)?;
     let entry = look_up(table, &features, budget_units).ok_or("the profile table is empty")?;
-    let reason = format!(
+    let mut reason = format!(
         "{}; nearest in the profile table is {}, where {}",
         features::described(&features),
         entry.cell,
         entry.words()
     );
-    Ok(Selection { solver: entry.best.clone(), reason })
+    let people_plan_better = entry.best == PEOPLE;
+    if !people_plan_better {
+        return Ok(Selection { solver: entry.best.clone(), reason, people_plan_better });
+    }
+    if entry.next == PEOPLE {
+        return Err(format!("{} names nobody but people", entry.cell));
+    }
+    reason += &format!("; {} plans until a person does", entry.next);
+    Ok(Selection { solver: entry.next.clone(), reason, people_plan_better })
 }
 
 /// The line of the nearest cell at the largest budget that is not above `budget_units`, or at the smallest of all.
@@ -110,7 +123,7 @@ fn look_up<'a>(table: &'a [Conclusion], features: &[Feature], budget_units: u64)
 fn fallback(problem: &Problem, reason: &str) -> Selection {
     let serves = crate::solvers().into_iter().find(|solver| solver.serves(problem));
     let solver = serves.map_or_else(|| "none".to_string(), |solver| solver.name().to_string());
-    Selection { solver, reason: reason.to_string() }
+    Selection { solver, reason: reason.to_string(), people_plan_better: false }
 }
 
 #[cfg(test)]
@@ -153,6 +166,19 @@ mod tests {
             assert_eq!([1000, 10_000].map(|units| best(1, number, units)), ["d", "d"]);
         }
         assert_eq!(look_up(&[], &[], 1), None);
+    }
+
+    #[test]
+    fn where_people_plan_better_the_next_best_plans_until_they_do() {
+        let cell: Cell = "large-fixed-fixed-4-uniform".parse().unwrap();
+        let problem = Problem::Surveillance(cell.mission(0));
+        let (best, next) = ("human".to_string(), "wam".to_string());
+        let entry = Conclusion { cell, budget_units: 1, best, verdict: Verdict::First, next, effect_percent: 3.0 };
+        let selection = ProfileTable(vec![entry.clone()]).select(&problem, 1_000);
+        assert_eq!((selection.solver.as_str(), selection.people_plan_better), ("wam", true));
+        assert!(selection.reason.ends_with("3.0 % before wam; wam plans until a person does"), "{}", selection.reason);
+        let nobody = ProfileTable(vec![Conclusion { next: "human".into(), ..entry }]).select(&problem, 1_000);
+        assert_eq!((nobody.solver.as_str(), nobody.people_plan_better), ("nearest-neighbour", false));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What a mission has achieved so far, read off the same batches and effects that the record stores.
 
 use super::lines::{ScanLine, lines_of_goal};
+use super::news::News;
 use apex_model::effect::{DecisionKind, Effect, Method};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::problem::Position;
@@ -76,8 +77,8 @@ pub struct Bookkeeping {
     pub notes: Vec<Note>,
     /// The vehicle.
     pub vehicle: VehicleState,
-    /// Targets announced during the flight, by event `(new-target NAME)`.
-    pub announced: Vec<String>,
+    /// What has been said of targets and weather.
+    pub news: News,
     /// Changes of targets' states that are not in the record yet: target, time, state, detail.
     pub target_changes: Vec<(String, Time, TargetState, String)>,
     /// Lines of each target whose observation has been chosen.
@@ -100,6 +101,13 @@ impl Bookkeeping {
 
     fn open_visit(&mut self) -> Option<&mut Visit> {
         self.visits.last_mut().filter(|visit| visit.end.is_none())
+    }
+
+    /// Notes what has not been noted before.
+    pub fn note_once(&mut self, at: Time, text: &str) {
+        if !self.notes.iter().any(|note| note.text == text) {
+            self.note(at, text.to_string());
+        }
     }
 
     fn note(&mut self, at: Time, text: String) {
@@ -141,8 +149,8 @@ impl Bookkeeping {
     }
 
     fn take_message(&mut self, at: Time, form: &Value) {
-        let Some([Value::Symbol(head), subject, ..]) = form.as_list() else { return };
-        let subject = subject.to_string();
+        let Some([Value::Symbol(head), items @ ..]) = form.as_list() else { return };
+        let Some(subject) = items.first().map(Value::to_string) else { return };
         match head.folded() {
             "observing" if self.open_visit().is_some_and(|visit| visit.target == subject) => {}
             "observing" => {
@@ -170,10 +178,6 @@ impl Bookkeeping {
                 }
                 self.note(at, format!("re-fly: wings were not level over {subject}"));
             }
-            "new-target" => {
-                self.note(at, format!("new target: {subject}"));
-                self.announced.push(subject);
-            }
             "replan-wanted" => self.note(at, format!("replanning wanted: {subject}")),
             "communication-lost" => self.note(at, format!("communication over {subject} lost: going back")),
             "communication-regained" => self.note(at, format!("communication over {subject} regained")),
@@ -182,7 +186,15 @@ impl Bookkeeping {
                 self.note(at, format!("picture of {subject} in memory"));
             }
             "low-fuel" => self.note(at, "fuel is low".to_string()),
-            _ => {}
+            head => {
+                if let Some(note) = self.news.take(head, items) {
+                    self.note(at, note);
+                }
+                if head == "target-gone" {
+                    let detail = "no target any more".to_string();
+                    self.target_changes.push((subject, at, TargetState::Skipped, detail));
+                }
+            }
         }
     }
 

@@ -1,9 +1,9 @@
 //! Deliberation for a mission: pose the problem, choose and run a solver, check its plan, translate it into PDL.
 
-use super::Mission;
 use super::bookkeeping::{SharedBookkeeping, lock};
 pub use super::problem::visit_altitude_m;
 use super::problem::{NoPlan, here, pose, survey};
+use super::{Mission, people};
 use apex_model::effect::SolveRequest;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
@@ -18,7 +18,7 @@ use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::record::TargetState;
 use apex_sim::Airframe;
-use apex_solvers::{ProfileTable, Registry};
+use apex_solvers::{ProfileTable, Registry, Selection};
 use std::sync::Arc;
 
 /// Deliberation time where neither the mission nor the request says one.
@@ -39,6 +39,8 @@ pub struct Deliberation {
     pub cpu_s: Option<f64>,
     /// Where and when the plan begins; none for the mission's start.
     pub from: Option<(Position, Time)>,
+    /// People plan such missions better, says the profile table.
+    pub people_plan_better: bool,
 }
 
 /// Plans for one mission.
@@ -63,15 +65,18 @@ impl Deliberator for MissionDeliberator {
     fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer {
         let budget = request.budget.unwrap_or(BUDGET_DEFAULT);
         let wanted = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
-        let (posed, start) = {
-            // A copy: whoever flies writes into the books while the problem is posed.
-            let books = lock(&self.books).clone();
-            (pose(&self.mission, &books, at), here(&self.mission, &books))
-        };
+        // A copy: whoever flies writes into the books while the problem is posed.
+        let books = lock(&self.books).clone();
+        let believed = books.news.believed(&self.mission);
+        let (posed, start) = (pose(&self.mission, &books, at), here(&self.mission, &books));
+        for unknown in books.news.unknown(&self.mission) {
+            lock(&self.books).note_once(at, &unknown);
+        }
         let solved = posed.and_then(|problem| {
             let previous = self.flown.clone().map(|(plan, made)| ahead(plan, at - made));
             let (solver, seed) = (wanted.as_deref(), self.mission.settings.seed);
-            let wish = Wish { means: &self.means, solver, budget, seed, previous };
+            let means = people::means(&self.means, solver, &books.news).map_err(NoPlan::Fault)?;
+            let wish = Wish { means: &means, solver, budget, seed, previous };
             solve(problem, wish, &mut self.invocations, withdrawal)
         });
         match solved {
@@ -82,14 +87,14 @@ impl Deliberator for MissionDeliberator {
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
             Ok(mut solved) => {
                 solved.from = Some((start, at));
-                name_obstacles(&self.mission, &mut solved);
+                name_obstacles(&believed, &mut solved);
                 self.made += 1;
                 if !withdrawal.is_withdrawn() {
                     self.tell_targets(&solved.plan, at);
                     self.flown = Some((solved.plan.clone(), at));
                 }
                 let charged = time_of(solved.work);
-                let result = translate(&solved, &request.goal, self.made, &self.mission);
+                let result = translate(&solved, &request.goal, self.made, &believed);
                 SolverAnswer { result: Ok(result), charged: charged.min(budget) }
             }
         }
@@ -182,13 +187,12 @@ pub fn solve(
     withdrawal: &Withdrawal,
 ) -> Result<Deliberation, NoPlan> {
     let units = units_in(wish.budget);
-    let (name, mut reason) = match (wish.solver, &wish.means.table) {
-        (Some(name), _) => (name.to_string(), "asked for by name".to_string()),
-        (None, table) => {
-            let chosen = table.as_ref().map(|table| table.select(&problem, units));
-            let chosen = chosen.unwrap_or_else(|| apex_solvers::select_within(&problem, units));
-            (chosen.solver, chosen.reason)
+    let Selection { solver: name, mut reason, people_plan_better } = match (wish.solver, &wish.means.table) {
+        (Some(name), _) => {
+            Selection { solver: name.to_string(), reason: "asked for by name".to_string(), people_plan_better: false }
         }
+        (None, Some(table)) => table.select(&problem, units),
+        (None, None) => apex_solvers::select_within(&problem, units),
     };
     let Some(solver) = wish.means.planners.find(&name) else {
         let names: Vec<&str> = wish.means.planners.iter().map(|solver| solver.name()).collect();
@@ -212,7 +216,8 @@ pub fn solve(
     }
     apex_solvers::bound::state(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
-    Ok(Deliberation { problem, plan, reason, work: answer.used.min(units), cpu_s: answer.cpu_s, from: None })
+    let (work, cpu_s) = (answer.used.min(units), answer.cpu_s);
+    Ok(Deliberation { problem, plan, reason, work, cpu_s, from: None, people_plan_better })
 }
 
 /// Visits of a plan that are looked at: more than any mission has room for. Without a limit, checking nonsense could take as long
@@ -265,11 +270,14 @@ pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
 
 /// The plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
-    let (steps, repeat) = match (&solved.problem, &solved.plan) {
+    let (mut steps, repeat) = match (&solved.problem, &solved.plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => (single_visit_steps(problem, plan), false),
         (_, Plan::Surveillance(plan)) => surveillance_steps(plan, mission, solved.from),
         (Problem::Surveillance(_), Plan::SingleVisit(_)) => (Vec::new(), false),
     };
+    if solved.people_plan_better {
+        steps.insert(0, people::step(goal, solved.plan.summary()));
+    }
     let name = format!("<plan {number}>");
     let procedure = apex_pdl::print_plan(goal, &steps, repeat);
     let text = format!("; {}\n; {}\n{procedure}", solved.plan.summary(), solved.reason);

@@ -5,6 +5,8 @@ pub mod deliberator;
 mod features;
 mod lines;
 mod modems;
+mod news;
+mod people;
 pub mod problem;
 pub mod report;
 mod settings;
@@ -38,7 +40,7 @@ const FAILURE: FailureTerm = FailureTerm {
 };
 
 /// A mission with all of its data.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Mission {
     /// What the application says.
     pub settings: Settings,
@@ -60,6 +62,8 @@ pub struct Mission {
     pub airfields: Vec<Airfield>,
     /// Wind that the planner believes in.
     pub forecast: WindField,
+    /// All forecasts by the names of their files: the first is believed at the start, others when they are said to be out.
+    pub forecasts: Vec<(String, WindField)>,
     /// Wind that blows.
     pub weather: WindField,
     /// Who works.
@@ -95,7 +99,12 @@ impl Mission {
         })?;
         let targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
         let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
-        let forecast = files.read("forecast", &settings.forecast, surroundings::wind)?;
+        let mut forecasts = Vec::new();
+        for name in &settings.forecasts {
+            let wind = files.read("forecast", &Some(name.clone()), surroundings::wind)?;
+            forecasts.push((name.clone(), wind.unwrap_or_default()));
+        }
+        let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
         let mut mission = Mission {
             agent: sources::agent_of(&library),
@@ -104,6 +113,7 @@ impl Mission {
             scenario: files.read("scenario", &settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
+            forecasts,
             failure: FAILURE,
             start: Position::default(),
             start_altitude_m: 0.0,

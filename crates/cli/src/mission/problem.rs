@@ -55,11 +55,12 @@ impl std::fmt::Display for NoPlan {
     }
 }
 
-/// The problem that a plan made at `at` has to solve: what has been observed already is left out.
+/// The problem that a plan made at `at` has to solve: what has been observed already is left out, and news are believed.
 ///
 /// # Errors
 /// Nothing is left to plan for, or the data make no sense.
 pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, NoPlan> {
+    let mission = &books.news.believed(mission);
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visit(mission, books, at).map(Problem::SingleVisit)
     } else {
@@ -78,12 +79,8 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
     let fuel_kg = books.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
     let endurance_s = books.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
     let start = here(mission, books);
-    let open: Vec<&super::Target> = mission
-        .targets
-        .iter()
-        .filter(|target| !books.observed().any(|visit| visit.target == target.id))
-        .filter(|target| !target.is_announced_late() || books.announced.contains(&target.id))
-        .collect();
+    let open: Vec<&super::Target> =
+        mission.targets.iter().filter(|target| !books.observed().any(|visit| visit.target == target.id)).collect();
     if open.is_empty() {
         return Err(NoPlan::NothingLeft("every known target has been observed".to_string()));
     }

@@ -61,7 +61,7 @@ pub fn report(
 }
 
 fn reason_left_out(target: &Target, books: &Bookkeeping, changes: &[(String, Time, TargetState, String)]) -> String {
-    if target.is_announced_late() && !books.announced.contains(&target.id) {
+    if target.announced_late && !books.news.is_announced(&target.id) {
         return "never announced".to_string();
     }
     match changes.iter().rev().find(|(id, ..)| *id == target.id) {
@@ -75,6 +75,7 @@ fn reason_left_out(target: &Target, books: &Bookkeeping, changes: &[(String, Tim
 
 fn value(mission: &Mission, books: &Bookkeeping, end: Time) -> MissionValue {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
+        let mission = &books.news.valued(mission);
         let observations: Vec<Observation> = books.observed().filter_map(|visit| observation(mission, visit)).collect();
         let hours = end.seconds() / 3600.0;
         let crew = crew_hours(&mission.crew, hours);

@@ -32,8 +32,8 @@ pub struct Settings {
     pub airspace: Option<String>,
     /// Emergency landing places and bases.
     pub airfields: Option<String>,
-    /// Wind that the planner believes in.
-    pub forecast: Option<String>,
+    /// Winds that the planner believes in, one after the other.
+    pub forecasts: Vec<String>,
     /// Wind that blows.
     pub weather: Option<String>,
     /// Who works.
@@ -102,7 +102,7 @@ pub fn read(library: &Library) -> Outcome<Settings> {
         targets: reader.text("targets")?,
         airspace: reader.text("airspace")?,
         airfields: reader.text("airfields")?,
-        forecast: reader.text("forecast")?,
+        forecasts: reader.texts("forecast")?,
         weather: reader.text("weather")?,
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,
@@ -127,6 +127,18 @@ impl Reader<'_> {
             Some(Value::Text(text)) => Ok(Some(text.to_string())),
             Some(other) => Err(self.wrong(option, other, &format!("a string, for example `:{option} \"..\"`"))),
         }
+    }
+
+    /// One string, or a list of them.
+    fn texts(&self, option: &str) -> Outcome<Vec<String>> {
+        let Some(Value::List(items)) = self.application.option(option) else {
+            return Ok(self.text(option)?.into_iter().collect());
+        };
+        let text = |item: &Value| match item {
+            Value::Text(text) => Ok(text.to_string()),
+            other => Err(self.wrong(option, other, &format!("strings, for example `:{option} (\"..\" \"..\")`"))),
+        };
+        items.iter().map(text).collect()
     }
 
     fn duration(&self) -> Outcome<Duration> {

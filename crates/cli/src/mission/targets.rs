@@ -22,6 +22,8 @@ pub struct Target {
     pub height_m: f64,
     /// Perimeters, largest first; empty for a point.
     pub polygons: Vec<Vec<Position>>,
+    /// Not known before an event `(new-target ID)`.
+    pub announced_late: bool,
     /// GeoJSON of its geometry.
     pub geometry: String,
     /// What it is.
@@ -60,13 +62,13 @@ pub struct Fire {
     pub light: Light,
     /// Targets to be observed before it.
     pub after: Vec<String>,
-    /// Not known before an event `(new-target ID)`.
-    pub announced_late: bool,
 }
 
 /// What makes a structure worth a look.
 #[derive(Debug, Clone)]
 pub struct Site {
+    /// Cost of an event that is never found, before its family makes a number of it.
+    pub importance: f64,
     /// How long one look takes.
     pub dwell_s: f64,
     /// Likelihood of the event.
@@ -78,11 +80,6 @@ pub struct Site {
 }
 
 impl Target {
-    /// True when the planner must not know of it before it is announced.
-    pub fn is_announced_late(&self) -> bool {
-        matches!(&self.kind, TargetKind::Fire(fire) if fire.announced_late)
-    }
-
     /// Worth of a perfect observation, or importance, for display.
     pub fn worth(&self) -> f64 {
         match &self.kind {
@@ -142,6 +139,7 @@ fn target(feature: &NamedFeature) -> Outcome<Target> {
         name: feature.name.clone(),
         position: feature.position()?,
         elevation_m: feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0),
+        announced_late: feature.word("announced", &["at-start", "by-event"])? == Some("by-event"),
         height_m: feature.number("height_m", 0.0, 9_000.0)?.unwrap_or(0.0),
         polygons,
         geometry: feature.geometry_text(),
@@ -174,7 +172,6 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> Outcome<Fire> {
         windows: feature.spans_s("windows_h")?,
         light,
         after: feature.texts("after")?,
-        announced_late: feature.word("announced", &["at-start", "by-event"])? == Some("by-event"),
     })
 }
 
@@ -193,6 +190,7 @@ fn site(feature: &NamedFeature) -> Outcome<Site> {
     let cost = if response_s > 0.0 { CostFunction::Delayed { response_s, cost: Box::new(cost) } } else { cost };
     let events_per_s = feature.number("rate_per_h", 0.0, 1e6)?.unwrap_or(0.1) / 3600.0;
     Ok(Site {
+        importance,
         dwell_s: feature.number("dwell_s", f64::MIN_POSITIVE, 1e6)?.unwrap_or(30.0),
         rate: EventRate::constant(events_per_s),
         cost,

@@ -33,7 +33,9 @@ impl Lowering {
                 Some(Activity::BuiltIn(BuiltInActivity::EndApplication, Vec::new()))
             }
             "ask" if items.first().is_some_and(|who| who.is("operator")) => self.ask(datum, items),
-            "plan" if items.first().is_some_and(|goal| goal.head().is_some()) => self.plan(datum, items),
+            "plan" if items.first().is_some_and(|goal| goal.head().is_some() || goal.as_variable().is_some()) => {
+                self.plan(datum, items)
+            }
             _ => self.goal(datum).map(Activity::Goal),
         }
     }
