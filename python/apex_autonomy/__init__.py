@@ -8,6 +8,8 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 12.5
 
 A :class:`Planner` is a planner of your own; :func:`plan` plans with it, :func:`apex` flies missions with it.
+:func:`expected_cost` scores any plan of surveillance, also by costs of your own, and :func:`cost_table` makes them tables
+for planners.
 
 Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing is decided here.
 """
@@ -28,6 +30,7 @@ from apex_autonomy._apex import (
     Variable,
     __version__,
 )
+from apex_autonomy.costs import ExpectedCost, TargetCost, cost_table, expected_cost
 from apex_autonomy.monitor import Monitor
 from apex_autonomy.planner import Environment, Planner, apex, plan
 from apex_autonomy.tables import to_arrow
@@ -37,6 +40,7 @@ __all__ = [
     "ConditionError",
     "Environment",
     "Evidence",
+    "ExpectedCost",
     "InputError",
     "Interval",
     "Judgement",
@@ -48,9 +52,12 @@ __all__ = [
     "Result",
     "Results",
     "Symbol",
+    "TargetCost",
     "Variable",
     "__version__",
     "apex",
+    "cost_table",
+    "expected_cost",
     "plan",
     "to_arrow",
 ]

@@ -1,6 +1,7 @@
 //! The native half of the Python package `apex_autonomy`: translation only. What is said about arguments and results to
 //! Python's users stands in the package; what a condition means is decided in the executive.
 
+mod costs;
 mod errors;
 mod judgement;
 mod planner;
@@ -29,6 +30,8 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
     module.add_function(wrap_pyfunction!(planner::command, module)?)?;
     module.add_function(wrap_pyfunction!(planner::plan_json, module)?)?;
+    module.add_function(wrap_pyfunction!(costs::expected_cost_of, module)?)?;
+    module.add_function(wrap_pyfunction!(costs::cost_points, module)?)?;
     errors::register(module)
 }
 

@@ -24,6 +24,7 @@ mod trouble;
 
 pub use apex_solvers::Registry;
 
+use apex_model::problem::Problem;
 use apex_model::time::Duration;
 use clap::Parser;
 use options::{Command, Options};
@@ -58,6 +59,14 @@ pub fn plan(
     planners: &Arc<Registry>,
 ) -> Result<String, String> {
     commands::plan::answer(problem, solver, budget, seed, planners).map_err(|trouble| trouble.to_string())
+}
+
+/// Reads a problem in JSON as [`plan`] does.
+///
+/// # Errors
+/// What is wrong with the problem, as the command says it.
+pub fn problem(problem: &str) -> Result<Problem, String> {
+    commands::plan::problem(problem).map_err(|trouble| trouble.to_string())
 }
 
 fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {

@@ -4,6 +4,7 @@
 //! [`MonitorSession`] watches conditions without any agent or task.
 //! The executive knows no syntax, no clock, no I/O and no randomness: the same inputs give the same effects.
 
+mod calling;
 mod constants;
 mod control;
 mod cycle;
@@ -21,6 +22,7 @@ pub mod memory;
 pub mod planted;
 
 pub use apex_model::agent::Agent;
+pub use calling::call;
 pub use constants::failing_constants;
 pub use session::{Judgement, MonitorResult, MonitorSession, SamplingGap, SessionTrouble, Telling};
 pub use step::step;

@@ -7,6 +7,7 @@
 
 use crate::quadrature;
 use apex_model::problem::{CostFunction, EventRate, SurveillanceProblem, SurveillanceTarget, SurveillanceVisit};
+use std::convert::Infallible;
 
 /// Relative tolerance of quadrature for user functions.
 pub const QUADRATURE_TOLERANCE: f64 = 1e-11;
@@ -35,14 +36,13 @@ pub fn cost_at(cost: &CostFunction, age_s: f64) -> f64 {
 }
 
 fn table_at(points: &[(f64, f64)], age_s: f64) -> f64 {
-    let mut before: Option<(f64, f64)> = None;
-    for (age, cost) in points {
-        if age_s < *age {
-            return before.map_or(*cost, |(age0, cost0)| cost0 + (cost - cost0) * (age_s - age0) / (age - age0));
-        }
-        before = Some((*age, *cost));
+    let later = points.partition_point(|(age, _)| *age <= age_s);
+    let before = later.checked_sub(1).and_then(|last| points.get(last));
+    match (before, points.get(later)) {
+        (Some((age0, cost0)), Some((age, cost))) => cost0 + (cost - cost0) * (age_s - age0) / (age - age0),
+        (Some((_, cost)), None) | (None, Some((_, cost))) => *cost,
+        (None, None) => 0.0,
     }
-    before.map_or(0.0, |(_, cost)| cost)
 }
 
 /// The integral of [`cost_at`] over ages from 0 to `age_s`: the cost of an interval of this length at one event per second.
@@ -166,17 +166,30 @@ pub struct ExpectedCost {
 
 /// Cost of one target whose observations end at `ends_s`, in order of time; those after the horizon do not count.
 pub fn target_cost(target: &SurveillanceTarget, ends_s: impl IntoIterator<Item = f64>, horizon_s: f64) -> TargetCost {
+    let Ok(cost) = over_intervals(target, ends_s, horizon_s, |from_s, until_s| {
+        Ok::<f64, Infallible>(interval_cost(target, from_s, until_s))
+    });
+    cost
+}
+
+/// As [`target_cost`], with what an interval costs from its beginning and end.
+pub(crate) fn over_intervals<E>(
+    target: &SurveillanceTarget,
+    ends_s: impl IntoIterator<Item = f64>,
+    horizon_s: f64,
+    mut interval: impl FnMut(f64, f64) -> Result<f64, E>,
+) -> Result<TargetCost, E> {
     let mut last_s = -target.initial_age_s;
     let mut cost = TargetCost { target: target.name.clone(), expected_cost: 0.0, observations: 0, longest_gap_s: 0.0 };
     for end_s in ends_s.into_iter().filter(|end_s| *end_s <= horizon_s) {
-        cost.expected_cost += interval_cost(target, last_s, end_s);
+        cost.expected_cost += interval(last_s, end_s)?;
         cost.longest_gap_s = cost.longest_gap_s.max(end_s - last_s);
         cost.observations += 1;
         last_s = last_s.max(end_s);
     }
-    cost.expected_cost += interval_cost(target, last_s, horizon_s);
+    cost.expected_cost += interval(last_s, horizon_s)?;
     cost.longest_gap_s = cost.longest_gap_s.max(horizon_s - last_s);
-    cost
+    Ok(cost)
 }
 
 /// Expected cost of ignorance of flying `visits` (in order of time): a plan's, or what was truly flown.
@@ -190,7 +203,7 @@ pub fn expected_cost(problem: &SurveillanceProblem, visits: &[SurveillanceVisit]
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use apex_model::problem::{Position, TravelTimes};
     use proptest::prelude::*;
@@ -206,7 +219,7 @@ mod tests {
         }
     }
 
-    fn families() -> impl Strategy<Value = CostFunction> {
+    pub(crate) fn families() -> impl Strategy<Value = CostFunction> {
         let delayed =
             |(response_s, cost): (f64, CostFunction)| CostFunction::Delayed { response_s, cost: Box::new(cost) };
         prop_oneof![3 => simple_families(), 1 => (0.0..900.0f64, simple_families()).prop_map(delayed)]
@@ -232,7 +245,7 @@ mod tests {
         ]
     }
 
-    fn jumps(cost: &CostFunction) -> Vec<f64> {
+    pub(crate) fn jumps(cost: &CostFunction) -> Vec<f64> {
         match cost {
             CostFunction::Step { deadline_s, .. } => vec![*deadline_s],
             CostFunction::Table { points } => points.iter().map(|(age, _)| *age).collect(),

@@ -4,4 +4,6 @@
 
 pub mod eci;
 pub mod mission_score;
+pub mod own_cost;
 pub mod quadrature;
+pub mod tabulate;

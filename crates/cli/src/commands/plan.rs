@@ -9,6 +9,7 @@ use crate::plan_output::proof::{self, Proof};
 use crate::plan_output::{geojson, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
+use apex_model::problem::Problem;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
@@ -100,6 +101,14 @@ pub fn answer(
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
     apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
     Ok(json(&question, &solved))
+}
+
+/// A problem in JSON.
+///
+/// # Errors
+/// As [`answer`], as far as it concerns the problem.
+pub fn problem(problem: &str) -> Outcome<Problem> {
+    plan_question::of_text(problem, "the problem").map(|question| question.problem)
 }
 
 /// What is asked for; else what the file's name says; else a table.

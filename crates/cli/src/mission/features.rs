@@ -69,6 +69,11 @@ impl NamedFeature {
         Trouble::user(format!("{}: feature {}{which}: {what}", self.file.display(), self.number))
     }
 
+    /// Is the property there?
+    pub fn has(&self, key: &str) -> bool {
+        self.property(key).is_some()
+    }
+
     fn property(&self, key: &str) -> Option<&JsonValue> {
         self.feature.property(key).filter(|value| !value.is_null())
     }
@@ -116,8 +121,8 @@ impl NamedFeature {
         Ok(spans)
     }
 
-    /// A list of lists of numbers, if there: `[[from, until], ..]`.
-    fn pairs(&self, key: &str) -> Outcome<Vec<(f64, f64)>> {
+    /// A list of pairs of numbers, if there: `[[from, until], ..]`.
+    pub fn pairs(&self, key: &str) -> Outcome<Vec<(f64, f64)>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of pairs of numbers"));
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
         let items = value.as_array().ok_or_else(|| wrong(value))?;

@@ -1,6 +1,7 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
 pub mod bookkeeping;
+mod costs;
 pub mod deliberator;
 mod features;
 mod lines;
@@ -97,7 +98,8 @@ impl Mission {
                 .because(error)
                 .help("write a known `:model` in :vehicle")
         })?;
-        let targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
+        let mut targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
+        costs::apply(&settings, &library, &mut targets)?;
         let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
         let mut forecasts = Vec::new();
         for name in &settings.forecasts {

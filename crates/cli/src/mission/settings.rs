@@ -2,6 +2,7 @@
 
 use crate::trouble::{Outcome, Trouble};
 use apex_model::library::{Application, Library};
+use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use time::OffsetDateTime;
@@ -44,6 +45,8 @@ pub struct Settings {
     pub landing_distance_m_max: Option<f64>,
     /// Radios as written.
     pub modems: Vec<Value>,
+    /// Structures with the functions of the program that are their costs.
+    pub costs: Vec<(String, Symbol)>,
 }
 
 const KNOWN: &[&str] = &[
@@ -60,6 +63,7 @@ const KNOWN: &[&str] = &[
     "scenario",
     "landing-distance",
     "modems",
+    "costs",
     "libraries",
     "files",
     "agents",
@@ -108,6 +112,7 @@ pub fn read(library: &Library) -> Outcome<Settings> {
         scenario: reader.text("scenario")?,
         landing_distance_m_max: reader.length("landing-distance")?,
         modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
+        costs: reader.costs()?,
     })
 }
 
@@ -164,6 +169,20 @@ impl Reader<'_> {
             Some((_, Some((si, Dimension::LENGTH | Dimension::NONE)))) if si > 0.0 => Ok(Some(si)),
             Some((other, _)) => Err(self.wrong(option, other, &format!("a length: `:{option} 150nm`"))),
         }
+    }
+
+    /// `((TARGET FUNCTION) ..)`
+    fn costs(&self) -> Outcome<Vec<(String, Symbol)>> {
+        let Some(found) = self.application.option("costs") else { return Ok(Vec::new()) };
+        let wrong =
+            || self.wrong("costs", found, "structures with functions: `:costs ((barn hay-cost) (school hay-cost))`");
+        let pair = |item: &Value| match item.as_list() {
+            Some([Value::Symbol(target), Value::Symbol(function)]) => {
+                Some((target.folded().to_string(), function.clone()))
+            }
+            _ => None,
+        };
+        found.as_list().ok_or_else(wrong)?.iter().map(|item| pair(item).ok_or_else(wrong)).collect()
     }
 
     fn epoch(&self, text: &str) -> Outcome<f64> {

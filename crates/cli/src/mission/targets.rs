@@ -2,6 +2,7 @@
 
 use super::features::{self, NamedFeature};
 use crate::trouble::Outcome;
+use apex_metrics::tabulate::POINTS_MAX;
 use apex_model::problem::{CostFunction, EventRate, Light, Position, TimeWindow};
 use std::path::Path;
 
@@ -176,16 +177,7 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> Outcome<Fire> {
 }
 
 fn site(feature: &NamedFeature) -> Outcome<Site> {
-    let importance = feature.number("importance", f64::MIN_POSITIVE, 1e9)?.unwrap_or(100.0);
-    let growth_per_s = feature.number("cost_growth_per_h", f64::MIN_POSITIVE, 1e6)?.unwrap_or(2.0) / 3600.0;
-    let delay_s = feature.number("cost_delay_s", 0.0, 1e7)?.unwrap_or(600.0);
-    let family = feature.word("cost", &["linear", "saturating", "step", "logistic"])?;
-    let cost = match family.unwrap_or("saturating") {
-        "linear" => CostFunction::Linear { cost_per_s: importance * growth_per_s },
-        "step" => CostFunction::Step { deadline_s: delay_s, maximum: importance },
-        "logistic" => CostFunction::Logistic { maximum: importance, rate_per_s: growth_per_s, midpoint_s: delay_s },
-        _ => CostFunction::Saturating { maximum: importance, rate_per_s: growth_per_s },
-    };
+    let cost = cost(feature)?;
     let response_s = feature.number("response_s", 0.0, 1e7)?.unwrap_or(0.0);
     let cost = if response_s > 0.0 { CostFunction::Delayed { response_s, cost: Box::new(cost) } } else { cost };
     let events_per_s = feature.number("rate_per_h", 0.0, 1e6)?.unwrap_or(0.1) / 3600.0;
@@ -196,4 +188,57 @@ fn site(feature: &NamedFeature) -> Outcome<Site> {
         cost,
         initial_age_s: feature.number("initial_age_s", 0.0, 1e9)?.unwrap_or(0.0),
     })
+}
+
+fn cost(feature: &NamedFeature) -> Outcome<CostFunction> {
+    let family = feature.word("cost", &["linear", "saturating", "step", "logistic", "table"])?.unwrap_or("saturating");
+    if family == "table" {
+        return cost_table(feature);
+    }
+    if feature.has("cost_points") {
+        return Err(feature
+            .trouble(format!("`cost_points` have no meaning where `cost` is {family}"))
+            .help("write `\"cost\": \"table\"`, or leave `cost_points` out"));
+    }
+    let importance = feature.number("importance", f64::MIN_POSITIVE, 1e9)?.unwrap_or(100.0);
+    let growth_per_s = feature.number("cost_growth_per_h", f64::MIN_POSITIVE, 1e6)?.unwrap_or(2.0) / 3600.0;
+    let delay_s = feature.number("cost_delay_s", 0.0, 1e7)?.unwrap_or(600.0);
+    Ok(match family {
+        "linear" => CostFunction::Linear { cost_per_s: importance * growth_per_s },
+        "step" => CostFunction::Step { deadline_s: delay_s, maximum: importance },
+        "logistic" => CostFunction::Logistic { maximum: importance, rate_per_s: growth_per_s, midpoint_s: delay_s },
+        _ => CostFunction::Saturating { maximum: importance, rate_per_s: growth_per_s },
+    })
+}
+
+fn cost_table(feature: &NamedFeature) -> Outcome<CostFunction> {
+    const EXAMPLE: &str =
+        "write ages in seconds with their costs, for example `\"cost_points\": [[0, 0], [600, 80], [3600, 100]]`";
+    let idle = ["importance", "cost_growth_per_h", "cost_delay_s"].into_iter().find(|key| feature.has(key));
+    if let Some(idle) = idle {
+        return Err(feature
+            .trouble(format!("`{idle}` has no meaning where `cost` is table"))
+            .because("`cost_points` say what an event costs at every age")
+            .help(format!("leave `{idle}` out")));
+    }
+    let points = feature.pairs("cost_points")?;
+    if points.is_empty() || points.len() > POINTS_MAX {
+        let many = format!("`cost` is table and `cost_points` are {}; they may be 1 to {POINTS_MAX}", points.len());
+        return Err(feature.trouble(many).help(EXAMPLE));
+    }
+    let no_number = |(age_s, cost): &&(f64, f64)| !(0.0..=1e9).contains(age_s) || !(0.0..=1e9).contains(cost);
+    if let Some((age_s, cost)) = points.iter().find(no_number) {
+        let outside = format!("`cost_points` has [{age_s}, {cost}]; ages and costs are between 0 and 1e9");
+        return Err(feature.trouble(outside).help(EXAMPLE));
+    }
+    for ((age_s, cost), (later_s, later)) in points.iter().zip(points.iter().skip(1)) {
+        let reason = match () {
+            () if later_s < age_s => "ages rise; two points of one age are a jump",
+            () if later < cost => "cost never falls with age",
+            () => continue,
+        };
+        let falls = format!("`cost_points` has [{later_s}, {later}] after [{age_s}, {cost}]");
+        return Err(feature.trouble(falls).because(reason).help(EXAMPLE));
+    }
+    Ok(CostFunction::Table { points })
 }

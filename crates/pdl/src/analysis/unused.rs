@@ -243,6 +243,11 @@ impl<'l> Names<'l> {
                 _ => {}
             }
         }
+        // `:costs ((TARGET FUNCTION) ..)`
+        let costs = library.application.iter().filter_map(|application| application.option("costs")?.as_list());
+        for name in costs.flatten().filter_map(|pair| pair.as_list()?.get(1)?.as_symbol()) {
+            names.functions.insert(name);
+        }
         for procedure in &library.procedures {
             names.predicates(&procedure.index);
             walk::conditions_of(procedure, &mut |condition| names.condition(condition));

@@ -1,0 +1,145 @@
+"""Costs of a user's own: any plan is scored by them, and planners plan with their tables."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from apex_autonomy import InputError, PlanningError, apex, cost_table, expected_cost, plan
+
+HORIZON_S = 3600.0
+
+
+def problem(capfd: pytest.CaptureFixture[str], name: str = "small-fixed-uniform-4-globular@2") -> dict:
+    assert apex("plan", name, "--problem")
+    return json.loads(capfd.readouterr().out)
+
+
+def smoke(age_s: float) -> float:
+    """Nothing for two minutes, then the alarm, then what burns."""
+    return 0.0 if age_s < 120.0 else 0.2 + 1.0 - math.exp(-(((age_s - 120.0) / 900.0) ** 2))
+
+
+def test_a_plan_is_scored_as_the_planner_scored_it(capfd):
+    given = problem(capfd)
+    answer = plan(given, budget_s=0.02)
+    content = answer["plan"]["Surveillance"]
+    for visits in (answer, answer["plan"], content, content["visits"], reversed(content["visits"])):
+        score = expected_cost(given, visits)
+        assert score.total == pytest.approx(answer["value"], rel=1e-12)
+        assert sum(target.expected_cost for target in score.targets.values()) == pytest.approx(score.total)
+    assert list(score.targets) == [target["name"] for target in given["Surveillance"]["targets"]]
+    never = expected_cost(json.dumps(given), [])
+    assert {(target.observations, target.longest_gap_s) for target in never.targets.values()} == {(0, HORIZON_S)}
+    assert never.total > score.total
+
+
+def test_a_family_written_in_python_costs_the_same(capfd):
+    given = problem(capfd)
+    visits = plan(given, budget_s=0.02)
+    costs = {}
+    for target in given["Surveillance"]["targets"]:
+        family = target["cost"]["Saturating"]
+        costs[target["name"]] = lambda age_s, m=family["maximum"], r=family["rate_per_s"]: -m * math.expm1(-r * age_s)
+    assert expected_cost(given, visits, costs=costs).total == pytest.approx(visits["value"], rel=1e-9)
+
+
+def test_jumps_may_be_named_and_save_calls(capfd):
+    given = problem(capfd)
+    name = given["Surveillance"]["targets"][0]["name"]
+    calls = []
+
+    def counted(age_s):
+        calls.append(age_s)
+        return smoke(age_s)
+
+    found = expected_cost(given, [], costs={name: counted}).targets[name].expected_cost
+    searching, calls[:] = len(calls), []
+    named = expected_cost(given, [], costs={name: (counted, [120.0])}).targets[name].expected_cost
+    assert named == pytest.approx(found, rel=1e-9) and len(calls) < searching / 3
+
+
+@pytest.mark.parametrize("relative_error", [1e-2, 1e-4])
+def test_a_cost_is_tabulated_planned_and_scored(capfd, relative_error):
+    given = problem(capfd)
+    table = cost_table(smoke, horizon_s=HORIZON_S, relative_error=relative_error)
+    for target in given["Surveillance"]["targets"]:
+        target["cost"] = table
+    answer = plan(given, budget_s=0.05)
+    names = [target["name"] for target in given["Surveillance"]["targets"]]
+    exact = expected_cost(given, answer, costs=dict.fromkeys(names, smoke))
+    # A thousandth of the oldest age's cost is what costs less are held to, over the whole horizon of each target.
+    rates = [target["rate"]["steps"][0][1] for target in given["Surveillance"]["targets"]]
+    small = sum(rates) * HORIZON_S * smoke(HORIZON_S) / 1000
+    assert abs(answer["value"] - exact.total) <= relative_error * (exact.total + small)
+    assert answer["value"] != exact.total
+    assert 0 < answer["bound"] <= answer["value"] < expected_cost(given, []).total
+
+
+def test_the_table_is_near_at_every_age():
+    points = np.array(cost_table(smoke, horizon_s=HORIZON_S, relative_error=1e-3)["Table"]["points"])
+    assert points[0, 0] == 0 and points[-1, 0] == HORIZON_S and len(points) < 200
+    ages = np.linspace(0, HORIZON_S, 10_001)[1:]
+    ages = ages[np.abs(ages - 120) > 1e-6]
+    exact = np.array([smoke(age_s) for age_s in ages])
+    off = np.abs(np.interp(ages, points[:, 0], points[:, 1]) - exact)
+    assert (off <= 1e-3 * np.maximum(exact, smoke(HORIZON_S) / 1000)).all()
+
+
+def raises(age_s):
+    raise ZeroDivisionError("no idea")
+
+
+@pytest.mark.parametrize(
+    ("cost", "words"),
+    [
+        (raises, r"s old cannot be told: ZeroDivisionError: no idea"),
+        (lambda age_s: "much", r"s old cannot be told: TypeError: .*"),
+        (lambda age_s: None, r"s old cannot be told: TypeError: .*"),
+        (lambda age_s: -1, r"s old is -1; a cost is finite and not negative"),
+        (lambda age_s: math.nan, r"s old is NaN; a cost is finite"),
+        (lambda age_s: 1e4 - age_s, r"falls from .* s to .* s; cost never falls with age"),
+    ],
+)
+def test_what_is_no_cost_is_told_with_target_and_age(capfd, cost, words):
+    given = problem(capfd)
+    name = given["Surveillance"]["targets"][1]["name"]
+    with pytest.raises(InputError, match=f"{name}: The cost of an event .*{words}") as caught:
+        expected_cost(given, [], costs={name: cost})
+    assert isinstance(caught.value.__cause__, ZeroDivisionError) == (cost is raises)
+    with pytest.raises(InputError, match=f"The cost of an event .*{words}"):
+        cost_table(cost, horizon_s=100)
+
+
+def test_an_interrupt_stays_one(capfd):
+    def interrupted(age_s):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cost_table(interrupted, horizon_s=100)
+
+
+def test_mistakes_are_told(capfd):
+    given = problem(capfd)
+    name = given["Surveillance"]["targets"][0]["name"]
+    with pytest.raises(InputError, match="atlantis is no target of the problem"):
+        expected_cost(given, [{"target": "atlantis", "end_s": 1}])
+    with pytest.raises(InputError, match="atlantis is no target of the problem"):
+        expected_cost(given, [], costs={"atlantis": smoke})
+    with pytest.raises(InputError, match="no `target` and `end_s`"):
+        expected_cost(given, [{"target": name}])
+    with pytest.raises(InputError, match="ends at NaN"):
+        expected_cost(given, [{"target": name, "end_s": math.nan}])
+    with pytest.raises(InputError, match="neither a plan of surveillance nor"):
+        expected_cost(given, {"SingleVisit": {}})
+    with pytest.raises(InputError, match=f"the cost of {name} is 7, which cannot be called"):
+        expected_cost(given, [], costs={name: 7})
+    with pytest.raises(PlanningError, match=r"the problem:1:.*no planning problem"):
+        expected_cost({"Surveillance": 7}, [])
+    with pytest.raises(InputError, match="oldest age is 0 s"):
+        cost_table(smoke, horizon_s=0)
+    with pytest.raises(InputError, match="relative error is 2"):
+        cost_table(smoke, horizon_s=1, relative_error=2)
+    with pytest.raises(InputError, match="points and may have 1000"):
+        cost_table(lambda age_s: math.floor(age_s), horizon_s=3600)
