@@ -199,10 +199,21 @@ mod tests {
         assert!(told(&|age_s| 101.0 - age_s).contains("falls from 101 at 0 s to 1 at 100 s"));
         let dented = |age_s: f64| if (50.0..60.0).contains(&age_s) { 1.0 } else { age_s };
         assert!(told(&dented).contains("falls from"), "{}", told(&dented));
-        let wobbling = |age_s: f64| 1.0 + 1e-14 * libm::sin(age_s);
-        assert!(tabulate(&mut |age_s| Ok(wobbling(age_s)), 100.0, 1e-2).is_ok());
+        let low = |age_s: f64| if (60.0..70.0).contains(&age_s) { 1.0 } else { age_s };
+        assert!(told(&low).contains("falls from 50 at 50 s to 1 at 62.5 s"), "{}", told(&low));
         let raised = tabulate(&mut |age_s| Err(format!("no idea of {age_s}")), 100.0, 1e-2).unwrap_err();
         assert!(raised.contains("100 s old cannot be told: no idea of 100"), "{raised}");
+    }
+
+    #[test]
+    fn rounding_is_no_fall() {
+        let mut calls = 0;
+        let mut wobbling = |age_s: f64| {
+            calls += 1;
+            Ok(age_s.floor() + if calls % 2 == 0 { 1e-11 } else { 0.0 })
+        };
+        let points = tabulate(&mut wobbling, 100.0, 0.1).unwrap();
+        assert!(points.windows(2).all(|pair| pair[0].1 <= pair[1].1), "{points:?}");
     }
 
     #[test]
