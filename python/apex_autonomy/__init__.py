@@ -8,8 +8,8 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 12.5
 
 A :class:`Planner` is a planner of your own; :func:`plan` plans with it, :func:`apex` flies missions with it.
-:func:`expected_cost` scores any plan of surveillance, also by costs of your own, and :func:`cost_table` makes them tables
-for planners.
+:func:`expected_cost` scores any plan of surveillance, also by costs of your own, and :func:`cost_table` makes them
+tables for planners.
 
 Words and meaning are those of PDL (``docs/reference/conditions.md``); nothing is decided here.
 """

@@ -9,16 +9,17 @@ import pytest
 from apex_autonomy import InputError, PlanningError, apex, cost_table, expected_cost, plan
 
 HORIZON_S = 3600.0
+ALARM_S = 30.0
 
 
-def problem(capfd: pytest.CaptureFixture[str], name: str = "small-fixed-uniform-4-globular@2") -> dict:
+def problem(capfd: pytest.CaptureFixture[str], name: str = "small-fixed-uniform-6-globular@2") -> dict:
     assert apex("plan", name, "--problem")
     return json.loads(capfd.readouterr().out)
 
 
 def smoke(age_s: float) -> float:
-    """Nothing for two minutes, then the alarm, then what burns."""
-    return 0.0 if age_s < 120.0 else 0.2 + 1.0 - math.exp(-(((age_s - 120.0) / 900.0) ** 2))
+    """Nothing for half a minute, then the alarm, then what burns."""
+    return 0.0 if age_s < ALARM_S else 0.2 + 1.0 - math.exp(-(((age_s - ALARM_S) / 900.0) ** 2))
 
 
 def test_a_plan_is_scored_as_the_planner_scored_it(capfd):
@@ -56,7 +57,7 @@ def test_jumps_may_be_named_and_save_calls(capfd):
 
     found = expected_cost(given, [], costs={name: counted}).targets[name].expected_cost
     searching, calls[:] = len(calls), []
-    named = expected_cost(given, [], costs={name: (counted, [120.0])}).targets[name].expected_cost
+    named = expected_cost(given, [], costs={name: (counted, [ALARM_S])}).targets[name].expected_cost
     assert named == pytest.approx(found, rel=1e-9) and len(calls) < searching / 3
 
 
@@ -81,7 +82,7 @@ def test_the_table_is_near_at_every_age():
     points = np.array(cost_table(smoke, horizon_s=HORIZON_S, relative_error=1e-3)["Table"]["points"])
     assert points[0, 0] == 0 and points[-1, 0] == HORIZON_S and len(points) < 200
     ages = np.linspace(0, HORIZON_S, 10_001)[1:]
-    ages = ages[np.abs(ages - 120) > 1e-6]
+    ages = ages[np.abs(ages - ALARM_S) > 1e-6]
     exact = np.array([smoke(age_s) for age_s in ages])
     off = np.abs(np.interp(ages, points[:, 0], points[:, 1]) - exact)
     assert (off <= 1e-3 * np.maximum(exact, smoke(HORIZON_S) / 1000)).all()

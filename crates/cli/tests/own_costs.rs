@@ -107,7 +107,7 @@ fn functions_that_are_no_costs_are_told() {
     told("(barn hay-cost)", HAY, &["`:costs (barn hay-cost)` cannot be read", "structures with functions"]);
     let hay = |body: &str| format!("\n(defun hay-cost (age) {body})\n");
     let barn = "((barn hay-cost))";
-    told(barn, &hay("age"), &["`hay-cost` is no cost of `barn`", "gives 4720s, which is no number; divide"]);
+    told(barn, &hay("age"), &["`hay-cost` is no cost of `barn`", "gives P1H18M40S, which is no number; divide"]);
     told(barn, &hay("(- 5 (/ age 1h))"), &["`hay-cost` is no cost of `barn`", "falls from 5 at 0 s"]);
     told(barn, &hay("(- (/ age 1h) 1)"), &["is no cost of `barn`", "is -1; a cost is finite and not negative"]);
     told(barn, &hay("(/ 1 0)"), &["is no cost of `barn`", "cannot be told: m/mission.pdl:"]);
