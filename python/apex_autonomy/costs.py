@@ -151,7 +151,7 @@ def cost_table(cost: Cost, *, horizon_s: float, relative_error: float = 1e-4) ->
         The oldest age that matters: the problem's horizon, and the target's initial age on top. Beyond it the table
         stays as it is there.
     relative_error : float
-        The less, the more points and calls: some hundred points and hundred thousand calls for 1e-4.
+        The less, the more points and calls: up to 320 points and 230,000 calls for 1e-4 and smooth costs.
 
     Returns
     -------
