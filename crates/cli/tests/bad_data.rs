@@ -118,6 +118,12 @@ fn tables_are_read_strictly() {
 fn sites_and_zones_are_checked_like_targets() {
     let rate = "\"rate_per_h\": 0.06";
     watch("sites.geojson", rate, "\"rate_per_h\": -1", &["feature 2 `farmhouse`: `rate_per_h` is -1"]);
+    let rates =
+        |text: &str, phrases: &[&str]| watch("sites.geojson", rate, &format!("\"rates_per_h\": {text}"), phrases);
+    rates("[]", &["feature 2 `farmhouse`: `rates_per_h` is empty", "help: write hours with events per hour"]);
+    rates("[[0, -1]]", &["`rates_per_h` has [0, -1]; rates are between"]);
+    rates("[[1, 2], [1, 3]]", &["`rates_per_h` has 1 h after 1 h; hours rise"]);
+    rates("[[1, 2]], \"rate_per_h\": 3", &["`rate_per_h` and `rates_per_h` say two things"]);
     watch("sites.geojson", "\"saturating\"", "\"cheap\"", &["`farmhouse`", "unknown `cost`: `cheap`", "logistic"]);
     watch("obstacles.geojson", "\"Polygon\"", "\"Circle\"", &["m/obstacles.geojson is not GeoJSON", "why: "]);
 }

@@ -45,6 +45,18 @@ fn a_table_is_the_cost_that_is_planned_with() {
 }
 
 #[test]
+fn a_likelihood_that_changes_is_planned_with() {
+    let desk = Desk::with_mission("structure-watch");
+    desk.change("m/sites.geojson", "\"rate_per_h\": 0.06", "\"rates_per_h\": [[0, 0.36], [0.5, 3.6]]");
+    let said = desk.apex(&["plan", "m", "--problem"]).well();
+    let problem: Value = serde_json::from_str(&said.out).unwrap();
+    let steps = problem["Surveillance"]["targets"][0]["rate"]["steps"].as_array().unwrap().clone();
+    let numbers: Vec<f64> = steps.iter().flat_map(|step| [0, 1].map(|at| step[at].as_f64().unwrap())).collect();
+    assert!(numbers.iter().zip([0.0, 1e-4, 1800.0, 1e-3]).all(|(a, b)| (a - b).abs() < 1e-12), "{numbers:?}");
+    desk.apex(&["plan", "m", "--budget", "20ms"]).well();
+}
+
+#[test]
 fn tables_that_are_none_are_told() {
     let told = |points: &str, phrases: &[&str]| -> Said {
         let name = ["sites.geojson: feature 2 `farmhouse`: "];

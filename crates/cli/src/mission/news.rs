@@ -119,9 +119,9 @@ impl News {
                     if let Some(rate_per_h) = rate_per_h {
                         site.rate = EventRate::constant(rate_per_h / SECONDS_PER_HOUR);
                     }
-                    if let Some(value) = value {
-                        let factor = value / site.importance;
-                        site.cost = scaled(&site.cost, factor);
+                    let importance = importance(&site.cost, site.importance);
+                    if let Some(value) = value.filter(|_| importance > 0.0) {
+                        site.cost = scaled(&site.cost, value / importance);
                         site.importance = *value;
                     }
                 }
@@ -143,6 +143,15 @@ fn name(value: &Value) -> String {
         Value::Text(text) => text.to_string(),
         Value::Symbol(symbol) => symbol.folded().to_string(),
         other => other.to_string(),
+    }
+}
+
+/// What `importance` stands for: of a table, the cost of an event that is never found.
+fn importance(cost: &CostFunction, of_families: f64) -> f64 {
+    match cost {
+        CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),
+        CostFunction::Delayed { cost, .. } => importance(cost, of_families),
+        _ => of_families,
     }
 }
 

@@ -6,8 +6,8 @@ use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_l
 use apex_geo::perimeter::perimeter_manoeuvre;
 use apex_geo::travel;
 use apex_model::problem::{
-    Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
-    SurveillanceTarget, WindField,
+    EventRate, Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
+    SurveillanceProblem, SurveillanceTarget, WindField,
 };
 use apex_model::time::Time;
 use apex_sim::{Airframe, VehicleModel};
@@ -296,8 +296,28 @@ fn site_target(target: &super::Target, site: &Site, books: &Bookkeeping, now_s: 
         name: target.id.clone(),
         position: target.position,
         dwell_s: site.dwell_s,
-        rate: site.rate.clone(),
+        rate: from(&site.rate, now_s),
         cost: site.cost.clone(),
         initial_age_s: now_s - seen.map_or(-site.initial_age_s, Time::seconds),
+    }
+}
+
+/// The rate in a time that begins at `now_s`.
+fn from(rate: &EventRate, now_s: f64) -> EventRate {
+    let now = std::iter::once((0.0, rate.at(now_s)));
+    let later = rate.steps.iter().filter(|(from_s, _)| *from_s > now_s).map(|(from_s, rate)| (from_s - now_s, *rate));
+    EventRate { steps: now.chain(later).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_goes_on_from_now() {
+        let rate = EventRate { steps: vec![(0.0, 1.0), (100.0, 2.0), (300.0, 3.0)] };
+        assert_eq!(from(&rate, 0.0).steps, rate.steps);
+        assert_eq!(from(&rate, 150.0).steps, [(0.0, 2.0), (150.0, 3.0)]);
+        assert_eq!(from(&rate, 300.0).steps, [(0.0, 3.0)]);
     }
 }

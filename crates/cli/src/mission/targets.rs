@@ -180,14 +180,43 @@ fn site(feature: &NamedFeature) -> Outcome<Site> {
     let cost = cost(feature)?;
     let response_s = feature.number("response_s", 0.0, 1e7)?.unwrap_or(0.0);
     let cost = if response_s > 0.0 { CostFunction::Delayed { response_s, cost: Box::new(cost) } } else { cost };
-    let events_per_s = feature.number("rate_per_h", 0.0, 1e6)?.unwrap_or(0.1) / 3600.0;
     Ok(Site {
-        importance,
+        importance: feature.number("importance", f64::MIN_POSITIVE, 1e9)?.unwrap_or(100.0),
         dwell_s: feature.number("dwell_s", f64::MIN_POSITIVE, 1e6)?.unwrap_or(30.0),
-        rate: EventRate::constant(events_per_s),
+        rate: rate(feature)?,
         cost,
         initial_age_s: feature.number("initial_age_s", 0.0, 1e9)?.unwrap_or(0.0),
     })
+}
+
+/// `rate_per_h`, or `rates_per_h` where it changes.
+fn rate(feature: &NamedFeature) -> Outcome<EventRate> {
+    const SECONDS_PER_HOUR: f64 = 3600.0;
+    let wrong = |what: String| {
+        feature
+            .trouble(what)
+            .help("write hours with events per hour, for example `\"rates_per_h\": [[0, 0.1], [12, 0.5]]`")
+    };
+    let steps = feature.pairs("rates_per_h")?;
+    if steps.is_empty() {
+        if feature.has("rates_per_h") {
+            return Err(wrong("`rates_per_h` is empty".to_string()));
+        }
+        let events_per_h = feature.number("rate_per_h", 0.0, 1e6)?.unwrap_or(0.1);
+        return Ok(EventRate::constant(events_per_h / SECONDS_PER_HOUR));
+    }
+    if feature.has("rate_per_h") {
+        return Err(wrong("`rate_per_h` and `rates_per_h` say two things of one rate".to_string()));
+    }
+    if let Some((from_h, rate)) = steps.iter().find(|(from_h, rate)| !from_h.is_finite() || !(0.0..=1e6).contains(rate))
+    {
+        return Err(wrong(format!("`rates_per_h` has [{from_h}, {rate}]; rates are between 0 and 1e6 an hour")));
+    }
+    if let Some(((before_h, _), (from_h, _))) = steps.iter().zip(steps.iter().skip(1)).find(|(a, b)| b.0 <= a.0) {
+        return Err(wrong(format!("`rates_per_h` has {from_h} h after {before_h} h; hours rise")));
+    }
+    let in_seconds = |(from_h, events_per_h): (f64, f64)| (from_h * SECONDS_PER_HOUR, events_per_h / SECONDS_PER_HOUR);
+    Ok(EventRate { steps: steps.into_iter().map(in_seconds).collect() })
 }
 
 fn cost(feature: &NamedFeature) -> Outcome<CostFunction> {
