@@ -1,5 +1,7 @@
 //! Missions whose structures have costs of their own: points of a table, or a function of the program.
 
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+
 mod common;
 
 use common::{Desk, Said};
