@@ -334,6 +334,10 @@ pub struct PlanOptions {
     /// How long the solver may take, in the time of a flight; default is the mission's own, or 10 s.
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,
+    /// How long proofs of how good any plan could be may take, in the time of a flight; default is 10 s, which is enough for all that
+    /// is known of up to 24 targets of surveillance.
+    #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
+    pub bound_budget: Option<String>,
     /// Seed of the solver's chance; default is the mission's own, or 1.
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
@@ -344,7 +348,7 @@ pub struct PlanOptions {
     #[arg(long, requires = "visits")]
     pub repeat: bool,
     /// Do not plan: print the problem as JSON.
-    #[arg(long, conflicts_with_all = ["solver", "budget", "format", "json"])]
+    #[arg(long, conflicts_with_all = ["solver", "budget", "bound_budget", "format", "json"])]
     pub problem: bool,
     /// How the plan is printed; default is what the name of `--out` says, or a table.
     #[arg(long, value_enum, conflicts_with = "json")]

@@ -314,3 +314,29 @@ fn the_visits_of_a_person_are_scored_like_any_other_plan_and_can_be_flown() {
     desk.apex(&["fly", "m", "--until", "10min", "--record", "r.apex", "--no-progress"]).well();
     desk.apex(&["trace", "r.apex", "--type", "selected"]).well().told(&["plan.pdl"]);
 }
+
+#[test]
+fn proofs_have_a_budget_of_their_own() {
+    let desk = Desk::new();
+    let cell = "medium-clustered-uniform-24-two-cluster";
+    let plan = |more: &[&str]| desk.apex(&[&["plan", cell, "--budget", "5ms"], more].concat());
+    let answer = |more: &[&str]| json(&plan(&[&["--json"], more].concat()).well().out);
+    let (short, none) = (answer(&["--bound-budget", "1s"]), answer(&["--bound-budget", "0s"]));
+    let number = |answer: &Value, name: &str| answer[name].as_f64().unwrap();
+    for answer in [&short, &none] {
+        assert_eq!(answer["bound_complete"], false, "{answer}");
+        assert!(number(answer, "bound") <= number(answer, "value"));
+    }
+    assert!(number(&short, "bound") > 1.2 * number(&none, "bound"), "{short} {none}");
+    let used = number(&short, "bound_work_units");
+    assert!(used > 100_000.0 && used < 1_300_000.0, "{used}");
+    assert_eq!(answer(&["--bound-budget", "1s"])["bound"], short["bound"]);
+    plan(&["--bound-budget", "1ms"])
+        .well()
+        .told(&["bounds proven so far in ", "a greater `--bound-budget` may prove more"]);
+    plan(&["--bound-budget", "-1s"]).complained(2, &["`--bound-budget -1s` is before the start"]);
+    plan(&["--bound-budget", "soon"]).complained(2, &["`--bound-budget soon` is no time"]);
+    let four = ["plan", "small-fixed-fixed-3-uniform", "--budget", "5ms"];
+    assert_eq!(json(&desk.apex(&[&four[..], &["--json"]].concat()).well().out)["bound_complete"], true);
+    desk.apex(&four).well().told(&["bounds proven in ", " units of work"]);
+}

@@ -1,12 +1,12 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
-use super::plan_question::{self, Benchmark, Question};
+use super::plan_question::{self, Question};
 use crate::mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
-use crate::plan_output::proof::{self, Proof};
-use crate::plan_output::{geojson, kml, qgc, table, turns};
+use crate::plan_output::proof::{self, Proven};
+use crate::plan_output::{geojson, json, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
 use apex_model::problem::Problem;
@@ -15,7 +15,6 @@ use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::Withdrawal;
 use apex_solvers::Registry;
-use apex_solvers::bound::ages::cycles::{self, WithoutEnd};
 use apex_solvers::formats;
 use apex_solvers::human::Human;
 use std::path::Path;
@@ -62,15 +61,13 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
-    // In flight the quick bound must do; here somebody has asked how good the plan is.
-    apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
+    let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
     let text = match format {
         PlanFormat::Table => {
-            let without_end = cycles::of_plan(&solved.problem, &solved.plan);
-            let beside = table::Beside { without_end: without_end.as_ref(), turns: turns_of(&question, &solved) };
+            let beside = table::Beside { proven: &proven, turns: turns_of(&question, &solved) };
             table::write(&question.name, question.benchmark.as_ref(), &solved, &beside)
         }
-        PlanFormat::Json => json(&question, &solved),
+        PlanFormat::Json => json(&question, &solved, &proven),
         PlanFormat::Pdl => pdl(&question, &solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
@@ -99,8 +96,8 @@ pub fn answer(
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
-    apex_solvers::bound::prove(&solved.problem, &mut solved.plan);
-    Ok(json(&question, &solved))
+    let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
+    Ok(json(&question, &solved, &proven))
 }
 
 /// A problem in JSON.
@@ -151,44 +148,18 @@ fn refuse(format: PlanFormat, question: &Question) -> Outcome {
     }
 }
 
-fn json(question: &Question, solved: &Deliberation) -> String {
-    let benchmark = question.benchmark.as_ref();
-    let tour = benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour);
-    let Proof { value, bound, gap, proven_optimal } = proof::of(&solved.problem, &solved.plan, tour);
-    let answer = serde_json::json!({
-        "mission": question.name,
-        "format": benchmark.map(|benchmark| benchmark.format),
-        "vehicles": benchmark.and_then(|Benchmark { vehicles, .. }| *vehicles),
-        "reason": solved.reason,
-        "value": value,
-        "bound": bound,
-        "gap": gap,
-        "proven_optimal": proven_optimal,
-        "work_units": solved.work,
-        "cpu_s": solved.cpu_s,
-        "plan": solved.plan,
-        "turns": turns_of(question, solved).map(|turns| serde_json::json!({
-            "radius_m": turns.radius_m,
-            "ways": turns.ways,
-            "time_s": turns.time_s,
-        })),
-        "without_end": cycles::of_plan(&solved.problem, &solved.plan).as_ref().map(without_end),
-    });
-    format!("{answer}\n")
+fn json(question: &Question, solved: &Deliberation, proven: &Proven) -> String {
+    let turns = turns_of(question, solved);
+    json::write(&question.name, question.benchmark.as_ref(), solved, proven, turns.as_ref())
+}
+
+/// Was the shortest of all tours asked for?
+fn is_tour(question: &Question) -> bool {
+    question.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour)
 }
 
 fn turns_of(question: &Question, solved: &Deliberation) -> Option<turns::Turns> {
     turns::of(&solved.problem, &solved.plan, question.mission.as_ref().map(|(mission, _)| mission))
-}
-
-/// What becomes of the plan's cycle if it is flown without end.
-fn without_end(of: &WithoutEnd) -> serde_json::Value {
-    serde_json::json!({
-        "cost_per_s": of.cost_per_s,
-        "cost_per_s_bound": of.cost_per_s_bound,
-        "better_cycle": of.better.as_ref().map(|(cycle, _)| cycle),
-        "better_cost_per_s": of.better.as_ref().map(|(_, cost_per_s)| cost_per_s),
-    })
 }
 
 /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;

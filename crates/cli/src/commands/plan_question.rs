@@ -6,6 +6,7 @@ use crate::mission::bookkeeping::Bookkeeping;
 use crate::mission::deliberator::validate;
 use crate::mission::problem::pose;
 use crate::options::PlanOptions;
+use crate::plan_output::proof;
 use crate::sources::parse_time;
 use crate::trouble::{Outcome, Trouble, nearby_help, read_text};
 use apex_model::problem::{Position, Problem};
@@ -27,6 +28,8 @@ pub(super) struct Question {
     pub(super) problem: Problem,
     /// How long solvers may take.
     pub(super) budget: Duration,
+    /// What proofs of bounds may take.
+    pub(super) bound_budget: Duration,
     /// Seed of solvers' chance.
     pub(super) seed: u64,
     /// The mission and its goal, if it is one's.
@@ -40,7 +43,8 @@ pub(super) struct Question {
 impl Question {
     /// A problem by itself.
     fn new(name: String, problem: Problem) -> Question {
-        Question { name, problem, budget: BUDGET_DEFAULT, seed: 1, mission: None, benchmark: None, start: None }
+        let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
+        Question { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
     }
 }
 
@@ -81,6 +85,11 @@ pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
                 .help("write how long a solver may take, for example `--budget 2s`"));
         }
         question.budget = end - Time::ZERO;
+    }
+    if let Some(budget) = &options.bound_budget {
+        let end = parse_time(budget, "--bound-budget")?;
+        // Nothing to spend leaves the quick bound.
+        question.bound_budget = end - Time::ZERO;
     }
     question.seed = options.seed.unwrap_or(question.seed);
     Ok(question)

@@ -3,6 +3,7 @@
 pub mod chart;
 mod civil;
 pub mod geojson;
+pub mod json;
 pub mod kml;
 pub mod proof;
 pub mod qgc;

@@ -1,6 +1,15 @@
 //! How good a plan is, and how good any could be.
 
+use crate::mission::deliberator::Deliberation;
 use apex_model::problem::{Plan, Problem};
+use apex_model::solver::{WorkBudget, units_in};
+use apex_model::time::Duration;
+use apex_solvers::bound::ages::cycles::{self, WithoutEnd};
+use apex_solvers::bound::{self, Meter};
+
+/// What proofs may take where nobody says it: all that is known here of four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
+/// with more targets less is looked at.
+pub const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Gap below which rounding is all that is left.
 const OPTIMAL: f64 = 1e-6;
@@ -18,12 +27,36 @@ pub struct Proof {
     pub proven_optimal: bool,
 }
 
+/// What was proven of a plan, and at what price.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proven {
+    /// How good the plan is, and how good any could be.
+    pub proof: Proof,
+    /// What becomes of its cycle if it is flown without end.
+    pub without_end: Option<WithoutEnd>,
+    /// Units of work that it took.
+    pub work: u64,
+    /// Was everything tried that would have been with a greater budget?
+    pub complete: bool,
+}
+
+/// Proves within `budget` how good any plan could be, and states it in the plan; `tour` where the shortest of all tours was asked for.
+/// In flight the quick bound must do; here somebody asks how good the plan is.
+pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> Proven {
+    let mut budget = WorkBudget::new(if budget > Duration::ZERO { units_in(budget) } else { 0 });
+    let mut meter = Meter::new(&mut budget);
+    bound::prove(&solved.problem, &mut solved.plan, &mut meter);
+    let proof = of(&solved.problem, &solved.plan, tour, &mut meter);
+    let without_end = cycles::of_plan(&solved.problem, &solved.plan, &mut meter);
+    Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() }
+}
+
 /// What is known of `plan`; `tour` where the shortest of all tours was asked for.
-pub fn of(problem: &Problem, plan: &Plan, tour: bool) -> Proof {
+fn of(problem: &Problem, plan: &Plan, tour: bool, meter: &mut Meter<'_>) -> Proof {
     let (value, bound, costly) = match (problem, plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) if tour && plan.left_out.is_empty() => {
             let travel = problem.travel.as_ref();
-            (plan.costs, travel.map(|travel| apex_solvers::bound::tour::shortest(travel, plan.costs)), false)
+            (plan.costs, travel.map(|travel| bound::tour::shortest(travel, plan.costs, meter)), false)
         }
         (_, Plan::SingleVisit(plan)) => (plan.benefits, plan.benefits_bound, plan.costs > 0.0),
         (_, Plan::Surveillance(plan)) => (plan.expected_cost, plan.expected_cost_bound, false),

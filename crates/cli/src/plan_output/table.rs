@@ -2,7 +2,7 @@
 
 use crate::commands::plan_question::Benchmark;
 use crate::mission::deliberator::Deliberation;
-use crate::plan_output::proof::{self, Proof};
+use crate::plan_output::proof::{Proof, Proven};
 use crate::plan_output::turns::Turns;
 use crate::telling::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
@@ -20,8 +20,8 @@ const CYCLE_SHOWN: usize = 24;
 /// What is known beside the plan itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<'a> {
-    /// What becomes of its cycle if it is flown for ever.
-    pub without_end: Option<&'a WithoutEnd>,
+    /// What was proven.
+    pub proven: &'a Proven,
     /// What turns cost.
     pub turns: Option<Turns>,
 }
@@ -33,14 +33,14 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, b
     let _ = write_benchmark(&mut out, name, benchmark);
     let _ = write_table(&mut out, solved, beside);
     if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
-        let _ = write_tour(&mut out, solved);
+        let _ = write_tour(&mut out, beside.proven);
     }
     out
 }
 
 /// A tour is judged by its length.
-fn write_tour(out: &mut String, solved: &Deliberation) -> std::fmt::Result {
-    let Proof { value, bound, gap, proven_optimal } = proof::of(&solved.problem, &solved.plan, true);
+fn write_tour(out: &mut String, proven: &Proven) -> std::fmt::Result {
+    let Proof { value, bound, gap, proven_optimal } = proven.proof;
     match bound.zip(gap) {
         Some((bound, _)) if proven_optimal => {
             writeln!(out, "  length {value:.2}, proven to be the best: no tour is shorter than {bound:.2}")
@@ -80,8 +80,15 @@ fn write_table(out: &mut String, solved: &Deliberation, beside: &Beside<'_>) -> 
     if let Some(turns) = &beside.turns {
         write_turns(out, turns)?;
     }
-    if let Some(without_end) = beside.without_end {
+    if let Some(without_end) = &beside.proven.without_end {
         write_without_end(out, without_end)?;
+    }
+    let work = beside.proven.work;
+    match beside.proven.complete {
+        true => writeln!(out, "  bounds proven in {work} units of work")?,
+        false => {
+            writeln!(out, "  bounds proven so far in {work} units of work: a greater `--bound-budget` may prove more")?
+        }
     }
     let left_out = solved.plan.left_out();
     if !left_out.is_empty() {

@@ -12,7 +12,8 @@
 //! Bound: O(targets^2 + targets x levels x tangents) rows, [`ROUNDS_MAX`] programs.
 
 use super::groups;
-use super::program::Program;
+use super::meter::Meter;
+use super::program::{Program, STEPS_MAX};
 use super::{events_per_s, ways};
 use apex_metrics::eci;
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
@@ -30,24 +31,48 @@ const UNDERSTATED: f64 = 1e-5;
 /// More visits than any plan has.
 const VISITS_MAX: f64 = 1e5;
 
+/// Steps that a program takes, as far as one can tell before.
+const STEPS_USUAL: f64 = 40.0;
+/// Groups of a target that are looked at, where the budget is too small for the whole chain: as many as fit.
+const GROUPS: [usize; 9] = [0, 1, 2, 4, 6, 8, 12, 16, 24];
+/// What an entry of a program takes to be made, in nanoseconds.
+const MADE_ENTRY_NS: f64 = 60.0;
+
 /// What proves a bound by absences: the tangents that were added, and a number for each row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multipliers {
+    /// Groups of each target that were looked at, at most.
+    groups_max: usize,
     /// Which level of which target, and at which share of the horizon.
     tangents: Vec<(usize, f64)>,
     of_rows: Vec<f64>,
 }
 
-/// The best bound found with its proof; none with too many targets, or where the solver comes to no end.
-pub fn expected_cost(problem: &SurveillanceProblem) -> Option<(f64, Multipliers)> {
-    let mut model = Model::new(problem).filter(|_| problem.targets.len() <= TARGETS_MAX)?;
+/// The best bound found with its proof; none with too many targets, where the solver goes astray, or where the budget is too
+/// small for the smallest program.
+pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, Multipliers)> {
+    if problem.targets.len() > TARGETS_MAX {
+        return None;
+    }
+    let (mut model, groups_max) = fitting(problem, meter)?;
     let mut tangents = Vec::new();
     let mut best: Option<(f64, Multipliers)> = None;
-    for _ in 0..ROUNDS_MAX {
-        let Some(answer) = model.program.solve() else { break };
+    for round in 0..ROUNDS_MAX {
+        let step_ns = model.program.step_ns();
+        let steps_max = (meter.left_ns() / step_ns).min(f64::from(STEPS_MAX)) as u32;
+        // A program that is broken off before it has come near proves next to nothing.
+        if round > 0 && f64::from(steps_max) < STEPS_USUAL {
+            meter.cut();
+            break;
+        }
+        let Some(answer) = model.program.solve(steps_max) else { break };
+        meter.spend(f64::from(answer.steps + 1) * step_ns);
+        if answer.steps >= steps_max && steps_max < STEPS_MAX {
+            meter.cut();
+        }
         let value = model.program.proven(&answer.multipliers) * model.cost_unit;
         if best.as_ref().is_none_or(|(before, _)| value > *before) {
-            best = Some((value, Multipliers { tangents: tangents.clone(), of_rows: answer.multipliers }));
+            best = Some((value, Multipliers { groups_max, tangents: tangents.clone(), of_rows: answer.multipliers }));
         }
         let wanted = model.understated(&answer.columns);
         if wanted.is_empty() {
@@ -59,9 +84,25 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> Option<(f64, Multipliers)
     best
 }
 
+/// The greatest program that the budget is enough for, and how many groups of each target it looks at.
+fn fitting<'a>(problem: &'a SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(Model<'a>, usize)> {
+    let mut greatest = None;
+    let fewer = GROUPS.into_iter().filter(|groups| groups + 1 < problem.targets.len());
+    for groups_max in fewer.chain([usize::MAX]) {
+        let model = Model::new(problem, groups_max)?;
+        meter.spend(MADE_ENTRY_NS * model.program.entries());
+        if STEPS_USUAL * model.program.step_ns() > meter.left_ns() {
+            meter.cut();
+            break;
+        }
+        greatest = Some((model, groups_max));
+    }
+    greatest
+}
+
 /// What the multipliers prove, computed from the problem and them alone.
 pub fn verified(problem: &SurveillanceProblem, multipliers: &Multipliers) -> f64 {
-    let Some(mut model) = Model::new(problem) else { return 0.0 };
+    let Some(mut model) = Model::new(problem, multipliers.groups_max) else { return 0.0 };
     multipliers.tangents.iter().for_each(|(level, at)| model.tangent(*level, *at));
     (model.program.proven(&multipliers.of_rows) * model.cost_unit).max(0.0)
 }
@@ -92,7 +133,7 @@ struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    fn new(problem: &'a SurveillanceProblem) -> Option<Model<'a>> {
+    fn new(problem: &'a SurveillanceProblem, groups_max: usize) -> Option<Model<'a>> {
         let at_home = problem.targets.iter().map(|target| gathered(target, span_s(problem, target)));
         let cost_unit: f64 = at_home.sum();
         if !(cost_unit > 0.0 && cost_unit.is_finite() && problem.horizon_s > 0.0) {
@@ -109,7 +150,7 @@ impl<'a> Model<'a> {
         let between = |from: usize, to: usize| problem.travel.between(from, to);
         let chains = groups::chains(problem.targets.len(), between, UNREACHABLE_S);
         for (target, chain) in chains.iter().enumerate() {
-            model.chain(target, chain);
+            model.chain(target, &groups::thinned(chain, groups_max));
         }
         let first = 0.25 / (problem.targets.len() as f64 * TANGENTS as f64);
         for level in 0..model.levels.len() {

@@ -37,9 +37,25 @@ pub(super) fn chains(count: usize, between: impl Fn(usize, usize) -> f64, far: f
     chains
 }
 
+/// So many groups of a chain at most, from its first to its last in equal strides; of one, the first, which is the smallest.
+pub(super) fn thinned(chain: &[Vec<usize>], groups_max: usize) -> Vec<Vec<usize>> {
+    let last = chain.len().saturating_sub(1);
+    let kept = groups_max.min(chain.len());
+    let strides = kept.saturating_sub(1).max(1);
+    (0..kept).filter_map(|number| chain.get(number * last / strides).cloned()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thinned_chain_keeps_its_ends_and_its_order() {
+        let chain: Vec<Vec<usize>> = (1..8).map(|size| (0..size).collect()).collect();
+        let sizes = |most: usize| thinned(&chain, most).iter().map(Vec::len).collect::<Vec<_>>();
+        assert_eq!(sizes(usize::MAX), [1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!((sizes(3), sizes(2), sizes(1), sizes(0)), (vec![1, 4, 7], vec![1, 7], vec![1], vec![]));
+    }
 
     #[test]
     fn near_targets_merge_first_and_chains_end_before_all_are_one() {

@@ -10,12 +10,16 @@
 pub mod absences;
 pub mod ages;
 mod groups;
+mod meter;
 pub mod price;
 mod program;
 pub mod tour;
 
+pub use meter::Meter;
+
 use crate::surveillance::scenario::Scenario;
 use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
+use apex_model::solver::WorkBudget;
 use std::borrow::Cow;
 
 /// Whoever is later by less than this does not wait.
@@ -37,8 +41,8 @@ pub enum Proof {
     PricePerSecond(f64),
     /// Multipliers of the rows of the program of absences.
     Absences(absences::Multipliers),
-    /// All flights that never wait were looked at from the end on, over a grid of ages with so many points at most.
-    Ages(usize),
+    /// All flights that never wait were looked at from the end on, over a grid of ages, so closely.
+    Ages(ages::horizon::Look),
 }
 
 /// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
@@ -47,19 +51,20 @@ pub fn state(problem: &Problem, plan: &mut Plan) {
     state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
 }
 
-/// As [`state`], by the best bound that is known here for plans such as this one: that of plans that never wait, if it does
-/// not. Of single visits too.
-pub fn prove(problem: &Problem, plan: &mut Plan) {
+/// As [`state`], by the best bound that the budget is enough for and that is known here for plans such as this one: that of
+/// plans that never wait, if it does not. Of single visits too. The meter tells what it took, and whether more could be proven with
+/// more.
+pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) {
     if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
-        crate::single_visit::prove(problem, plan);
+        crate::single_visit::prove(problem, plan, meter);
     }
     let waits = match (problem, &*plan) {
         (Problem::Surveillance(problem), Plan::Surveillance(plan)) => waits(problem, plan),
         _ => false,
     };
     let best = |problem: &SurveillanceProblem| match waits {
-        true => expected_cost(problem).expected_cost,
-        false => expected_cost_without_waiting(problem).expected_cost,
+        true => expected_cost_within(problem, meter).expected_cost,
+        false => expected_cost_without_waiting_within(problem, meter).expected_cost,
     };
     state_at_least(problem, plan, best);
 }
@@ -84,10 +89,15 @@ fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&Survei
 
 /// The best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
-    let of_all = expected_cost(problem);
-    match ages::horizon::expected_cost(problem) {
-        Some(expected_cost) if expected_cost > of_all.expected_cost => {
-            Bound { expected_cost, proof: Proof::Ages(ages::horizon::POINTS_MAX) }
+    expected_cost_without_waiting_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
+}
+
+/// As [`expected_cost_without_waiting`], with what the budget is enough for.
+pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
+    let of_all = expected_cost_within(problem, meter);
+    match ages::horizon::expected_cost(problem, meter) {
+        Some((expected_cost, look)) if expected_cost > of_all.expected_cost => {
+            Bound { expected_cost, proof: Proof::Ages(look) }
         }
         _ => of_all,
     }
@@ -95,10 +105,16 @@ pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
 
 /// The best bound found of all plans. `problem` makes sense (`validate::surveillance`).
 pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
+    expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
+}
+
+/// As [`expected_cost`], with what the budget is enough for.
+pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let problem = &*at_best_departures(problem);
     let of_price = price::expected_cost(problem);
+    meter.spend(price::TARGET_NS * problem.targets.len() as f64);
     let by_price = Bound { expected_cost: of_price.expected_cost, proof: Proof::PricePerSecond(of_price.price_per_s) };
-    match absences::expected_cost(problem) {
+    match absences::expected_cost(problem, meter) {
         Some((expected_cost, multipliers)) if expected_cost > by_price.expected_cost => {
             Bound { expected_cost, proof: Proof::Absences(multipliers) }
         }
@@ -121,7 +137,7 @@ pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
     match proof {
         Proof::PricePerSecond(price_per_s) => price::at_price(quickest, *price_per_s),
         Proof::Absences(multipliers) => absences::verified(quickest, multipliers),
-        Proof::Ages(points) => ages::horizon::expected_cost_within(problem, *points).unwrap_or(0.0),
+        Proof::Ages(look) => ages::horizon::expected_cost_at(problem, *look).unwrap_or(0.0),
     }
 }
 

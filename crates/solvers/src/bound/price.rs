@@ -13,6 +13,8 @@ use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S
 
 /// Prices that are tried.
 pub const PRICES_MAX: usize = 48;
+/// What a target takes, all prices together, in nanoseconds.
+pub(super) const TARGET_NS: f64 = 2e5;
 /// Share by which a bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 1e-9;
 /// Halvings in the search for the span that a price is worth: they end at the last bit.

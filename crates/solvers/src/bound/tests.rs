@@ -41,7 +41,7 @@ proptest! {
         let quick = at_best_departures(&problem);
         let of_price = price::expected_cost(&quick);
         prop_assert_eq!(price::at_price(&quick, of_price.price_per_s), of_price.expected_cost);
-        let (of_absences, multipliers) = absences::expected_cost(&quick).unwrap();
+        let (of_absences, multipliers) = absences::expected_cost(&quick, &mut Meter::new(&mut WorkBudget::new(u64::MAX))).unwrap();
         prop_assert!((absences::verified(&quick, &multipliers) - of_absences.max(0.0)).abs() <= 1e-12 * of_absences.abs());
         let mut least = f64::INFINITY;
         for number in 0..3_usize.pow(7) {
@@ -85,4 +85,44 @@ fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
     println!("{mean} {ratios:?}");
     assert!(mean > 0.9, "{mean} {ratios:?}");
+}
+
+/// What is proven without waiting within so many units, if it is true, with what that took and whether it was everything.
+fn within(problem: &SurveillanceProblem, units: u64) -> (f64, u64, bool) {
+    let mut budget = WorkBudget::new(units);
+    let mut meter = Meter::new(&mut budget);
+    let found = expected_cost_without_waiting_within(problem, &mut meter);
+    let again = verified(problem, &found.proof);
+    assert!((again - found.expected_cost).abs() <= 1e-9 * found.expected_cost.abs(), "{again} {found:?}");
+    (found.expected_cost, meter.used(), meter.is_complete())
+}
+
+#[test]
+fn a_small_budget_proves_less_says_so_and_is_kept() {
+    for count in [3, 4, 12] {
+        let problem = examples::random(count, 5);
+        let mut environment =
+            Environment { seed: 1, budget: &mut WorkBudget::new(20_000), report: &mut |_| {}, previous: None };
+        let plan = Anytime.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
+        let Plan::Surveillance(plan) = plan else { panic!("{plan:?}") };
+        let (all, needed, complete) = within(&problem, u64::MAX);
+        assert!(complete && all <= plan.expected_cost, "{count}: {all} {}", plan.expected_cost);
+        assert_eq!(within(&problem, 2 * needed + 1), (all, needed, true), "half is for cycles");
+        let mut before = 0.0;
+        for share in [1_000, 30, 4] {
+            let (proven, used, complete) = within(&problem, needed / share);
+            // The quick bound and the smallest program are tried whatever the budget is.
+            assert!(used <= needed / share * 5 / 4 + 3_000, "{count}: {used} of {needed} / {share}");
+            assert!(!complete && proven <= all * (1.0 + 1e-9), "{count}: {proven} {all}");
+            assert!(proven >= 0.9 * before, "{count}: {proven} after {before} with less");
+            before = proven;
+        }
+    }
+}
+
+#[test]
+fn nothing_to_spend_leaves_the_quick_bound() {
+    let problem = examples::random(6, 5);
+    let (proven, _, complete) = within(&problem, 0);
+    assert_eq!((proven, complete), (price::expected_cost(&problem).expected_cost, false));
 }

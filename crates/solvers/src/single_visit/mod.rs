@@ -20,6 +20,7 @@ pub(crate) mod examples;
 
 pub use in_order::in_order;
 
+use crate::bound::Meter;
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Environment, Solver};
 use std::collections::BTreeMap;
@@ -115,14 +116,14 @@ fn solve(
 
 /// Proves a bound on the benefits of a plan whose ways depend on the time, or whose order is not free, where that takes
 /// seconds: others bring theirs. The plan keeps the lower of the two.
-pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan) {
+pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, meter: &mut Meter<'_>) {
     if plan.benefits_bound.is_some_and(|bound| bound <= plan.benefits) {
         return;
     }
     let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
     let troubles = explain::alone(&mut schedule);
     let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
-    let Some(found) = steady::at_best_departures(&mut schedule, &usable, plan.benefits) else { return };
+    let Some(found) = steady::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else { return };
     plan.benefits_bound = Some(plan.benefits_bound.map_or(found, |claimed| claimed.min(found)));
     plan.summary = plan::summary(problem, plan);
 }

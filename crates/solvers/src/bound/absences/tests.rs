@@ -102,7 +102,7 @@ proptest! {
         let word = word.iter().enumerate().map(|(index, place)| (place - (place + index / stays) % 2.min(*place + 1)) % count);
         let mut flown = Vec::new();
         scenario.fly(word, |stop| flown.push(stop));
-        let model = Model::new(&problem).unwrap();
+        let model = Model::new(&problem, usize::MAX).unwrap();
         let columns = columns(&model, &flown, model.program.width());
         let worst = model.program.worst_break(&columns);
         prop_assert!(worst <= 1e-9, "a row is broken by {worst}\n{flown:?}");

@@ -8,8 +8,10 @@
 //! Bound: O(sweeps x points x targets x 2^targets).
 
 use super::{Grid, LONG_S, events_per_s, gathered, leg_s};
+use crate::bound::Meter;
 use apex_metrics::eci;
 use apex_model::problem::{Plan, Problem, SurveillanceProblem, UNREACHABLE_S};
+use apex_model::solver::WorkBudget;
 
 const POINTS_MAX: usize = 56_000;
 /// Points of the grid on which good values are sought first.
@@ -27,6 +29,8 @@ const VISITS: usize = 900;
 const CYCLE_MAX: usize = 300;
 /// Visits at which a cycle may begin.
 const BEGINNINGS: usize = 60;
+/// What it takes to fly after the values and to look for cycles, in nanoseconds.
+const FLOWN_NS: f64 = 1e7;
 /// A cycle is told as better where it saves so great a share.
 const BETTER: f64 = 1e-3;
 /// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
@@ -56,13 +60,13 @@ pub struct WithoutEnd {
     pub better: Option<(Vec<String>, f64)>,
 }
 
-/// The plan's cycle without end; none where the plan is no cycle, or there is no bound for it.
-pub fn of_plan(problem: &Problem, plan: &Plan) -> Option<WithoutEnd> {
+/// The plan's cycle without end, within the budget; none where the plan is no cycle, or there is no bound for it.
+pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<WithoutEnd> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) else { return None };
     let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
     let cycle: Vec<usize> = plan.cycle.iter().map(index).collect::<Option<_>>()?;
     let own = Some(cost_per_s(problem, &cycle)).filter(|cost| cost.is_finite() && !cycle.is_empty())?;
-    let best = best(problem, &[cycle])?;
+    let best = best_within(problem, &[cycle], POINTS_MAX, meter)?;
     let name = |target: &usize| problem.targets.get(*target).map(|target| target.name.clone());
     let better = (best.cost_per_s < own * (1.0 - BETTER))
         .then(|| (best.cycle.iter().filter_map(name).collect(), best.cost_per_s));
@@ -72,18 +76,51 @@ pub fn of_plan(problem: &Problem, plan: &Plan) -> Option<WithoutEnd> {
 /// The best cycle that is found, beginning with those in `known`, and the bound; none with too many targets, where a cost is
 /// not concave, or where no cycle can be flown.
 pub fn best(problem: &SurveillanceProblem, known: &[Vec<usize>]) -> Option<BestCycle> {
-    best_within(problem, known, POINTS_MAX)
+    best_within(problem, known, POINTS_MAX, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`best`], with a grid of another size.
-pub fn best_within(problem: &SurveillanceProblem, known: &[Vec<usize>], points_max: usize) -> Option<BestCycle> {
-    let coarse = Grid::new(problem, points_max.min(POINTS_COARSE), LONG_S)?;
-    let found = on_grid(problem, known, &coarse, None)?;
-    if points_max <= POINTS_COARSE {
+/// As [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
+/// sweeps would make greater.
+pub fn best_within(
+    problem: &SurveillanceProblem,
+    known: &[Vec<usize>],
+    points_max: usize,
+    meter: &mut Meter<'_>,
+) -> Option<BestCycle> {
+    let coarse = fitting(problem, points_max.min(POINTS_COARSE), meter)?;
+    let found = on_grid(problem, known, &coarse, None, meter)?;
+    if points_max <= POINTS_COARSE || !meter.is_complete() {
         return Some(found);
     }
-    let known: Vec<Vec<usize>> = known.iter().cloned().chain([found.cycle]).collect();
-    on_grid(problem, &known, &Grid::new(problem, points_max, LONG_S)?, Some((&coarse, &found.proof)))
+    let fine = Grid::new(problem, points_max, LONG_S)?;
+    if sweeps_ns(&fine) > meter.left_ns() {
+        meter.cut();
+        return Some(found);
+    }
+    let known: Vec<Vec<usize>> = known.iter().cloned().chain([found.cycle.clone()]).collect();
+    // What was proven on the coarse grid stays proven, should the fine one come to less.
+    let finer = on_grid(problem, &known, &fine, Some((&coarse, &found.proof)), meter)?;
+    Some(if finer.cost_per_s_bound >= found.cost_per_s_bound {
+        finer
+    } else {
+        BestCycle { cycle: finer.cycle, cost_per_s: finer.cost_per_s, ..found }
+    })
+}
+
+/// The grid of at most so many points that the budget is enough to sweep some times; none where it is for none, or there is none.
+fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'_>) -> Option<Grid> {
+    let grid = Grid::new(problem, points_max, LONG_S)?;
+    let share = meter.left_ns() / sweeps_ns(&grid);
+    if share >= 1.0 {
+        return Some(grid);
+    }
+    meter.cut();
+    Grid::new(problem, (share * grid.size() as f64) as usize, LONG_S)
+}
+
+/// What the sweeps take that a grid needs at the least to prove something, in nanoseconds.
+fn sweeps_ns(grid: &Grid) -> f64 {
+    3.0 * SWEEPS_AT_ONCE as f64 * grid.visits() * grid.step_ns()
 }
 
 fn on_grid(
@@ -91,6 +128,7 @@ fn on_grid(
     known: &[Vec<usize>],
     grid: &Grid,
     coarse: Option<(&Grid, &[f64])>,
+    meter: &mut Meter<'_>,
 ) -> Option<BestCycle> {
     let count = problem.targets.len();
     let simple = (0..count).map(|target| vec![target]).chain([(0..count).collect()]);
@@ -104,7 +142,8 @@ fn on_grid(
     let mut least_failed = cost_per_s;
     let mut trial = (1.0 - 0.5 * ENOUGH) * cost_per_s;
     for _ in 0..TRIALS_MAX {
-        let found = sweep(grid, &mut values, trial, &mut best);
+        let found = sweep(grid, &mut values, trial, &mut best, meter);
+        meter.spend(FLOWN_NS);
         let (cycle, cost_per_s) = flown(problem, grid, &values, trial);
         if cost_per_s < best.cost_per_s {
             (best.cycle, best.cost_per_s) = (cycle, cost_per_s);
@@ -115,6 +154,10 @@ fn on_grid(
         }
         least_failed = least_failed.min(best.cost_per_s);
         if least_failed - best.cost_per_s_bound < ENOUGH * least_failed {
+            break;
+        }
+        if meter.left_ns() <= 0.0 {
+            meter.cut();
             break;
         }
         trial = 0.5 * (least_failed + best.cost_per_s_bound);
@@ -130,10 +173,15 @@ pub fn verified(problem: &SurveillanceProblem, proof: &[f64]) -> f64 {
 }
 
 /// Goes over the grid until the number on trial is proven, or long enough; what is proven on the way is kept.
-fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle) -> bool {
+fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, meter: &mut Meter<'_>) -> bool {
+    let once_ns = grid.visits() * grid.step_ns();
     for number in 1..=SWEEPS_MAX {
         improve(grid, values, trial);
-        if number % SWEEPS_AT_ONCE == 0 {
+        meter.spend(once_ns);
+        // Whoever has to stop asks once more.
+        let last = meter.left_ns() <= once_ns;
+        if number % SWEEPS_AT_ONCE == 0 || last {
+            meter.spend(once_ns);
             let bound = proven(grid, values);
             if bound > best.cost_per_s_bound {
                 best.cost_per_s_bound = bound;
@@ -141,6 +189,10 @@ fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle) -> b
             }
             if bound >= trial * (1.0 - NEAR) {
                 return true;
+            }
+            if last {
+                meter.cut();
+                return false;
             }
         }
     }

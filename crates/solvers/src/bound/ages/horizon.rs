@@ -3,36 +3,76 @@
 //! Time goes in equal ticks. A visit that ends between two of them leaves the whole ticks that are left, and for the rest of
 //! the tick at least what all targets gather at any instant when all but one have an age: whoever has less time could fly the
 //! same, cut off earlier. Endurance and the way back are not looked at: they make no flight cheaper.
-//! Bound: O(ticks x points x targets x 2^targets), limited by [`STEPS_MAX`].
+//! Bound: O(ticks x points x targets x 2^targets), limited by [`Look::steps`].
 
 use super::{Grid, first_leg_s, gathered, leg_s};
-use crate::bound::events_per_s;
+use crate::bound::{Meter, events_per_s};
 use apex_metrics::eci;
 use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
 
 /// Ticks for the quickest way to another target.
 const TICKS_PER_LEG: f64 = 24.0;
-/// Ticks times visits between points.
-const STEPS_MAX: f64 = 4e8;
-/// Points of the grid of ages at most.
-pub const POINTS_MAX: usize = 9_000;
+/// With fewer ticks times visits between points nothing is worth proving.
+const STEPS_MIN: f64 = 1e5;
+/// Share of what is left that may be taken: cycles want their bound too.
+const LEFT_SHARE: f64 = 0.5;
+/// Where only a share of the work of the closest look can be done, the grid has this power of it for its share of points.
+const POINTS_POWER: f64 = 0.5;
 /// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
 const ROUNDING: f64 = 3e-9;
 /// What is so little above a whole number of ticks is whole.
 const WHOLE: f64 = 1e-9;
 
-/// The bound; none with too many targets, where a cost is not concave, or where nothing can be reached.
-pub fn expected_cost(problem: &SurveillanceProblem) -> Option<f64> {
-    expected_cost_within(problem, POINTS_MAX)
+/// How close a look is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Points of the grid of ages at most.
+    pub points: usize,
+    /// Ticks times visits between points at most.
+    pub steps: f64,
 }
 
-/// As [`expected_cost`], with a grid of so many points at most.
-pub fn expected_cost_within(problem: &SurveillanceProblem, points_max: usize) -> Option<f64> {
-    let grid = Grid::new(problem, points_max, problem.horizon_s)?;
-    let time = Time::new(problem, &grid)?;
+impl Look {
+    /// As close as it pays.
+    pub const CLOSEST: Look = Look { points: 9_000, steps: 4e8 };
+}
+
+/// The bound with the closest look that the budget is enough for; none with too many targets, where a cost is not concave,
+/// where nothing can be reached, or where the budget is too small for any look.
+pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, Look)> {
+    let (grid, time) = prepared(problem, Look::CLOSEST)?;
+    let (left_ns, wanted_ns) = (LEFT_SHARE * meter.left_ns(), time.steps(&grid) * grid.step_ns());
+    if wanted_ns <= left_ns {
+        meter.spend(wanted_ns);
+        return Some((value(problem, &grid, &time)?, Look::CLOSEST));
+    }
+    meter.cut();
+    let share = libm::pow(left_ns / wanted_ns, POINTS_POWER);
+    let look = Look { points: (share * Look::CLOSEST.points as f64) as usize, steps: left_ns / grid.step_ns() };
+    if look.steps < STEPS_MIN {
+        return None;
+    }
+    let (grid, time) = prepared(problem, look)?;
+    meter.spend(time.steps(&grid) * grid.step_ns());
+    Some((value(problem, &grid, &time)?, look))
+}
+
+/// The bound with this look; none as [`expected_cost`].
+pub fn expected_cost_at(problem: &SurveillanceProblem, look: Look) -> Option<f64> {
+    let (grid, time) = prepared(problem, look)?;
+    value(problem, &grid, &time)
+}
+
+fn prepared(problem: &SurveillanceProblem, look: Look) -> Option<(Grid, Time)> {
+    let grid = Grid::new(problem, look.points, problem.horizon_s)?;
+    let time = Time::new(problem, &grid, look.steps)?;
+    Some((grid, time))
+}
+
+fn value(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<f64> {
     let targets = || problem.targets.iter().enumerate();
     let before: f64 = targets().map(|(target, of)| gathered(problem, target, 0.0, of.initial_age_s)).sum();
-    let layers = backwards(problem, &grid, &time)?;
+    let layers = backwards(problem, grid, time)?;
     let first = |to: usize| {
         let seconds = first_leg_s(problem, to);
         let ticks = time.ticks_of(seconds);
@@ -57,14 +97,13 @@ struct Time {
 }
 
 impl Time {
-    fn new(problem: &SurveillanceProblem, grid: &Grid) -> Option<Time> {
+    fn new(problem: &SurveillanceProblem, grid: &Grid, steps_max: f64) -> Option<Time> {
         let count = problem.targets.len();
         let ways = (0..count).flat_map(|from| (0..count).filter(move |to| *to != from).map(move |to| (from, to)));
         let alone = (0..count).map(|to| leg_s(problem, to, to)).filter(|_| count == 1);
         let legs = ways.map(|(from, to)| leg_s(problem, from, to)).chain(alone);
         let quickest_s = legs.filter(|leg_s| *leg_s > 0.0).fold(f64::INFINITY, f64::min);
-        let visits = grid.steps.len() * grid.size() / count.max(1);
-        let most = libm::floor(STEPS_MAX / visits.max(1) as f64);
+        let most = libm::floor(steps_max / grid.visits().max(1.0));
         let wanted_s = (quickest_s / TICKS_PER_LEG).max(problem.horizon_s / most);
         if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
             return None;
@@ -75,6 +114,11 @@ impl Time {
         let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
         let ticks = libm::floor(problem.horizon_s / tick_s).max(1.0);
         Some(Time { ticks: ticks as usize, tick_s, least_per_s: least_per_s(problem, grid, tick_s) })
+    }
+
+    /// Ticks times visits between points.
+    fn steps(&self, grid: &Grid) -> f64 {
+        self.ticks as f64 * grid.visits()
     }
 
     /// Ticks that are gone after so many seconds, the broken one included.

@@ -27,6 +27,9 @@ const SATURATED: f64 = 0.995;
 const LONG_S: f64 = 1e7;
 /// The last age on the grid where a cost grows for ever: so many times the way through all targets.
 const TOURS: f64 = 20.0;
+/// What a visit from a point takes for each corner of the cell in a row of points, in nanoseconds. Measured over a horizon were 2.0 with
+/// 3 targets, 2.1 with 4 and 2.4 with 5; in sweeps about the same.
+const STEP_CORNER_NS: f64 = 2.3;
 /// Halvings in the search for an age.
 const HALVINGS: usize = 60;
 
@@ -90,6 +93,16 @@ impl Grid {
     /// Points of all targets together.
     pub(super) fn size(&self) -> usize {
         self.levels.len() * self.rows.len() * self.row()
+    }
+
+    /// Visits from all points.
+    pub(super) fn visits(&self) -> f64 {
+        (self.steps.len() * self.size() / self.levels.len().max(1)) as f64
+    }
+
+    /// What it takes to look at one of them, in nanoseconds.
+    pub(super) fn step_ns(&self) -> f64 {
+        STEP_CORNER_NS * libm::exp2(self.levels.len().saturating_sub(2) as f64)
     }
 
     /// The rows of the points of a target.

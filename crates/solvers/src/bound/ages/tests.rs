@@ -13,6 +13,14 @@ fn words(letters: usize, length: u32) -> impl Iterator<Item = Vec<usize>> {
     (0..letters.pow(length)).map(move |number| (0..length).map(|place| number / letters.pow(place) % letters).collect())
 }
 
+fn closest(problem: &SurveillanceProblem) -> Option<f64> {
+    horizon::expected_cost_at(problem, horizon::Look::CLOSEST)
+}
+
+fn coarse_cycle(problem: &SurveillanceProblem, points: usize) -> Option<cycles::BestCycle> {
+    cycles::best_within(problem, &[], points, &mut bound::Meter::new(&mut WorkBudget::new(u64::MAX)))
+}
+
 /// A few targets, with costs that saturate, come late or grow for ever.
 fn problem(count: usize, seed: u64, dwell_s: f64, age_s: f64) -> SurveillanceProblem {
     let mut problem = examples::sized(count, seed, 6_000.0);
@@ -41,7 +49,7 @@ proptest! {
         let cost = |word: &Vec<usize>| scenario.cost(word.iter().copied(), &mut WorkBudget::new(1));
         // Seven visits of three minutes fit, at the most.
         let least = words(count, 7).map(|word| cost(&word)).fold(f64::INFINITY, f64::min);
-        let bound = horizon::expected_cost_within(&problem, 1_500).unwrap();
+        let bound = horizon::expected_cost_at(&problem, horizon::Look { points: 1_500, ..horizon::Look::CLOSEST }).unwrap();
         prop_assert!(bound <= least * (1.0 + 1e-9), "{bound} {least}");
         prop_assert!(home || bound >= 0.85 * least, "{bound} {least}");
     }
@@ -51,7 +59,7 @@ proptest! {
         let problem = problem(count, seed, 30.0, 0.0);
         let cycles = (1..7).flat_map(|length| words(count, length));
         let least = cycles.map(|cycle| cycles::cost_per_s(&problem, &cycle)).fold(f64::INFINITY, f64::min);
-        let best = cycles::best_within(&problem, &[], 600).unwrap();
+        let best = coarse_cycle(&problem, 600).unwrap();
         prop_assert!(best.cost_per_s_bound <= least.min(best.cost_per_s) * (1.0 + 1e-9), "{best:?} {least}");
         prop_assert!(best.cost_per_s_bound >= 0.8 * best.cost_per_s, "{best:?} {least}");
         prop_assert!(best.cost_per_s <= least * 1.02, "{best:?} {least}");
@@ -80,19 +88,19 @@ fn the_cost_of_a_cycle_is_that_of_many_laps() {
 fn what_is_not_concave_or_too_many_has_no_such_bound() {
     let mut late = examples::random(3, 5);
     late.targets[1].cost = CostFunction::Step { deadline_s: 100.0, maximum: 1.0 };
-    assert_eq!((horizon::expected_cost(&late), cycles::best(&late, &[])), (None, None));
-    assert_eq!(horizon::expected_cost(&examples::random(TARGETS_MAX + 1, 5)), None);
+    assert_eq!((closest(&late), cycles::best(&late, &[])), (None, None));
+    assert_eq!(closest(&examples::random(TARGETS_MAX + 1, 5)), None);
     let mut changing = examples::random(3, 5);
     let (from_start_s, to_base_s) = (changing.travel.from_start_s.clone(), changing.travel.to_base_s.clone());
     let between_s = changing.travel.between_s.clone();
     changing.travel.later = vec![LaterTimes { depart_s: 60.0, from_start_s, between_s, to_base_s }];
-    assert_eq!(horizon::expected_cost(&changing), None);
+    assert_eq!(closest(&changing), None);
 }
 
 #[test]
 fn nonsense_as_a_proof_proves_nothing() {
     let problem = examples::random(2, 5);
-    let proof = cycles::best_within(&problem, &[], 100).unwrap().proof;
+    let proof = coarse_cycle(&problem, 100).unwrap().proof;
     assert_eq!(cycles::verified(&problem, &[]), 0.0);
     assert_eq!(cycles::verified(&problem, &vec![f64::NAN; proof.len()]), 0.0);
     assert_eq!(cycles::verified(&problem, &vec![0.0; proof.len() + 1]), 0.0);
@@ -110,7 +118,9 @@ fn who_waits_is_not_held_to_those_who_do_not() {
     }
     let stated = |plan: apex_model::problem::SurveillancePlan| {
         let mut plan = apex_model::problem::Plan::Surveillance(plan);
-        bound::prove(&apex_model::problem::Problem::Surveillance(problem.clone()), &mut plan);
+        let mut budget = WorkBudget::new(u64::MAX);
+        let asked = apex_model::problem::Problem::Surveillance(problem.clone());
+        bound::prove(&asked, &mut plan, &mut bound::Meter::new(&mut budget));
         let apex_model::problem::Plan::Surveillance(plan) = plan else { return 0.0 };
         plan.expected_cost_bound.unwrap()
     };
@@ -119,4 +129,26 @@ fn who_waits_is_not_held_to_those_who_do_not() {
     assert!(at_once > waiting, "{at_once} {waiting}");
     let found = bound::expected_cost_without_waiting(&problem);
     assert_eq!(bound::verified(&problem, &found.proof), found.expected_cost);
+}
+
+#[test]
+fn cycles_are_bounded_with_what_there_is() {
+    let problem = examples::random(3, 5);
+    let within = |units: u64| {
+        let mut budget = WorkBudget::new(units);
+        let mut meter = bound::Meter::new(&mut budget);
+        let found = cycles::best_within(&problem, &[], 2_000, &mut meter);
+        (found, meter.used(), meter.is_complete())
+    };
+    let (all, needed, complete) = within(u64::MAX);
+    let all = all.unwrap();
+    assert!(complete && all.cost_per_s_bound > 0.0);
+    for share in [100, 5, 2] {
+        let (found, used, complete) = within(needed / share);
+        // Flying after the values is not broken off.
+        assert!(!complete && used <= needed / share * 5 / 4 + 11_000, "{used} of {needed} / {share}");
+        let Some(found) = found else { continue };
+        assert!(found.cost_per_s_bound <= all.cost_per_s * (1.0 + 1e-9), "{found:?} {all:?}");
+        assert_eq!(cycles::verified(&problem, &found.proof), found.cost_per_s_bound);
+    }
 }

@@ -24,18 +24,20 @@ const DEPARTURES_MAX: usize = 48;
 /// The least time is known to this share.
 const EXACT: f64 = 0.01;
 
-/// Ticks from the beginning of each node's visit to the arrival at each other one.
+/// Ticks from the beginning of each node's visit to the arrival at each other one. None where the budget is used up by the search for
+/// the least.
 pub(super) fn legs(
     schedule: &mut Schedule<'_>,
     nodes: &[Node],
     tick_s: f64,
     times: Times,
     budget: &mut dyn Budget,
-) -> Vec<i32> {
+) -> Option<Vec<i32>> {
     let problem = schedule.problem;
     let count = nodes.len();
     let changes_s = schedule.travel.changes_s();
     let mut legs = vec![NO_WAY; count * count];
+    let least = matches!(times, Times::Least);
     for (from, data) in nodes.iter().enumerate().filter(|(from, _)| *from != END as usize) {
         let stay_s = match from as u32 {
             START => 0.0,
@@ -70,8 +72,11 @@ pub(super) fn legs(
             }
         }
         budget.charge(1 + schedule.travel.take_work());
+        if least && budget.exhausted() {
+            return None;
+        }
     }
-    legs
+    Some(legs)
 }
 
 fn duration_s(schedule: &Schedule<'_>, node: &Node) -> f64 {

@@ -20,9 +20,10 @@ mod turn;
 mod tests;
 
 use super::schedule::{Choice, Schedule};
+use crate::bound::Meter;
 use annealing::{Annealing, Round};
 use apex_model::problem::SingleVisitPlan;
-use apex_model::solver::{Budget, Environment, WorkBudget};
+use apex_model::solver::{Budget, Environment};
 use network::Network;
 use route::Route;
 
@@ -98,15 +99,25 @@ pub(super) fn run(
 const PROOF_UNITS: u64 = 4_000_000;
 
 /// No plan over the `usable` targets gathers more than this, nor less than `reached`, which some plan does: of problems that
-/// need the general search, with every way at its best departure and without costs and order. None with too many targets,
-/// and for problems that the search here serves, whose plans bring their bounds.
-pub(super) fn at_best_departures(schedule: &mut Schedule<'_>, usable: &[usize], reached: f64) -> Option<f64> {
+/// need the general search, with every way at its best departure and without costs and order. None with too many targets, for
+/// problems that the search here serves, whose plans bring their bounds, and where the budget is too small to find the ways.
+pub(super) fn at_best_departures(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    reached: f64,
+    meter: &mut Meter<'_>,
+) -> Option<f64> {
     if network::serves(schedule) {
         return None;
     }
-    let mut budget = WorkBudget::new(u64::MAX);
-    let network = Network::relaxed(schedule, usable, &mut budget)?;
-    Some(bound::highest_value(&network, reached, PROOF_UNITS, &mut budget).bound)
+    let network = Network::relaxed(schedule, usable, meter)?;
+    let left = meter.budget().left().unwrap_or(u64::MAX);
+    let before = meter.used();
+    let found = bound::highest_value(&network, reached, PROOF_UNITS.min(left), meter.budget()).bound;
+    if left < PROOF_UNITS && meter.used() - before >= left && found > reached {
+        meter.cut();
+    }
+    Some(found)
 }
 
 /// Cools down from `first` until only what the bound needs is left of the budget.

@@ -5,6 +5,7 @@
 
 use super::super::schedule::Schedule;
 use super::flown;
+use crate::bound::Meter;
 use apex_model::problem::{SingleVisitProblem, TravelTimes};
 use apex_model::solver::Budget;
 
@@ -94,7 +95,7 @@ impl Network {
                 if nodes.len() > FLOWN_NODES_MAX || budget.left().is_some_and(|left| left < 2 * units) {
                     return None;
                 }
-                flown::legs(schedule, &nodes, tick_s, flown::Times::Now, budget)
+                flown::legs(schedule, &nodes, tick_s, flown::Times::Now, budget)?
             }
         };
         let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
@@ -105,8 +106,8 @@ impl Network {
     }
 
     /// A network that nobody is quicker in: each way at its best departure, each value at its best time, and no order, for a
-    /// bound on what any plan of the problem is worth. None with too many nodes.
-    pub(super) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
+    /// bound on what any plan of the problem is worth. None with too many nodes, or where the budget is too small to find the ways.
+    pub(super) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], meter: &mut Meter<'_>) -> Option<Network> {
         let problem = schedule.problem;
         let span_s = schedule.limit_s - problem.start_s;
         let tick_s = tick_s(span_s)?;
@@ -129,7 +130,10 @@ impl Network {
         if nodes.len() > FLOWN_NODES_MAX {
             return None;
         }
-        let legs = flown::legs(schedule, &nodes, tick_s, flown::Times::Least, budget);
+        let Some(legs) = flown::legs(schedule, &nodes, tick_s, flown::Times::Least, meter.budget()) else {
+            meter.cut();
+            return None;
+        };
         let targets = problem.targets.len();
         let mut network = Network { targets, nodes, legs, near: Vec::new(), tick_s, cost_per_tick: 0.0 };
         network.tighten();

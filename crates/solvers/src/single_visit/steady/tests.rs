@@ -228,7 +228,7 @@ proptest! {
         let troubles = explain::alone(&mut schedule);
         let usable: Vec<usize> = (0..4).filter(|target| troubles[*target].is_none()).collect();
         let most = most_benefits(&mut schedule, 4);
-        let bound = at_best_departures(&mut schedule, &usable, 0.0);
+        let bound = at_best_departures(&mut schedule, &usable, 0.0, &mut Meter::new(&mut WorkBudget::new(u64::MAX)));
         prop_assert!(bound.is_some_and(|bound| bound >= most - 1e-6), "{bound:?} {most}");
     }
 

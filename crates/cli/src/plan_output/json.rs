@@ -1,0 +1,50 @@
+//! A plan as one object of JSON, for programs: `docs/reference/schema/plan.schema.json`.
+
+use crate::commands::plan_question::Benchmark;
+use crate::mission::deliberator::Deliberation;
+use crate::plan_output::proof::{Proof, Proven};
+use crate::plan_output::turns::Turns;
+use apex_solvers::bound::ages::cycles::WithoutEnd;
+
+/// What was asked, the plan, what it is worth and what is proven of it.
+pub fn write(
+    name: &str,
+    benchmark: Option<&Benchmark>,
+    solved: &Deliberation,
+    proven: &Proven,
+    turns: Option<&Turns>,
+) -> String {
+    let Proof { value, bound, gap, proven_optimal } = proven.proof;
+    let answer = serde_json::json!({
+        "mission": name,
+        "format": benchmark.map(|benchmark| benchmark.format),
+        "vehicles": benchmark.and_then(|Benchmark { vehicles, .. }| *vehicles),
+        "reason": solved.reason,
+        "value": value,
+        "bound": bound,
+        "gap": gap,
+        "proven_optimal": proven_optimal,
+        "work_units": solved.work,
+        "bound_work_units": proven.work,
+        "bound_complete": proven.complete,
+        "cpu_s": solved.cpu_s,
+        "plan": solved.plan,
+        "turns": turns.map(|turns| serde_json::json!({
+            "radius_m": turns.radius_m,
+            "ways": turns.ways,
+            "time_s": turns.time_s,
+        })),
+        "without_end": proven.without_end.as_ref().map(without_end),
+    });
+    format!("{answer}\n")
+}
+
+/// What becomes of the plan's cycle if it is flown without end.
+fn without_end(of: &WithoutEnd) -> serde_json::Value {
+    serde_json::json!({
+        "cost_per_s": of.cost_per_s,
+        "cost_per_s_bound": of.cost_per_s_bound,
+        "better_cycle": of.better.as_ref().map(|(cycle, _)| cycle),
+        "better_cost_per_s": of.better.as_ref().map(|(_, cost_per_s)| cost_per_s),
+    })
+}
