@@ -344,6 +344,13 @@ pub struct PlanOptions {
     /// Do not plan: these targets in this order are a person's plan (planner `human`), to be scored and printed like any other.
     #[arg(long, value_delimiter = ',', value_name = "TARGET,..", conflicts_with_all = ["solver", "table"])]
     pub visits: Vec<String>,
+    /// Do not plan: this file holds a plan that somebody drew or edited, as `--json` prints them; it is planner `human`'s, to be checked,
+    /// scored and printed like any other.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["visits", "solver", "table", "problem"])]
+    pub plan: Option<PathBuf>,
+    /// Take only the order of the plan's visits (and their manoeuvres), and make the times anew.
+    #[arg(long, requires = "plan")]
+    pub retime: bool,
     /// Of surveillance: the visits are a round that is flown again and again.
     #[arg(long, requires = "visits")]
     pub repeat: bool,

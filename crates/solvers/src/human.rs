@@ -10,6 +10,9 @@ use crate::surveillance::scenario::Scenario;
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_model::solver::{Environment, Solver};
 
+/// The planner's name, also of plans that people bring.
+pub(crate) const NAME: &str = "human";
+
 /// What a person wants to be flown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Human {
@@ -21,7 +24,7 @@ pub struct Human {
 
 impl Solver for Human {
     fn name(&self) -> &'static str {
-        "human"
+        NAME
     }
 
     fn serves(&self, _: &Problem) -> bool {
@@ -44,6 +47,7 @@ impl Solver for Human {
                 Err("single visits are not repeated: leave `repeat` out".to_string())
             }
             Problem::SingleVisit(problem) => {
+                let order: Vec<(usize, Option<usize>)> = order.into_iter().map(|target| (target, None)).collect();
                 single_visit::in_order(problem, self.name(), &order, environment).map(Plan::SingleVisit)
             }
         }

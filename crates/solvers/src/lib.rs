@@ -5,6 +5,7 @@
 
 pub mod anytime;
 pub mod bound;
+pub mod brought;
 pub mod checker;
 pub mod features;
 pub mod formats;

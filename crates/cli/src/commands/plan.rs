@@ -1,5 +1,6 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
+use super::plan_brought;
 use super::plan_question::{self, Question};
 use crate::mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use crate::options::{PlanFormat, PlanOptions};
@@ -37,27 +38,16 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let question = plan_question::read(options)?;
     if let Some(out) = out {
         refuse_to_overwrite(out, &options.mission)?;
+        options.plan.iter().try_for_each(|plan| refuse_to_overwrite(out, plan))?;
     }
     if options.problem {
         return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
     }
     refuse(format, &question)?;
-    let by_hand = !options.visits.is_empty();
-    let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
-    let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
-    let (budget, seed) = (question.budget, question.seed);
-    let mut means = Means::of(planners);
-    if by_hand {
-        let mut planners = Registry::clone(planners);
-        planners
-            .add(Arc::new(Human { visits: options.visits.clone(), repeat: options.repeat }))
-            .map_err(|reason| Trouble::user("the visits of a person cannot be planned").because(reason))?;
-        means.planners = Arc::new(planners);
-    }
-    means.table = options.table.as_deref().map(super::profile::table).transpose()?;
-    let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
-        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))?;
+    let mut solved = match &options.plan {
+        Some(file) => plan_brought::solve(options, file, &question)?,
+        None => planned(options, &question, planners)?,
+    };
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
@@ -78,6 +68,26 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         })?,
     };
     output::put(out, &text)
+}
+
+/// What a solver answers, or what follows from the visits that a person names.
+fn planned(options: &PlanOptions, question: &Question, planners: &Arc<Registry>) -> Outcome<Deliberation> {
+    let by_hand = !options.visits.is_empty();
+    let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
+    let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
+    let (budget, seed) = (question.budget, question.seed);
+    let mut means = Means::of(planners);
+    if by_hand {
+        let mut planners = Registry::clone(planners);
+        planners
+            .add(Arc::new(Human { visits: options.visits.clone(), repeat: options.repeat }))
+            .map_err(|reason| Trouble::user("the visits of a person cannot be planned").because(reason))?;
+        means.planners = Arc::new(planners);
+    }
+    means.table = options.table.as_deref().map(super::profile::table).transpose()?;
+    let wish = Wish { means: &means, solver, budget, seed, previous: None };
+    solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
+        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))
 }
 
 /// Plans for a problem in JSON and answers in JSON.

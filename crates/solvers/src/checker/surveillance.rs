@@ -16,7 +16,7 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
     let mut place: Option<usize> = None;
     let mut time_s = 0.0;
     let mut seen = vec![Vec::new(); problem.targets.len()];
-    for visit in &plan.visits {
+    for (number, visit) in (1_usize..).zip(&plan.visits) {
         let Some((at, target)) = index(&visit.target).and_then(|at| Some((at, problem.targets.get(at)?))) else {
             found.push(format!("visits {}, which is no target", visit.target));
             continue;
@@ -25,11 +25,12 @@ pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan)
         let travel_s = leg_s(&problem.travel, place, Some(at), time_s);
         let missing_s = time_s + travel_s - visit.arrive_s;
         if missing_s.is_nan() || missing_s > TIME_TOLERANCE_S {
-            found.push(format!("arrives at {} {missing_s:.1} s before it can be there", visit.target));
+            let name = &visit.target;
+            found.push(format!("arrives at {name} {missing_s:.1} s before it can be there, on visit {number}"));
         }
         let short_s = visit.arrive_s + target.dwell_s - visit.end_s;
         if short_s.is_nan() || short_s > TIME_TOLERANCE_S {
-            found.push(format!("observes {} {short_s:.1} s too briefly", visit.target));
+            found.push(format!("observes {} {short_s:.1} s too briefly, on visit {number}", visit.target));
         }
         if let Some(ends) = seen.get_mut(at) {
             ends.push(visit.end_s);

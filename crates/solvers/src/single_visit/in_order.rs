@@ -9,37 +9,44 @@ use apex_model::solver::{Budget, Environment};
 /// Passes over all visits in which better ways are sought.
 const PASSES_MAX: usize = 8;
 
-/// The plan of visiting these targets, by index, in this order; it is by `solver`.
+/// The plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one at
+/// once; the others in the way that is worth most.
 ///
 /// # Errors
 /// The first visit that cannot be made, and why.
 pub fn in_order(
     problem: &SingleVisitProblem,
     solver: &str,
-    targets: &[usize],
+    targets: &[(usize, Option<usize>)],
     environment: &mut Environment<'_>,
 ) -> Result<SingleVisitPlan, String> {
     let mut schedule = Schedule::new(problem)?;
     let troubles = explain::alone(&mut schedule);
     let mut best: Option<Candidate> = None;
-    for (at, target) in targets.iter().enumerate() {
+    for (at, (target, manoeuvre)) in targets.iter().enumerate() {
         let data = problem.targets.get(*target).ok_or("a visit names no target")?;
         let refused = |why: &str| format!("visit {}, of {}, cannot be made: {why}", at + 1, data.name);
-        if targets.get(..at).is_some_and(|before| before.contains(target)) {
+        if targets.get(..at).is_some_and(|before| before.iter().any(|(before, _)| before == target)) {
             return Err(refused("it has been visited before"));
         }
         if let Some(trouble) = troubles.get(*target).and_then(Option::as_ref) {
             return Err(refused(trouble));
         }
-        best = Some(added(&mut schedule, best.as_ref(), *target, environment.budget).map_err(|why| refused(&why))?);
+        best = Some(
+            added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget)
+                .map_err(|why| refused(&why))?,
+        );
     }
-    let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, environment.budget);
+    let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, targets, environment.budget);
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
 }
 
-/// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
-fn ways(problem: &SingleVisitProblem, target: usize) -> Vec<Choice> {
+/// All ways to observe `target`: the manoeuvre that is given, at once; else each, at once or from each corner of its timing on.
+fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>)) -> Vec<Choice> {
     let Some(data) = problem.targets.get(target) else { return Vec::new() };
+    if let Some(manoeuvre) = manoeuvre {
+        return vec![Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY }];
+    }
     let starts = || [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
     let way = |manoeuvre| starts().map(move |not_before_s| Choice { target, manoeuvre, not_before_s });
     (0..data.manoeuvres.len()).flat_map(way).collect()
@@ -49,7 +56,7 @@ fn ways(problem: &SingleVisitProblem, target: usize) -> Vec<Choice> {
 fn added(
     schedule: &mut Schedule<'_>,
     before: Option<&Candidate>,
-    target: usize,
+    target: (usize, Option<usize>),
     budget: &mut dyn Budget,
 ) -> Result<Candidate, String> {
     let (order, known) = before.map_or((&[][..], &[][..]), |it| (it.order.as_slice(), it.judged.visits.as_slice()));
@@ -76,12 +83,16 @@ fn added(
 }
 
 /// The same order, each visit in another way where that is worth more and the others can still be made.
-fn improved(schedule: &mut Schedule<'_>, mut best: Candidate, budget: &mut dyn Budget) -> Candidate {
+fn improved(
+    schedule: &mut Schedule<'_>,
+    mut best: Candidate,
+    targets: &[(usize, Option<usize>)],
+    budget: &mut dyn Budget,
+) -> Candidate {
     for _ in 0..PASSES_MAX {
         let mut better = false;
-        for at in 0..best.order.len() {
-            let Some(target) = best.order.get(at).map(|choice| choice.target) else { break };
-            for choice in ways(schedule.problem, target) {
+        for (at, target) in targets.iter().enumerate() {
+            for choice in ways(schedule.problem, *target) {
                 let mut order = best.order.clone();
                 if let Some(slot) = order.get_mut(at) {
                     *slot = choice;

@@ -19,6 +19,7 @@ mod travel;
 pub(crate) mod examples;
 
 pub use in_order::in_order;
+pub use plan::scored;
 
 use crate::bound::Meter;
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};

@@ -69,9 +69,6 @@ fn assembled(
     troubles: &[Option<String>],
 ) -> SingleVisitPlan {
     let problem = schedule.problem;
-    let flight_s = best.judged.end_s - problem.start_s;
-    let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
-    let costs = mission_score::flight_cost(problem, flight_s);
     // Every target that can be visited at all, at its best: no plan can gain more.
     let bound = problem.targets.iter().zip(troubles).filter(|(_, trouble)| trouble.is_none()).map(|(target, _)| {
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
@@ -79,21 +76,31 @@ fn assembled(
         target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
     });
     let bound: f64 = bound.sum();
-    let mut plan = SingleVisitPlan {
+    let plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
         return_route: back.route,
         return_path: back.path,
         return_depart_s: back.depart_s,
         end_s: best.judged.end_s,
-        fuel_used_kg: problem.vehicle.fuel_flow_kg_per_s * flight_s,
-        benefits,
-        costs,
-        score: benefits - costs,
+        fuel_used_kg: 0.0,
+        benefits: 0.0,
+        costs: 0.0,
+        score: 0.0,
         benefits_bound: Some(bound),
         left_out,
         summary: String::new(),
     };
+    scored(problem, plan)
+}
+
+/// The plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for people.
+pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
+    let flight_s = plan.end_s - problem.start_s;
+    plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;
+    plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum();
+    plan.costs = mission_score::flight_cost(problem, flight_s);
+    plan.score = plan.benefits - plan.costs;
     plan.summary = summary(problem, &plan);
     plan
 }
