@@ -43,7 +43,15 @@ pub(super) fn solve(options: &PlanOptions, file: &Path, question: &Question) -> 
         return Err(breaks(&place, &broken));
     }
     let reason = format!("somebody brought it in {place}, its times {times}");
-    Ok(Deliberation { problem: question.problem.clone(), plan, reason, work: budget.used, cpu_s: None, from: None })
+    Ok(Deliberation {
+        problem: question.problem.clone(),
+        plan,
+        reason,
+        work: budget.used,
+        cpu_s: None,
+        from: None,
+        people_plan_better: false,
+    })
 }
 
 fn breaks(place: &str, broken: &[String]) -> Trouble {

@@ -2,10 +2,12 @@
 
 use super::lines::{ScanLine, lines_of_goal};
 use super::news::News;
-use apex_model::effect::{DecisionKind, Effect, Method};
+use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
+use apex_model::limits::SOLVE_REQUESTS_MAX;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
+use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Observer;
@@ -68,6 +70,18 @@ pub struct VehicleState {
     scanning: bool,
 }
 
+/// A procedure that was chosen for a goal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chosen {
+    /// Where it stands.
+    pub place: Place,
+    /// When it was chosen.
+    pub since: Time,
+}
+
+/// Goals of which it is remembered what was chosen for them; more than any mission has.
+const CHOSEN_MAX: usize = 10_000;
+
 /// Everything that planning, the report and Sherpa's targets need to know about the flight so far.
 #[derive(Debug, Clone, Default)]
 pub struct Bookkeeping {
@@ -81,6 +95,12 @@ pub struct Bookkeeping {
     pub news: News,
     /// Changes of targets' states that are not in the record yet: target, time, state, detail.
     pub target_changes: Vec<(String, Time, TargetState, String)>,
+    /// The request whose plan the executive took last.
+    pub plan_taken: Option<SolveRequestId>,
+    /// The procedure that was chosen last for each goal, by its text.
+    pub chosen: BTreeMap<String, Chosen>,
+    /// What plans say of targets, of which it is not known whether the executive takes them.
+    offered: BTreeMap<SolveRequestId, Vec<(String, TargetState, String)>>,
     /// Lines of each target whose observation has been chosen.
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
 }
@@ -107,6 +127,33 @@ impl Bookkeeping {
     pub fn note_once(&mut self, at: Time, text: &str) {
         if !self.notes.iter().any(|note| note.text == text) {
             self.note(at, text.to_string());
+        }
+    }
+
+    /// What the answer to a request says of targets: it counts once the executive takes the plan.
+    pub fn offer(&mut self, request: SolveRequestId, targets: Vec<(String, TargetState, String)>) {
+        self.offered.insert(request, targets);
+        // Those of which nothing was heard for long will not be taken.
+        while self.offered.len() > SOLVE_REQUESTS_MAX {
+            self.offered.pop_first();
+        }
+    }
+
+    fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
+        self.note(now, format!("new plan: {summary}"));
+        self.plan_taken = Some(request);
+        for (target, state, detail) in self.offered.remove(&request).unwrap_or_default() {
+            self.target_changes.push((target, now, state, detail));
+        }
+    }
+
+    fn take_choice(&mut self, now: Time, goal: &Value, place: Place) {
+        if let Some((target, lines)) = lines_of_goal(goal) {
+            self.planned_lines.insert(target, lines);
+        }
+        let goal = goal.to_string();
+        if self.chosen.len() < CHOSEN_MAX || self.chosen.contains_key(&goal) {
+            self.chosen.insert(goal, Chosen { place, since: now });
         }
     }
 
@@ -202,12 +249,10 @@ impl Bookkeeping {
         match effect {
             Effect::Inform { form, .. } => self.take_message(now, form),
             Effect::Decided(decision) => match &decision.kind {
-                DecisionKind::Selected { goal, method: Method::Procedure(_), .. } => {
-                    if let Some((target, lines)) = lines_of_goal(goal) {
-                        self.planned_lines.insert(target, lines);
-                    }
+                DecisionKind::Selected { goal, method: Method::Procedure(place), .. } => {
+                    self.take_choice(now, goal, *place);
                 }
-                DecisionKind::ProcedureAdded { summary, .. } => self.note(now, format!("new plan: {summary}")),
+                DecisionKind::ProcedureAdded { request, summary, .. } => self.take_plan(now, *request, summary),
                 DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")),
                 _ => {}
             },
