@@ -173,6 +173,23 @@ impl Network {
         }
     }
 
+    /// The same network with its ends exchanged: routes are flown backwards, times count from the end. A visit begins so long
+    /// before the end as it begins, at the latest, in the network itself.
+    pub(super) fn turned(&self) -> Network {
+        let count = self.nodes.len();
+        let other = |node: usize| match node as u32 {
+            START => END as usize,
+            END => START as usize,
+            _ => node,
+        };
+        let limit = self.limit();
+        let turned = |node: &Node| Node { open: limit - node.close, close: limit - node.open, ..*node };
+        let nodes = terminal_nodes(limit).into_iter().chain(self.nodes.iter().skip(FIRST as usize).map(turned)).collect();
+        let leg = |index: usize| self.leg(other(index % count) as u32, other(index / count) as u32);
+        let legs = (0..count * count).map(leg).collect();
+        Network { nodes, targets: self.targets, legs, near: Vec::new(), ..*self }
+    }
+
     /// Finds every node's neighbours: what is improved needs them, what is only repaired does not.
     pub(super) fn find_neighbours(&mut self) {
         let of = |node: u32| {

@@ -1,7 +1,7 @@
 //! What a walk from a node at a time can still gather at the most, under prices: walks of `walks.rs`, from the end backwards.
 
 use super::super::network::{END, Network};
-use super::walks::Walks;
+use super::walks::Layout;
 
 /// A way to go on: what it gathers, and the node it goes to next.
 #[derive(Clone, Copy, Debug)]
@@ -16,21 +16,20 @@ const NO_WAY_ON: Onward = Onward { value: f64::NEG_INFINITY, next: HOME };
 
 /// For each node and bucket of time the best way to go on, and the best to another node.
 pub(super) struct Completion {
-    bucket: i32,
-    first: Vec<(usize, i32, i32)>,
+    layout: Layout,
     ways: Vec<[Onward; 2]>,
 }
 
 impl Completion {
     /// The best ways to go on from everywhere where each visit is worth its value less the price of its target; and the steps
     /// that were looked at.
-    pub(super) fn new(network: &Network, walks: &Walks, prices: &[f64]) -> (Completion, u64) {
-        let (bucket, first, count) = walks.layout();
-        let mut completion = Completion { bucket, first, ways: vec![[NO_WAY_ON; 2]; count] };
-        let mut steps = count as u64;
+    pub(super) fn new(network: &Network, layout: &Layout, prices: &[f64]) -> (Completion, u64) {
+        let bucket = layout.bucket;
+        let mut completion = Completion { layout: layout.clone(), ways: vec![[NO_WAY_ON; 2]; layout.count] };
+        let mut steps = layout.count as u64;
         for time in (0..=network.limit() / bucket).rev() {
             for node in network.visits() {
-                if let Some(state) = completion.state(node, time) {
+                if let Some(state) = layout.state(node, time) {
                     steps += network.nodes.len() as u64;
                     let start = (time * bucket).max(network.node(node).open);
                     let best = completion.best_two(network, prices, node, start);
@@ -41,12 +40,6 @@ impl Completion {
             }
         }
         (completion, steps)
-    }
-
-    fn state(&self, node: u32, bucket: i32) -> Option<usize> {
-        let (first, from, count) = self.first.get(node as usize).copied()?;
-        let within = bucket - from;
-        (0..count).contains(&within).then(|| first + within as usize)
     }
 
     fn best_two(&self, network: &Network, prices: &[f64], node: u32, time: i32) -> [Onward; 2] {
@@ -75,7 +68,7 @@ impl Completion {
     /// The most that can be gathered after a visit of `node` that begins at `time`, where the next node is one that `may`
     /// follow; it is enough that the better of two ways is known.
     pub(super) fn after(&self, node: u32, time: i32, may: impl Fn(u32) -> bool) -> f64 {
-        let ways = self.state(node, time.div_euclid(self.bucket)).and_then(|state| self.ways.get(state));
+        let ways = self.layout.state(node, time.div_euclid(self.layout.bucket)).and_then(|state| self.ways.get(state));
         let Some([first, second]) = ways else { return f64::NEG_INFINITY };
         if first.next == HOME || may(first.next) { first.value } else { second.value }
     }

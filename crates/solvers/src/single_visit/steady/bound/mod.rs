@@ -8,21 +8,28 @@
 //! Bound: O(rounds x nodes squared x buckets), within the units given.
 
 mod completion;
+mod front;
+mod grain;
 mod knapsack;
 mod labels;
+mod late;
+mod memory;
+mod prices;
+mod proof;
+mod rest;
 mod walks;
 
 use super::network::Network;
 use apex_model::solver::Budget;
-use completion::Completion;
+use grain::Grain;
 use walks::Walks;
 
 /// Rounds of prices.
 const ROUNDS_MAX: u32 = 300;
 /// Rounds without a better bound after which steps are halved.
 const PATIENCE: u32 = 6;
-/// Share by which a bound is lifted, so that rounding cannot put it below the truth.
-const ROUNDING: f64 = 1e-9;
+/// Units of work for prices of walks where labels follow.
+const WALK_UNITS_MAX_OF_FEW: u64 = 100_000;
 /// Steps of a walk that are looked at for one unit of work.
 const STEPS_PER_UNIT: u64 = 120;
 
@@ -37,30 +44,25 @@ pub(super) struct Proven {
 /// The least bound found within `units`. `reached` is what some route is worth.
 pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget: &mut dyn Budget) -> Proven {
     let until = budget.used().saturating_add(units);
-    let settled = |bound: f64| Proven { bound: whole(network, bound).max(reached), better: None };
+    let grain = Grain::new(network);
+    let settled = |bound: f64| Proven { bound: grain.below(bound).max(reached), better: None };
     let quick = knapsack::bound(network);
-    if whole(network, quick) <= reached {
+    if grain.below(quick) <= reached {
         return settled(quick);
     }
-    let few = network.targets <= labels::TARGETS_MAX;
+    let few = network.targets <= memory::TARGETS_MAX;
     // Where labels can settle it, prices need not be the best.
-    let for_prices = if few { units / 2 } else { units };
-    let Some(mut walks) = Walks::new(network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) else {
-        return settled(quick);
+    let for_prices = if few { (units / 4).min(WALK_UNITS_MAX_OF_FEW) } else { units };
+    let walks = Walks::new(network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40);
+    let (best, prices) = match walks {
+        Some(mut walks) => best_prices(network, &mut walks, (quick, reached), (for_prices, grain), budget),
+        None => (quick, vec![0.0; network.targets]),
     };
-    let (best, prices) = best_prices(network, &mut walks, (quick, reached), for_prices, budget);
-    if !few || whole(network, best) <= reached || budget.exhausted() {
+    if !few || grain.below(best) <= reached || budget.exhausted() {
         return settled(best);
     }
-    let (completion, steps) = Completion::new(network, &walks, &prices);
-    budget.charge(1 + steps / STEPS_PER_UNIT);
-    let least = if all_whole(network) { 1.0 } else { ROUNDING * (1.0 + reached.abs()) };
-    match labels::best(network, &completion, &prices, (reached, least), (until, budget)) {
-        Some(labels::Proven { bound, better }) => {
-            Proven { bound: whole(network, bound.min(best)).max(reached), better }
-        }
-        None => settled(best),
-    }
+    let Proven { bound, better } = proof::best(network, prices, (best, reached), (until, budget));
+    Proven { bound: grain.below(bound).max(reached), better }
 }
 
 /// Moves prices for `units`: the least bound, and the prices that it was found with.
@@ -68,7 +70,7 @@ fn best_prices(
     network: &Network,
     walks: &mut Walks,
     (mut best, reached): (f64, f64),
-    units: u64,
+    (units, grain): (u64, Grain),
     budget: &mut dyn Budget,
 ) -> (f64, Vec<f64>) {
     let until = budget.used().saturating_add(units);
@@ -85,7 +87,7 @@ fn best_prices(
         if bound < best - 1e-6 * best.abs() {
             (best, stale) = (bound, 0);
             kept.clone_from(&prices);
-            if whole(network, best) <= reached {
+            if grain.below(best) <= reached {
                 break;
             }
         } else {
@@ -114,12 +116,8 @@ fn step(prices: &mut [f64], counts: &[u32], gap: f64) -> bool {
     true
 }
 
-/// Where all values are whole numbers, so is what a route is worth.
-fn whole(network: &Network, bound: f64) -> f64 {
-    let lifted = bound + ROUNDING * (1.0 + bound.abs());
-    if all_whole(network) { libm::floor(lifted) } else { lifted }
-}
-
-fn all_whole(network: &Network) -> bool {
-    network.nodes.iter().map(|node| node.value).all(|value| value == libm::floor(value) && value < 1e9)
+/// What a visit of each node is worth after its price.
+fn worths(network: &Network, prices: &[f64]) -> Vec<f64> {
+    let price = |target: u32| prices.get(target as usize).copied().unwrap_or(0.0);
+    network.nodes.iter().map(|node| node.value - price(node.target)).collect()
 }

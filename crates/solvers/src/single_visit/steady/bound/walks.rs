@@ -21,12 +21,42 @@ struct Way {
 
 const NO_WALK: Way = Way { value: f64::NEG_INFINITY, node: NONE, state: NONE, second: false };
 
-/// The states, used again for other prices.
-pub(super) struct Walks {
+/// States of nodes and buckets of time, side by side.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
     /// Length of a bucket in ticks.
-    bucket: i32,
+    pub(super) bucket: i32,
     /// For each node its first state and its first bucket, and how many it has.
     first: Vec<(usize, i32, i32)>,
+    /// All states.
+    pub(super) count: usize,
+}
+
+impl Layout {
+    pub(super) fn new(network: &Network, bucket: i32) -> Layout {
+        let mut count = 0;
+        let mut first = Vec::with_capacity(network.nodes.len());
+        for node in &network.nodes {
+            let (from, until) = (node.open.div_euclid(bucket), node.close.div_euclid(bucket));
+            let buckets = if node.open > node.close { 0 } else { until - from + 1 };
+            first.push((count, from, buckets));
+            count += buckets as usize;
+        }
+        Layout { bucket, first, count }
+    }
+
+    /// The state of `node` in a bucket, where it has one.
+    #[inline]
+    pub(super) fn state(&self, node: u32, bucket: i32) -> Option<usize> {
+        let (first, from, count) = self.first.get(node as usize).copied()?;
+        let within = bucket - from;
+        (0..count).contains(&within).then(|| first + within as usize)
+    }
+}
+
+/// The states, used again for other prices.
+pub(super) struct Walks {
+    layout: Layout,
     /// Each state's best way, and its best from another node.
     states: Vec<[Way; 2]>,
     /// How often the last best walk sees each target.
@@ -48,21 +78,14 @@ impl Walks {
         if bucket > shortest || network.limit() / bucket < BUCKETS_MIN {
             return None;
         }
-        let mut count = 0;
-        let mut first = Vec::with_capacity(network.nodes.len());
-        for node in &network.nodes {
-            let (from, until) = (node.open.div_euclid(bucket), node.close.div_euclid(bucket));
-            let buckets = if node.open > node.close { 0 } else { until - from + 1 };
-            first.push((count, from, buckets));
-            count += buckets as usize;
-        }
-        let states = vec![[NO_WALK; 2]; count];
-        Some(Walks { bucket, first, states, counts: vec![0; network.targets] })
+        let layout = Layout::new(network, bucket);
+        let states = vec![[NO_WALK; 2]; layout.count];
+        Some(Walks { layout, states, counts: vec![0; network.targets] })
     }
 
-    /// Length of a bucket, each node's first state, first bucket and number of buckets, and the number of all states.
-    pub(super) fn layout(&self) -> (i32, Vec<(usize, i32, i32)>, usize) {
-        (self.bucket, self.first.clone(), self.states.len())
+    /// The buckets.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// How often the last best walk sees each target.
@@ -84,14 +107,9 @@ impl Walks {
         self.leave(network, (START, NONE, 0), [start, NO_WALK], &worth, &mut home);
         // What was reached earlier is at least as good: a state must beat it to be looked at.
         let mut beaten = vec![f64::NEG_INFINITY; network.nodes.len()];
-        for bucket in 0..=network.limit() / self.bucket {
+        for bucket in 0..=network.limit() / self.layout.bucket {
             for node in network.visits() {
-                let Some((first, from, count)) = self.first.get(node as usize).copied() else { continue };
-                let within = bucket - from;
-                if within < 0 || within >= count {
-                    continue;
-                }
-                let state = first + within as usize;
+                let Some(state) = self.layout.state(node, bucket) else { continue };
                 let Some(ways) = self.states.get(state).copied() else { continue };
                 let Some(beaten) = beaten.get_mut(node as usize) else { continue };
                 if ways[0].value <= *beaten {
@@ -99,7 +117,7 @@ impl Walks {
                 }
                 *beaten = beaten.max(ways[1].value);
                 steps += network.nodes.len() as u64;
-                let time = (bucket * self.bucket).max(network.node(node).open);
+                let time = (bucket * self.layout.bucket).max(network.node(node).open);
                 self.leave(network, (node, state as u32, time), ways, &worth, &mut home);
             }
         }
@@ -111,13 +129,13 @@ impl Walks {
     fn leave(
         &mut self,
         network: &Network,
-        (node, state, time): (u32, u32, i32),
+        (node, from, time): (u32, u32, i32),
         [best, other]: [Way; 2],
         worth: &[f64],
         home: &mut Way,
     ) {
         if time + network.leg(node, END) <= network.limit() && best.value > home.value {
-            *home = Way { value: best.value, node, state, second: false };
+            *home = Way { value: best.value, node, state: from, second: false };
         }
         for (to, worth) in network.visits().zip(worth.iter().skip(2)) {
             let data = network.node(to);
@@ -127,10 +145,10 @@ impl Walks {
             }
             let second = best.node == to;
             let value = if second { other.value } else { best.value } + worth;
-            let bucket = arrive.max(data.open).div_euclid(self.bucket);
-            let Some((first, from, _)) = self.first.get(to as usize).copied() else { continue };
-            let Some(ways) = self.states.get_mut(first + (bucket - from) as usize) else { continue };
-            let way = Way { value, node, state, second };
+            let bucket = arrive.max(data.open).div_euclid(self.layout.bucket);
+            let Some(state) = self.layout.state(to, bucket) else { continue };
+            let Some(ways) = self.states.get_mut(state) else { continue };
+            let way = Way { value, node, state: from, second };
             if value > ways[0].value {
                 if ways[0].node != node {
                     ways[1] = ways[0];

@@ -1,0 +1,120 @@
+//! Prices on visits, found on samples: walks that are good, though not proven to be the best.
+//!
+//! The bound under any prices is a true one, so they may be found in a hurry: labels beat each other a little too soon, and
+//! go on to near targets only. Each round moves prices along what the best walk visits too often or not at all, by less and
+//! less; and now and then the walk's targets remember what they came back to.
+
+use super::super::network::{FIRST, Network};
+use super::completion::Completion;
+use super::labels::{Ahead, Given, STEPS_PER_UNIT, Search};
+use super::memory;
+use super::walks::Layout;
+use super::{step, worths};
+use super::late::Late;
+use apex_model::solver::Budget;
+
+/// Rounds at most.
+const ROUNDS_MAX: u32 = 200;
+/// Rounds without a better bound after which steps are halved.
+const PATIENCE: u32 = 6;
+/// The smallest steps, as a share of the gap.
+const SHARE_MIN: f64 = 0.05;
+/// A bound is better when it is so by this share.
+const BETTER: f64 = 1e-4;
+/// By this share of a target's mean value labels beat each other too soon.
+const SLACK: f64 = 0.1;
+/// It shrinks with the steps, to this share of itself.
+const SLACK_SHARE_MIN: f64 = 0.5;
+/// Targets that each one remembers at most while prices are sought.
+const REMEMBERED_MAX: u32 = 12;
+
+/// What the rounds need of the problem.
+pub(super) struct Rounds<'a> {
+    pub(super) network: &'a Network,
+    pub(super) late: &'a Late,
+    pub(super) layout: &'a Layout,
+    /// Targets that a visit may be followed by.
+    pub(super) near: usize,
+    /// What some route is worth, and what another must be worth to be better.
+    pub(super) reached: f64,
+    pub(super) wanted: f64,
+}
+
+impl Rounds<'_> {
+    /// Moves `prices` from where they are, beginning with steps of `share` of the gap. Tells `hear` of each walk.
+    pub(super) fn run(
+        &self,
+        prices: &mut Vec<f64>,
+        remembers: &mut [u64],
+        mut share: f64,
+        (until, budget): (u64, &mut dyn Budget),
+        hear: &mut dyn FnMut(&[u32]),
+    ) {
+        let network = self.network;
+        let onward = near(network, self.near);
+        let visits = network.visits().len().max(1) as f64;
+        let slack = SLACK * network.nodes.iter().map(|node| node.value).sum::<f64>() / visits;
+        let (mut best, mut kept, mut stale) = (f64::INFINITY, prices.clone(), 0);
+        let mut counts = vec![0_u32; network.targets];
+        for _ in 0..ROUNDS_MAX {
+            let worth = worths(network, prices);
+            let (completion, steps) = Completion::new(network, self.layout, prices);
+            budget.charge(1 + steps / STEPS_PER_UNIT);
+            let search = Search {
+                network,
+                late: self.late,
+                worth: &worth,
+                remembers,
+                onward: &onward,
+                ahead: Ahead::Walks(&completion),
+                given: Given::All(prices.iter().sum()),
+                wanted: self.wanted,
+                slack: slack * share.max(SLACK_SHARE_MIN),
+            };
+            let Some(found) = search.run(until, budget) else { break };
+            if found.walk.is_empty() {
+                kept.clone_from(prices);
+                break;
+            }
+            hear(&found.walk);
+            stale = if found.value < best * (1.0 - BETTER) { 0 } else { stale + 1 };
+            if found.value < best {
+                best = found.value;
+                kept.clone_from(prices);
+            }
+            if stale >= PATIENCE {
+                (share, stale) = (0.5 * share, 0);
+                prices.clone_from(&kept);
+                if share >= SLACK_SHARE_MIN {
+                    // Labels beat each other less soon from now on: bounds before and after do not compare.
+                    best = f64::INFINITY;
+                }
+                memory::grow(remembers, network, &found.walk, REMEMBERED_MAX);
+            }
+            counts.fill(0);
+            for node in &found.walk {
+                if let Some(count) = counts.get_mut(network.node(*node).target as usize) {
+                    *count += 1;
+                }
+            }
+            if share < SHARE_MIN || !step(prices, &counts, share * (found.value - self.reached)) {
+                break;
+            }
+        }
+        prices.clone_from(&kept);
+    }
+}
+
+/// For each node those of about as many `targets` that are quickly reached from it; from the start, all.
+fn near(network: &Network, targets: usize) -> Vec<Vec<u32>> {
+    let most = targets * network.visits().len().div_ceil(network.targets.max(1));
+    let of = |node: u32| {
+        let mut others: Vec<u32> = network.visits().filter(|other| *other != node).collect();
+        if node >= FIRST {
+            others.sort_by_key(|other| network.leg(node, *other));
+            others.truncate(most);
+        }
+        others
+    };
+    (0..network.nodes.len() as u32).map(of).collect()
+}
