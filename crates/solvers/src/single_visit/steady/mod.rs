@@ -39,10 +39,11 @@ const CHANGED: (f64, f64) = (0.1, 0.02);
 /// Share of the budget that the bound may take, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
-/// So few targets are found out about: the bound may take this share, and find a better route.
+/// So few targets are found out about: the proof, which may find a better route, takes half of the budget, and of a large
+/// one all but what the search needs.
 const FEW: usize = 40;
-const BOUND_SHARE_OF_FEW: f64 = 0.5;
-const BOUND_UNITS_MAX_OF_FEW: u64 = 30_000_000;
+const SEARCH_UNITS_OF_FEW: u64 = 500_000;
+const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 
 /// What the search found.
 pub(super) struct Found {
@@ -74,11 +75,10 @@ pub(super) fn run(
     tell(schedule, choices(&network, &first), environment);
     network.find_neighbours();
     let budget = &mut *environment.budget;
-    let (share, most) = match network.targets <= FEW {
-        true => (BOUND_SHARE_OF_FEW, BOUND_UNITS_MAX_OF_FEW),
-        false => (BOUND_SHARE, BOUND_UNITS_MAX),
-    };
-    let bound_units = budget.left().map_or(ROUND_UNITS, |left| ((share * left as f64) as u64).min(most));
+    let bound_units = budget.left().map_or(ROUND_UNITS, |left| match network.targets <= FEW {
+        true => left.saturating_sub(SEARCH_UNITS_OF_FEW).max(left / 2).min(BOUND_UNITS_MAX_OF_FEW),
+        false => ((BOUND_SHARE * left as f64) as u64).min(BOUND_UNITS_MAX),
+    });
     let heat = match previous {
         Some(_) => CHANGED,
         None if network.visits().len() > annealing::ALL_MISSING_MAX => FRESH_OF_MANY,

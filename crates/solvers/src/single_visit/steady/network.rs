@@ -140,6 +140,14 @@ impl Network {
         Some(network)
     }
 
+    /// A network of given nodes and legs.
+    #[cfg(test)]
+    pub(super) fn given(nodes: Vec<Node>, legs: Vec<i32>, targets: usize) -> Network {
+        let mut network = Network { nodes, targets, legs, near: Vec::new(), tick_s: 1.0, cost_per_tick: 0.0 };
+        network.tighten();
+        network
+    }
+
     /// Ticks from the beginning of the visit `from` to the arrival at `to`.
     #[inline(always)]
     pub(super) fn leg(&self, from: u32, to: u32) -> i32 {
@@ -184,7 +192,8 @@ impl Network {
         };
         let limit = self.limit();
         let turned = |node: &Node| Node { open: limit - node.close, close: limit - node.open, ..*node };
-        let nodes = terminal_nodes(limit).into_iter().chain(self.nodes.iter().skip(FIRST as usize).map(turned)).collect();
+        let nodes =
+            terminal_nodes(limit).into_iter().chain(self.nodes.iter().skip(FIRST as usize).map(turned)).collect();
         let leg = |index: usize| self.leg(other(index % count) as u32, other(index / count) as u32);
         let legs = (0..count * count).map(leg).collect();
         Network { nodes, targets: self.targets, legs, near: Vec::new(), ..*self }

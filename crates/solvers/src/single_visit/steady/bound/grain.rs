@@ -41,7 +41,8 @@ impl Grain {
     pub(super) fn above(&self, reached: f64) -> f64 {
         match self.step {
             Some(step) => (libm::floor((reached + self.off) / step) + 1.0) * step - self.off,
-            None => reached + ROUNDING * (1.0 + reached.abs()),
+            // Half of what a bound is lifted by: nothing between the two is lost.
+            None => reached + 0.5 * ROUNDING * (1.0 + reached.abs()),
         }
     }
 

@@ -20,8 +20,6 @@ use std::collections::BinaryHeap;
 const LABELS_MAX: usize = 3_000_000;
 /// Steps for one unit of work.
 pub(super) const STEPS_PER_UNIT: u64 = 160;
-/// Values nearer than this share are the same.
-const SAME: f64 = 1e-9;
 /// Labels among which a new one looks for one of the same place and memory.
 const RECENT: usize = 1 << 15;
 
@@ -65,7 +63,8 @@ pub(super) struct Search<'a> {
     pub(super) onward: &'a [Vec<u32>],
     pub(super) ahead: Ahead<'a>,
     pub(super) given: Given<'a>,
-    /// Routes that are worth less are not looked for.
+    /// Routes that are worth less are not looked for. It stays where it is, however good a walk is found: what labels say to
+    /// the other end must hold for all routes that are wanted.
     pub(super) wanted: f64,
     /// By so much a label may have less than another and still beat it: anything above nought proves nothing.
     pub(super) slack: f64,
@@ -78,6 +77,13 @@ pub(super) struct Found {
     pub(super) walk: Vec<u32>,
     /// The labels that nothing has beaten, earliest first.
     pub(super) labels: Vec<Label>,
+}
+
+impl Found {
+    /// Is no route worth what was wanted? The walk may be empty where prices are higher than anything gathered.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.value == f64::NEG_INFINITY
+    }
 }
 
 impl Search<'_> {
@@ -106,13 +112,15 @@ impl Search<'_> {
                 front.insert(label.value, label.seen, &mut steps);
             }
             settled.push(own);
-            let wanted = self.wanted.max(home + SAME * (1.0 + home.abs()));
             let total = label.value + self.given_at_end();
-            if total >= wanted && label.time + self.network.leg(label.node, END) <= self.network.limit() {
+            if total >= self.wanted
+                && total > home
+                && label.time + self.network.leg(label.node, END) <= self.network.limit()
+            {
                 (home, last) = (total, own);
             }
             for node in self.onward.get(label.node as usize).into_iter().flatten() {
-                let Some(next) = self.extended(&label, closed, own, *node, wanted, &mut steps) else { continue };
+                let Some(next) = self.extended(&label, closed, own, *node, &mut steps) else { continue };
                 let beats = |front: &Front, steps: &mut u64| front.beats(next.value - self.slack, next.seen, steps);
                 if fronts.get(*node as usize).is_some_and(|front| beats(front, &mut steps))
                     || self.is_known(&mut recent, &next)
@@ -148,15 +156,7 @@ impl Search<'_> {
 
     /// The label at `node` after `label`, if it may be there and can still come to what is `wanted`.
     #[inline]
-    fn extended(
-        &self,
-        label: &Label,
-        closed: u64,
-        own: u32,
-        node: u32,
-        wanted: f64,
-        steps: &mut u64,
-    ) -> Option<Label> {
+    fn extended(&self, label: &Label, closed: u64, own: u32, node: u32, steps: &mut u64) -> Option<Label> {
         let data = self.network.node(node);
         let bit = bit_of(data.target);
         let arrive = label.time + self.network.leg(label.node, node);
@@ -176,7 +176,7 @@ impl Search<'_> {
                 prices.filter(|(target, _)| closed & (1 << target) == 0).map(|(_, price)| price).sum()
             }
         };
-        let needed = wanted - value - given;
+        let needed = self.wanted - value - given;
         let may = match self.ahead {
             Ahead::Walks(completion) => {
                 let free = |next: u32| seen & bit_of(self.network.node(next).target) == 0;

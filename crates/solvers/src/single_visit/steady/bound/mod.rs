@@ -121,3 +121,6 @@ fn worths(network: &Network, prices: &[f64]) -> Vec<f64> {
     let price = |target: u32| prices.get(target as usize).copied().unwrap_or(0.0);
     network.nodes.iter().map(|node| node.value - price(node.target)).collect()
 }
+
+#[cfg(test)]
+mod tests;

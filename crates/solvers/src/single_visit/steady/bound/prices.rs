@@ -7,10 +7,10 @@
 use super::super::network::{FIRST, Network};
 use super::completion::Completion;
 use super::labels::{Ahead, Given, STEPS_PER_UNIT, Search};
+use super::late::Late;
 use super::memory;
 use super::walks::Layout;
 use super::{step, worths};
-use super::late::Late;
 use apex_model::solver::Budget;
 
 /// Rounds at most.
@@ -72,7 +72,7 @@ impl Rounds<'_> {
                 slack: slack * share.max(SLACK_SHARE_MIN),
             };
             let Some(found) = search.run(until, budget) else { break };
-            if found.walk.is_empty() {
+            if found.is_nothing() {
                 kept.clone_from(prices);
                 break;
             }

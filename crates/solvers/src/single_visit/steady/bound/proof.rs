@@ -202,14 +202,14 @@ impl Proof<'_> {
     /// Takes what a search has proven: no route that is better is worth more than its best walk. True where that is no
     /// more than what was reached.
     fn settles(&mut self, found: &Found) -> bool {
-        let bound = if found.walk.is_empty() { self.reached } else { found.value };
+        let bound = if found.is_nothing() { self.reached } else { found.value };
         self.known.bound = self.known.bound.min(bound);
         self.grain.below(self.known.bound) <= self.reached
     }
 }
 
 /// What a walk is worth, where it sees no target twice.
-fn value_of(network: &Network, walk: &[u32]) -> Option<f64> {
+pub(super) fn value_of(network: &Network, walk: &[u32]) -> Option<f64> {
     let (mut seen, mut value) = (0, 0.0);
     for node in walk.iter().map(|node| network.node(*node)) {
         let bit = memory::bit_of(node.target);
