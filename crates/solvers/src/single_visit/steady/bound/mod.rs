@@ -4,7 +4,7 @@
 //! are rounded down to the bucket they lie in. A price on each target, to be paid at every visit and given back once, keeps
 //! walks from coming back: whatever the prices, `prices + best walk` bounds every route (a Lagrange relaxation), and prices
 //! are moved towards what the best walk visits too often. Few targets are then settled by labels that remember where they
-//! have been, pruned by these walks. Where walks would take too long, a knapsack of the shortest legs is all there is.
+//! have been, from both ends (`proof`). Where walks would take too long, a knapsack of the shortest legs is all there is.
 //! Bound: O(rounds x nodes squared x buckets), within the units given.
 
 mod completion;

@@ -140,7 +140,7 @@ impl Proof<'_> {
             let Some(found) = self.search(end, &worth, remembers, (ahead, given)).run(until, budget) else {
                 return false;
             };
-            let walk = self.from_start(end, &found);
+            let walk = in_order(end, &found);
             let stuck = first.is_none() && !memory::grow(&mut self.remembers, self.sides[0], &walk, u32::MAX);
             let better = self.hear(walk);
             if self.settles(&found) {
@@ -164,7 +164,7 @@ impl Proof<'_> {
         let Some(found) = self.search(end, &worth, &all, (ahead, given)).run(until, budget) else {
             return false;
         };
-        self.hear(self.from_start(end, &found));
+        self.hear(in_order(end, &found));
         self.known.bound = self.known.bound.min(self.reached);
         true
     }
@@ -190,15 +190,6 @@ impl Proof<'_> {
         rest
     }
 
-    /// The walk of labels from `end`, from the start.
-    fn from_start(&self, end: usize, found: &Found) -> Vec<u32> {
-        let mut walk = found.walk.clone();
-        if end == 1 {
-            walk.reverse();
-        }
-        walk
-    }
-
     /// Takes what a search has proven: no route that is better is worth more than its best walk. True where that is no
     /// more than what was reached.
     fn settles(&mut self, found: &Found) -> bool {
@@ -206,6 +197,15 @@ impl Proof<'_> {
         self.known.bound = self.known.bound.min(bound);
         self.grain.below(self.known.bound) <= self.reached
     }
+}
+
+/// The walk that labels from `end` have found, from the start.
+fn in_order(end: usize, found: &Found) -> Vec<u32> {
+    let mut walk = found.walk.clone();
+    if end == 1 {
+        walk.reverse();
+    }
+    walk
 }
 
 /// What a walk is worth, where it sees no target twice.

@@ -218,7 +218,7 @@ fn valued(values: &[f64]) -> Grain {
 #[test]
 fn between_multiples_there_is_no_route() {
     let tens = valued(&[10.0, 30.0, 50.0]);
-    assert_eq!((tens.below(1207.3), tens.below(1210.0), tens.below(1209.999_999_999)), (1200.0, 1210.0, 1210.0));
+    assert_eq!((tens.below(1_207.3), tens.below(1_210.0), tens.below(1_209.999_999_999)), (1_200.0, 1_210.0, 1_210.0));
     assert!(tens.above(1190.0) > 1199.9 && tens.above(1190.0) < 1200.0);
     // A plan may be worth what no route is: its values change with the time.
     assert!(tens.above(1194.5) > 1199.9 && tens.above(1194.5) < 1200.0);

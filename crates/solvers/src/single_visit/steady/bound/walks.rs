@@ -83,11 +83,6 @@ impl Walks {
         Some(Walks { layout, states, counts: vec![0; network.targets] })
     }
 
-    /// The buckets.
-    pub(super) fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
     /// How often the last best walk sees each target.
     pub(super) fn counts(&self) -> &[u32] {
         &self.counts
