@@ -42,7 +42,7 @@ const BOUND_UNITS_MAX: u64 = 3_000_000;
 /// So few targets are found out about: the proof, which may find a better route, takes half of the budget, and of a large
 /// one all but what the search needs.
 const FEW: usize = 40;
-const SEARCH_UNITS_OF_FEW: u64 = 500_000;
+const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 
 /// What the search found.

@@ -7,8 +7,8 @@ use super::memory::bit_of;
 
 /// Buckets of the flight.
 const BUCKETS: i32 = 256;
-/// Pairs kept for a node and a bucket: of what is left out only the highest value is known.
-const LISTED_MAX: usize = 64;
+/// Pairs kept for a node and a bucket: of what is left out only the highest value is known. Tests have few pairs.
+const LISTED_MAX: usize = if cfg!(test) { 2 } else { 64 };
 
 /// For each node and bucket of time what ways from the other end gather that can follow a visit that begins in the bucket,
 /// itself left out, with the targets that they remember.
