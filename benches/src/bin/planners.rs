@@ -8,7 +8,8 @@
 //! each: expected costs and CPU seconds. `planners tally FILE`: what these rows say of each cell and of all.
 
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Budget, Environment};
+use apex_model::solver::{Budget, Environment, WorkBudget};
+use apex_solvers::bound::Meter;
 use apex_solvers::bound::ages::cycles;
 use apex_solvers::test_missions::Cell;
 use std::collections::BTreeMap;
@@ -69,7 +70,9 @@ fn cycles(missions: u64, points: usize, names: &[String]) {
         let (mut gap, mut took) = (0.0, 0.0);
         for number in 0..missions {
             let begin = cpu_ns();
-            let Some(best) = cycles::best_within(&cell.mission(number), &[], points) else { continue };
+            let mut budget = WorkBudget::new(u64::MAX);
+            let mut meter = Meter::new(&mut budget);
+            let Some(best) = cycles::best_within(&cell.mission(number), &[], points, &mut meter) else { continue };
             gap += 100.0 * (1.0 - best.cost_per_s_bound / best.cost_per_s) / missions as f64;
             took += (cpu_ns() - begin) as f64 * 1e-9 / missions as f64;
         }
