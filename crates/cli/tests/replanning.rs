@@ -1,6 +1,6 @@
 //! Planning again in flight: after news, by the clock, and by people (library `replanning`, docs/guides/replanning.md).
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
 
 mod common;
 
