@@ -26,7 +26,7 @@ const FIRST_REMEMBERED: [usize; 4] = if cfg!(test) { [1, 2, 3, 4] } else { [3, 4
 const RUNS_MAX: usize = 100;
 /// Prices are found, and found anew where labels under them take too long: the first steps as shares of the gap, the targets
 /// that a visit may be followed by meanwhile, and the share of the units left that labels may take.
-const TURNS: [(f64, usize, f64); 3] = [(1.0, 14, 0.7), (0.5, 24, 0.7), (0.5, 64, 1.0)];
+const TURNS: [(f64, usize, f64); 3] = [(1.0, 14, 0.95), (0.5, 24, 0.7), (0.5, 64, 1.0)];
 /// Buckets of the whole flight for bounds of walks, wanted and allowed.
 const BUCKETS: i32 = 500;
 const BUCKETS_MAX: i32 = 20_000;
