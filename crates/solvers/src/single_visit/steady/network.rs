@@ -170,13 +170,51 @@ impl Network {
         FIRST..self.nodes.len() as u32
     }
 
-    /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached.
+    /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached: over other
+    /// nodes where that is quicker, as rounded or given times may have it.
     fn tighten(&mut self) {
-        for node in FIRST..self.nodes.len() as u32 {
-            let (first, last) = (self.leg(START, node), self.limit() - self.leg(node, END));
-            if let Some(node) = self.nodes.get_mut(node as usize) {
-                node.open = node.open.max(first.min(NO_WAY));
-                node.close = node.close.min(last);
+        let (first, rest) = (self.earliest(), self.rest());
+        let limit = self.limit();
+        for ((node, first), rest) in self.nodes.iter_mut().zip(first).zip(rest).skip(FIRST as usize) {
+            node.open = node.open.max(first.min(NO_WAY));
+            node.close = node.close.min(limit - rest);
+        }
+    }
+
+    /// For each node the least ticks from the start. Where no way over others is quicker, that is seen in one pass.
+    fn earliest(&self) -> Vec<i32> {
+        let count = self.nodes.len();
+        let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
+        loop {
+            let mut quicker = false;
+            for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
+                let own = first.get(node).copied().unwrap_or(NO_WAY);
+                for (first, leg) in first.iter_mut().zip(row) {
+                    quicker |= own + leg < *first;
+                    *first = (own + leg).min(*first);
+                }
+            }
+            if !quicker {
+                return first;
+            }
+        }
+    }
+
+    /// For each node the least ticks to the end.
+    fn rest(&self) -> Vec<i32> {
+        let count = self.nodes.len();
+        let mut rest: Vec<i32> = (0..count as u32).map(|node| self.leg(node, END)).collect();
+        loop {
+            let mut quicker = false;
+            for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
+                let visits = row.iter().zip(&rest).skip(FIRST as usize);
+                let least = visits.map(|(leg, rest)| leg + rest).min().unwrap_or(NO_WAY);
+                if let Some(own) = rest.get_mut(node).filter(|own| least < **own) {
+                    (*own, quicker) = (least, true);
+                }
+            }
+            if !quicker {
+                return rest;
             }
         }
     }

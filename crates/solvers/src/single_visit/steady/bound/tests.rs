@@ -14,6 +14,11 @@ use proptest::prelude::*;
 
 /// Up to eight targets with one or two nodes each; windows wide and narrow, waiting, one-way legs of any length.
 fn random(seed: u64) -> Network {
+    let (nodes, legs, targets) = parts(seed);
+    Network::given(nodes, legs, targets)
+}
+
+fn parts(seed: u64) -> (Vec<Node>, Vec<i32>, usize) {
     let mut chance = Generator::new(seed);
     let targets = 3 + chance.below(6);
     let limit = 100 + chance.below(120) as i32;
@@ -40,7 +45,7 @@ fn random(seed: u64) -> Network {
         3 + chance.below(45) as i32
     };
     let legs = (0..nodes.len() * nodes.len()).map(|it| leg(it / nodes.len(), it % nodes.len(), &mut chance)).collect();
-    Network::given(nodes, legs, targets)
+    (nodes, legs, targets)
 }
 
 /// Is the route in time?
@@ -115,6 +120,15 @@ proptest! {
             }
             None => prop_assert!(reached >= best - 1e-9),
         }
+    }
+
+    #[test]
+    fn no_route_is_lost_where_ways_over_others_are_quicker(seed in 0..100_000u64) {
+        let (nodes, legs, targets) = parts(seed);
+        let tight = Network::given(nodes.clone(), legs.clone(), targets);
+        let mut wide = Network::given(nodes.clone(), legs, targets);
+        wide.nodes = nodes;
+        prop_assert_eq!(most(&routes(&tight)), most(&routes(&wide)));
     }
 
     #[test]
