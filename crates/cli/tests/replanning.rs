@@ -80,6 +80,8 @@ fn where_people_plan_better_they_are_asked_and_their_plan_is_flown() {
     assert!(asked.lines().count() == 1 && asked.contains("People plan such missions better"), "{asked}");
     let told = desk.apex(&["plan", "m", "--table", "people.csv"]).well().out;
     assert!(told.contains("two-opt plans until a person does"), "{told}");
+    let json = desk.apex(&["plan", "m", "--table", "people.csv", "--json"]).well().json_lines();
+    assert_eq!(json[0]["people_plan_better"], true);
 }
 
 #[test]

@@ -20,6 +20,7 @@ pub fn write(
         "format": benchmark.map(|benchmark| benchmark.format),
         "vehicles": benchmark.and_then(|Benchmark { vehicles, .. }| *vehicles),
         "reason": solved.reason,
+        "people_plan_better": solved.people_plan_better,
         "value": value,
         "bound": bound,
         "gap": gap,
