@@ -146,7 +146,7 @@ fn an_unknown_library_is_answered_with_the_shipped_ones() {
     let desk = Desk::with_mission("first-picture");
     desk.change("m/mission.pdl", "(\"vehicle\")", "(\"vehicel\")");
     let said = desk.apex(&["check", "m"]).complained(2, &[]);
-    said.told(&["mission.pdl:5:15", "no library `vehicel`", "aerial-observation, contingencies, vehicle"]);
+    said.told(&["mission.pdl:5:15", "no library `vehicel`", "aerial-observation, contingencies, replanning, vehicle"]);
 }
 
 #[test]
