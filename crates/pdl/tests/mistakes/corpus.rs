@@ -23,8 +23,7 @@ const MISSIONS: [&str; 3] = [
     "missions/structure-watch/mission.pdl",
     "missions/western-states/mission.pdl",
 ];
-const LIBRARIES: [&str; 4] =
-    ["library/aerial-observation.pdl", "library/contingencies.pdl", "library/replanning.pdl", "library/vehicle.pdl"];
+const LIBRARIES: [&str; 3] = ["library/aerial-observation.pdl", "library/contingencies.pdl", "library/vehicle.pdl"];
 
 impl Corpus {
     pub fn new() -> Corpus {
