@@ -1,8 +1,8 @@
 """The profile of planners, one task a cell: on the processes of this machine, or with --ray on a Ray cluster.
 
-Missions are independent and planners deterministic, so the file is the same, byte for byte, for any number of processes and
-machines. Every machine needs the package `apex_autonomy`. What this does not know goes to `apex profile build`:
-`--missions`, `--budgets`, `--planners`.
+Missions are independent and planners deterministic, so the file is the same, byte for byte, for any number of
+processes and machines. Every machine needs the package `apex_autonomy`. What this does not know goes to
+`apex profile build`: `--missions`, `--budgets`, `--planners`.
 """
 
 import argparse
