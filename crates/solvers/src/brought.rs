@@ -7,6 +7,7 @@
 
 use crate::human::{Human, NAME};
 use crate::single_visit;
+use crate::surveillance::scenario::Scenario;
 use apex_metrics::eci;
 use apex_model::problem::{
     LeftOut, Plan, Problem, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget, SurveillancePlan,
@@ -33,7 +34,8 @@ pub fn scored(problem: &Problem, plan: &Plan) -> Result<Plan, String> {
     }
 }
 
-/// The order of the plan's visits with times made anew, by planner `human`. A plan that has a cycle is that cycle, again and again.
+/// The order of the plan's visits with times made anew, by planner `human`. Where the visits are laps of the plan's cycle, or there
+/// are none, the cycle is flown again and again; visits that were edited are what is wanted, and their cycle is not.
 ///
 /// # Errors
 /// As [`scored`]; or a visit cannot be made, and why.
@@ -41,9 +43,9 @@ pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>
     match (problem, plan) {
         (Problem::Surveillance(of), Plan::Surveillance(plan)) => {
             let visits = plan.visits.iter().map(|visit| visit.target.clone());
-            let repeat = !plan.cycle.is_empty();
+            known(of, plan.visits.iter().map(|visit| &visit.target))?;
+            let repeat = is_flown_in_laps(of, plan)?;
             let visits: Vec<String> = if repeat { plan.cycle.clone() } else { visits.collect() };
-            known(of, visits.iter())?;
             Human { visits, repeat }.solve(problem, environment)
         }
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => {
@@ -55,6 +57,21 @@ pub fn retimed(problem: &Problem, plan: &Plan, environment: &mut Environment<'_>
         }
         _ => Err(another_kind(problem)),
     }
+}
+
+/// Are the visits those of flying the plan's cycle until the flight has to end? Of a cycle without visits that is what is meant.
+fn is_flown_in_laps(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> Result<bool, String> {
+    if plan.cycle.is_empty() {
+        return Ok(false);
+    }
+    known(problem, plan.cycle.iter())?;
+    let laps = plan.cycle.iter().cycle();
+    if !plan.visits.iter().zip(laps).all(|(visit, name)| visit.target == *name) {
+        return Ok(false);
+    }
+    let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
+    let word = plan.cycle.iter().filter_map(index).collect::<Vec<usize>>().into_iter().cycle();
+    Ok(plan.visits.is_empty() || plan.visits.len() >= Scenario::new(problem)?.flown(word).len())
 }
 
 fn another_kind(problem: &Problem) -> String {
@@ -110,6 +127,7 @@ fn watched(problem: &SurveillanceProblem, plan: SurveillancePlan) -> Result<Surv
     known(problem, plan.visits.iter().map(|visit| &visit.target))?;
     let names = || problem.targets.iter().map(|target| target.name.as_str());
     let index = |name: &str| names().position(|known| known == name);
+    let cycle = if is_flown_in_laps(problem, &plan)? { plan.cycle } else { Vec::new() };
     let last = plan.visits.last().and_then(|visit| Some((index(&visit.target)?, visit.end_s)));
     let home_s = || last.map_or(0.0, |(target, end_s)| end_s + problem.travel.to_base_at(target, end_s));
     let expected_cost = eci::expected_cost(problem, &plan.visits).total;
@@ -129,7 +147,7 @@ fn watched(problem: &SurveillanceProblem, plan: SurveillancePlan) -> Result<Surv
         expected_cost_bound: None,
         left_out,
         summary,
-        cycle: plan.cycle,
+        cycle,
         visits: plan.visits,
     })
 }
@@ -228,6 +246,36 @@ mod tests {
         let mended = of(again(&problem, &edited).unwrap());
         assert_eq!(mended.visits.len(), 3);
         assert_eq!(violations(&problem, &Plan::Surveillance(mended)), Vec::<String>::new());
+    }
+
+    #[test]
+    fn edited_visits_are_no_longer_the_cycle_that_they_came_from() {
+        let problem = Problem::Surveillance(examples::random(4, 2));
+        let plan = of(planned(&TwoOpt, &problem));
+        assert!(plan.cycle.len() > 2 && plan.visits.len() > plan.cycle.len() + 4, "{plan:?}");
+        let names =
+            |plan: &SurveillancePlan| -> Vec<String> { plan.visits.iter().map(|visit| visit.target.clone()).collect() };
+        let kept = of(again(&problem, &Plan::Surveillance(plan.clone())).unwrap());
+        assert_eq!((&kept.cycle, names(&kept)), (&plan.cycle, names(&plan)));
+        let unflown = SurveillancePlan { visits: Vec::new(), ..plan.clone() };
+        assert_eq!(names(&of(again(&problem, &Plan::Surveillance(unflown)).unwrap())), names(&plan));
+        // Fewer laps than there is time for, and another order that takes longer than the cycle's.
+        let mut fewer = plan.clone();
+        fewer.visits.truncate(plan.visits.len() - 1);
+        let mut other = fewer.clone();
+        other.visits.truncate(plan.visits.len() - 4);
+        other.visits.swap(0, 1);
+        for edited in [fewer, other] {
+            let brought = again(&problem, &Plan::Surveillance(edited.clone())).unwrap();
+            assert_eq!(violations(&problem, &brought), Vec::<String>::new());
+            let brought = of(brought);
+            assert_eq!((brought.cycle.len(), names(&brought)), (0, names(&edited)));
+            let as_it_is = scored(&problem, &Plan::Surveillance(edited)).unwrap();
+            assert_eq!(of(as_it_is).cycle.len(), 0);
+        }
+        let strange = SurveillancePlan { visits: Vec::new(), cycle: vec!["atlantis".into()], ..plan };
+        let refused = again(&problem, &Plan::Surveillance(strange)).unwrap_err();
+        assert!(refused.starts_with("visit 1 is of `atlantis`"), "{refused}");
     }
 
     #[test]

@@ -192,7 +192,7 @@ fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
     let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
     recording::create(path, &mission.library, options, |recorder| {
-        for (name, bytes) in &mission.data {
+        for (name, bytes) in mission.data.iter() {
             recorder.source(name, "data", bytes)?;
         }
         recorder.meta("mission", &mission.settings.name)?;

@@ -204,7 +204,8 @@ fn refuse_fleets(vehicles: Option<usize>, question: &Question) -> Outcome {
 fn of_mission(path: &Path) -> Outcome<Question> {
     let mission = Mission::load(path)?;
     let (goal, budget) = goal_and_budget(&mission);
-    let problem = pose(&mission, &Bookkeeping::default(), Time::ZERO)
+    let books = Bookkeeping::default();
+    let problem = pose(&books.news.believed(&mission), &books, Time::ZERO)
         .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
     let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
     Ok(Question { budget, seed, mission: Some((mission, goal)), ..Question::new(name, problem) })

@@ -64,7 +64,7 @@ impl Deliberator for MissionDeliberator {
         // A copy: whoever flies writes into the books while the problem is posed.
         let books = lock(&self.books).clone();
         let believed = books.news.believed(&self.mission);
-        let (posed, start) = (pose(&self.mission, &books, at), here(&self.mission, &books));
+        let (posed, start) = (pose(&believed, &books, at), here(&believed, &books));
         for unknown in books.news.unknown(&self.mission) {
             lock(&self.books).note_once(at, &unknown);
         }

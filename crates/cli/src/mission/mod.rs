@@ -77,8 +77,8 @@ pub struct Mission {
     pub scenario: Vec<Input>,
     /// Radios.
     pub modems: Vec<apex_sim::Modem>,
-    /// Data files by name with their bytes, for the record.
-    pub data: Vec<(String, Vec<u8>)>,
+    /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
+    pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
 
 impl Mission {
@@ -122,7 +122,7 @@ impl Mission {
             start: Position::default(),
             start_altitude_m: 0.0,
             modems: Vec::new(),
-            data: Vec::new(),
+            data: Arc::default(),
             library,
             settings,
             model,
@@ -131,7 +131,7 @@ impl Mission {
         };
         (mission.start, mission.start_altitude_m) = mission.start_place()?;
         mission.modems = modems::read(&mission)?;
-        mission.data = files.data;
+        mission.data = Arc::new(files.data);
         Ok(mission)
     }
 

@@ -55,12 +55,11 @@ impl std::fmt::Display for NoPlan {
     }
 }
 
-/// The problem that a plan made at `at` has to solve: what has been observed already is left out, and news are believed.
+/// The problem that a plan of the mission, as it is believed at `at`, has to solve: what has been observed already is left out.
 ///
 /// # Errors
 /// Nothing is left to plan for, or the data make no sense.
 pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, NoPlan> {
-    let mission = &books.news.believed(mission);
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         single_visit(mission, books, at).map(Problem::SingleVisit)
     } else {
@@ -82,7 +81,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
     let open: Vec<&super::Target> =
         mission.targets.iter().filter(|target| !books.observed().any(|visit| visit.target == target.id)).collect();
     if open.is_empty() {
-        return Err(NoPlan::NothingLeft("every known target has been observed".to_string()));
+        return Err(NoPlan::NothingLeft("no known target is left to observe".to_string()));
     }
     let mut precedence = Vec::new();
     let mut targets = Vec::new();

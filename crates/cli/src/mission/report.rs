@@ -81,6 +81,7 @@ fn value(mission: &Mission, books: &Bookkeeping, end: Time) -> MissionValue {
         let crew = crew_hours(&mission.crew, hours);
         return MissionValue::Score(mission_score(&observations, &crew, &mission.failure, hours));
     }
+    let mission = &books.news.believed(mission);
     let Ok(Problem::Surveillance(problem)) = pose(mission, &Bookkeeping::default(), Time::ZERO) else {
         return MissionValue::None;
     };

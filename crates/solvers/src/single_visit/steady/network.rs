@@ -173,7 +173,7 @@ impl Network {
     /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached: over other
     /// nodes where that is quicker, as rounded or given times may have it.
     fn tighten(&mut self) {
-        let (first, rest) = (self.earliest(), self.rest());
+        let (first, rest) = self.quickest();
         let limit = self.limit();
         for ((node, first), rest) in self.nodes.iter_mut().zip(first).zip(rest).skip(FIRST as usize) {
             node.open = node.open.max(first.min(NO_WAY));
@@ -181,40 +181,29 @@ impl Network {
         }
     }
 
-    /// For each node the least ticks from the start. Where no way over others is quicker, that is seen in one pass.
-    fn earliest(&self) -> Vec<i32> {
+    /// For each node the least ticks from the start and to the end. Where no way over others is quicker, that is seen in one pass
+    /// over the legs.
+    fn quickest(&self) -> (Vec<i32>, Vec<i32>) {
         let count = self.nodes.len();
         let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
-        loop {
-            let mut quicker = false;
-            for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
-                let own = first.get(node).copied().unwrap_or(NO_WAY);
-                for (first, leg) in first.iter_mut().zip(row) {
-                    quicker |= own + leg < *first;
-                    *first = (own + leg).min(*first);
-                }
-            }
-            if !quicker {
-                return first;
-            }
-        }
-    }
-
-    /// For each node the least ticks to the end.
-    fn rest(&self) -> Vec<i32> {
-        let count = self.nodes.len();
         let mut rest: Vec<i32> = (0..count as u32).map(|node| self.leg(node, END)).collect();
         loop {
             let mut quicker = false;
             for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
-                let visits = row.iter().zip(&rest).skip(FIRST as usize);
-                let least = visits.map(|(leg, rest)| leg + rest).min().unwrap_or(NO_WAY);
+                let own = first.get(node).copied().unwrap_or(NO_WAY);
+                let mut least = NO_WAY;
+                let visits = row.iter().zip(first.iter_mut().zip(&rest)).skip(FIRST as usize);
+                for (leg, (first, rest)) in visits {
+                    quicker |= own + leg < *first;
+                    *first = (own + leg).min(*first);
+                    least = least.min(leg + rest);
+                }
                 if let Some(own) = rest.get_mut(node).filter(|own| least < **own) {
                     (*own, quicker) = (least, true);
                 }
             }
             if !quicker {
-                return rest;
+                return (first, rest);
             }
         }
     }
