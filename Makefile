@@ -24,7 +24,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench bench-orienteering bench-units bench-curves bench-travel golden-travel spec sim properties nightly clean
+.PHONY: help build fly test check web python bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -69,6 +69,11 @@ bench-orienteering: .venv/.peers ## Plan orienteering beside PyVRP and OR-Tools 
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- ours 1 10 40 > $(TARGET)/orienteering/ours.json
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- report $(TARGET)/orienteering
 	cargo run --locked --quiet --release --package apex-benches --bin orienteering -- proven 1 10
+
+bench-planners: ## Planners of surveillance on missions FROM to TO - 1 of all 243 cells, a CPU second each: five minutes a mission.
+	cargo run --locked --quiet --release --package apex-benches --bin planners -- pairs $(or $(FROM),0) $(or $(TO),1) 1000 1000 \
+		> benches/data/pairs-$(or $(FROM),0)-$(or $(TO),1).csv
+	cargo run --locked --quiet --release --package apex-benches --bin planners -- tally benches/data/pairs-*.csv
 
 bench-travel: $(TARGET)/extremity/.installed ## Travel matrices among zones, beside extremitypathfinder: about two minutes of processor time.
 	cargo run --locked --quiet --release --package apex-benches --bin travel -- world $(TARGET)/extremity/world.txt

@@ -5,7 +5,7 @@
 //! `planners cycles MISSIONS POINTS [CELL ..]`: cycles of four targets flown without end against the bound by ages, on a grid of
 //! so many points.
 //! `planners pairs FROM TO OURS_MILLISECONDS THEIRS_MILLISECONDS [CELL ..]`: missions FROM to TO - 1 of all cells, one row of CSV
-//! each: expected costs and CPU seconds. `planners tally FILE`: what these rows say of each cell and of all.
+//! each: expected costs and CPU seconds. `planners tally FILE ..`: what the rows of all files say of each cell and of all.
 
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{Budget, Environment, WorkBudget};
@@ -13,6 +13,9 @@ use apex_solvers::bound::Meter;
 use apex_solvers::bound::ages::cycles;
 use apex_solvers::test_missions::Cell;
 use std::collections::BTreeMap;
+
+/// Of a row of `pairs`.
+const COLUMNS: usize = 8;
 
 /// CPU time of this thread, in nanoseconds.
 fn cpu_ns() -> u64 {
@@ -100,11 +103,15 @@ fn pairs(missions: std::ops::Range<u64>, ours_ms: u64, theirs_ms: u64, names: &[
 }
 
 /// Mean log ratio of the anytime planner to the better of the others, by cells.
-fn tally(file: &str) -> std::io::Result<()> {
+fn tally(rows: &str) {
     let mut cells: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut spent_s = [0.0; 3];
-    for line in std::fs::read_to_string(file)?.lines().skip(1) {
+    // Whoever measures in parts has a heading in each, and a last row cut short where a part was stopped.
+    for line in rows.lines().filter(|line| !line.starts_with("mission,")) {
         let words: Vec<&str> = line.split(',').collect();
+        if words.len() != COLUMNS {
+            continue;
+        }
         let number = |index: usize| words.get(index).and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN);
         let ratio = (number(4) / number(2).min(number(3))).ln();
         cells.entry(words.get(1).copied().unwrap_or_default().to_string()).or_default().push(ratio);
@@ -126,15 +133,20 @@ fn tally(file: &str) -> std::io::Result<()> {
     );
     let [two_opt_s, wam_s, anytime_s] = spent_s.map(|sum| sum / missions as f64);
     println!("mean {all:.2} %; CPU seconds a mission: 2-Opt {two_opt_s:.3}, WAM {wam_s:.3}, anytime {anytime_s:.3}");
-    Ok(())
+}
+
+fn no_rows(file: &str, why: &std::io::Error) -> String {
+    eprintln!("{file}: {why}; its rows do not count");
+    String::new()
 }
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [first, file] = arguments.as_slice()
+    if let [first, files @ ..] = arguments.as_slice()
         && first == "tally"
     {
-        return tally(file).unwrap_or_else(|why| eprintln!("{file}: {why}"));
+        let read = |file: &String| std::fs::read_to_string(file).unwrap_or_else(|why| no_rows(file, &why));
+        return tally(&files.iter().map(read).collect::<Vec<String>>().join("\n"));
     }
     if arguments.first().is_some_and(|first| first == "cycles") {
         let number = |index: usize| arguments.get(index).and_then(|text| text.parse().ok());
