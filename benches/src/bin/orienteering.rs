@@ -18,6 +18,8 @@ use std::path::Path;
 const EVERY: usize = 10;
 /// Of these every so-many-th is cut to few targets.
 const EVERY_OF_FEW: usize = 4;
+/// Plans made anew after a change: the one whose first is found in median time counts.
+const REPLANS: usize = 25;
 /// Units of work of a second.
 const UNITS_PER_S: u64 = 1_000_000;
 /// Peers count in hundredths.
@@ -76,8 +78,9 @@ fn problems(folder: &Path) {
     }
 }
 
-/// Time that this thread has spent on a processor.
+/// Time that this thread has spent on a processor. It is told to the last switch of tasks, so one is asked for.
 fn cpu_s() -> f64 {
+    std::thread::yield_now();
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     told.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
 }
@@ -140,7 +143,10 @@ fn replan() -> Value {
     }
     problem.end_s = problem.end_s.map(|end_s| 0.98 * end_s);
     let (long, _, _) = planned(&SingleVisit, &problem, 10_000_000);
-    let (quick, quick_s, first_s) = planned_from(Some(&Plan::SingleVisit(before)), &SingleVisit, &problem, 35_000);
+    let before = Plan::SingleVisit(before);
+    let mut runs: Vec<_> = (0..REPLANS).map(|_| planned_from(Some(&before), &SingleVisit, &problem, 35_000)).collect();
+    runs.sort_by(|(_, _, a), (_, _, b)| a.total_cmp(b));
+    let (quick, quick_s, first_s) = runs.swap_remove(REPLANS / 2);
     json!({
         "first_feasible_ms": 1e3 * first_s, "quick_ms": 1e3 * quick_s, "quick": quick.benefits,
         "long": long.benefits, "loss_percent": 100.0 * (1.0 - quick.benefits / long.benefits),

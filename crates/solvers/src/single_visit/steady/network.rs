@@ -181,31 +181,33 @@ impl Network {
         }
     }
 
-    /// For each node the least ticks from the start and to the end. Where no way over others is quicker, that is seen in one pass
-    /// over the legs.
+    /// For each node the least ticks from the start and to the end. All legs are looked at once; after that those of nodes
+    /// which are reached, or from which the end is reached, more quickly than was known.
     fn quickest(&self) -> (Vec<i32>, Vec<i32>) {
         let count = self.nodes.len();
         let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
         let mut rest: Vec<i32> = (0..count as u32).map(|node| self.leg(node, END)).collect();
-        loop {
-            let mut quicker = false;
-            for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
-                let own = first.get(node).copied().unwrap_or(NO_WAY);
-                let mut least = NO_WAY;
-                let visits = row.iter().zip(first.iter_mut().zip(&rest)).skip(FIRST as usize);
-                for (leg, (first, rest)) in visits {
-                    quicker |= own + leg < *first;
-                    *first = (own + leg).min(*first);
-                    least = least.min(leg + rest);
-                }
-                if let Some(own) = rest.get_mut(node).filter(|own| least < **own) {
-                    (*own, quicker) = (least, true);
-                }
-            }
-            if !quicker {
-                return (first, rest);
+        let (direct_first, direct_rest) = (first.clone(), rest.clone());
+        for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
+            let least = quicker_over(row, first.get(node).copied().unwrap_or(NO_WAY), &mut first, &rest);
+            if let Some(own) = rest.get_mut(node) {
+                *own = least.min(*own);
             }
         }
+        let (mut heads, mut tails) = (changed(&direct_first, &first), changed(&direct_rest, &rest));
+        while !(heads.is_empty() && tails.is_empty()) {
+            let (old_first, old_rest) = (first.clone(), rest.clone());
+            for node in &heads {
+                let row = self.legs.get(node * count..(node + 1) * count).unwrap_or_default();
+                quicker_over(row, first.get(*node).copied().unwrap_or(NO_WAY), &mut first, &[]);
+            }
+            for (node, own) in rest.iter_mut().enumerate().skip(FIRST as usize) {
+                let over = |tail: &usize| Some(self.leg(node as u32, *tail as u32) + old_rest.get(*tail)?);
+                *own = tails.iter().filter_map(over).fold(*own, i32::min);
+            }
+            (heads, tails) = (changed(&old_first, &first), changed(&old_rest, &rest));
+        }
+        (first, rest)
     }
 
     /// The same network with its ends exchanged: routes are flown backwards, times count from the end. A visit begins so long
@@ -243,6 +245,21 @@ impl Network {
         };
         self.near = (0..self.nodes.len() as u32).map(of).collect();
     }
+}
+
+/// Takes the legs of a node that is reached after `own` ticks into `first`; the least way over them to the end, whose rests are
+/// `rest`, as far as these go.
+fn quicker_over(row: &[i32], own: i32, first: &mut [i32], rest: &[i32]) -> i32 {
+    for (first, leg) in first.iter_mut().zip(row) {
+        *first = (own + leg).min(*first);
+    }
+    row.iter().zip(rest).skip(FIRST as usize).map(|(leg, rest)| leg + rest).fold(NO_WAY, i32::min)
+}
+
+/// Visits of which something is less than it was.
+fn changed(before: &[i32], now: &[i32]) -> Vec<usize> {
+    let both = before.iter().zip(now).enumerate().skip(FIRST as usize);
+    both.filter(|(_, (before, now))| now < before).map(|(node, _)| node).collect()
 }
 
 /// May the manoeuvre's lines be flown? What counts is the same at all times.
