@@ -35,7 +35,9 @@ fn a_plan_that_is_brought_back_is_worth_the_same() {
             assert_eq!(body["solver"], "human");
             let (value, before) = (brought["value"].as_f64().unwrap(), planned["value"].as_f64().unwrap());
             assert!((value - before).abs() < 1e-3 * before.abs(), "{what} {more:?}: {value} {before}");
-            assert!(brought["reason"].as_str().unwrap().contains("p.json"), "{brought}");
+            let times = if more.is_empty() { "its times as they are" } else { "its times made anew" };
+            let reason = brought["reason"].as_str().unwrap();
+            assert!(reason.contains("p.json") && reason.contains(times), "{reason}");
         }
     }
 }
@@ -52,6 +54,77 @@ fn an_edited_plan_is_printed_in_every_format() {
     }
     plan(&desk, &what, &["--plan", "p.json", "--json", "--out", "p.json"])
         .complained(2, &["p.json is what the plan is made from"]);
+}
+
+/// The only kind of problem that a plan speaks of.
+fn body(answer: &Value) -> &Value {
+    answer["plan"].as_object().unwrap().values().next().unwrap()
+}
+
+#[test]
+fn what_a_plan_says_of_itself_is_worked_out_anew() {
+    let desk = Desk::new();
+    for what in [&mission("structure-watch"), &mission("western-states")] {
+        let planned = answer(&plan(&desk, what, &["--json"]).well());
+        let mut boast = planned.clone();
+        let of = boast["plan"].as_object_mut().unwrap().values_mut().next().unwrap();
+        let number = |name: &str, of: &Value| of[name].as_f64().unwrap();
+        if what.ends_with("western-states") {
+            (of["benefits_bound"], of["score"]) = (of["benefits"].clone(), json!(1e6));
+            (of["visits"][0]["worth"], of["visits"][1]["worth"]) = (json!(1e6), json!(0.0));
+        } else {
+            let cost = number("expected_cost", of);
+            (of["expected_cost_bound"], of["expected_cost"]) = (json!(cost), json!(0.5 * cost));
+            of["return_s"] = json!(1.0);
+        }
+        desk.write("p.json", &boast.to_string());
+        let brought = answer(&again(&desk, what, &[]).well());
+        assert!((number("value", &brought) - number("value", &planned)).abs() < 1e-6, "{brought}");
+        assert_eq!((&brought["proven_optimal"], &planned["proven_optimal"]), (&json!(false), &json!(false)), "{what}");
+        for name in ["score", "return_s", "expected_cost_bound"] {
+            assert_eq!(body(&brought)[name], body(&planned)[name], "{name} of {what}");
+        }
+        let worths = |answer: &Value| [0, 1].map(|visit| body(answer)["visits"][visit]["worth"].clone());
+        assert_eq!(worths(&brought), worths(&planned), "{what}");
+    }
+}
+
+#[test]
+fn a_cycle_stays_one_when_its_times_are_made_anew() {
+    let desk = Desk::new();
+    let mut planned = answer(&plan(&desk, CELL, &["--json", "--solver", "two-opt"]).well());
+    let visits = body(&planned)["visits"].as_array().unwrap().len();
+    planned["plan"]["Surveillance"]["visits"].as_array_mut().unwrap().truncate(2);
+    desk.write("p.json", &planned.to_string());
+    let brought = answer(&again(&desk, CELL, &["--retime"]).well());
+    assert_eq!(body(&brought)["cycle"], body(&planned)["cycle"]);
+    assert_eq!(body(&brought)["visits"].as_array().unwrap().len(), visits, "it is flown until the horizon");
+    assert!(brought["work_units"].as_u64().unwrap() > 0, "times take work");
+}
+
+#[test]
+fn what_is_left_out_says_why() {
+    let desk = Desk::with_mission("structure-watch");
+    // The barn lies in the quarry now.
+    desk.change("m/sites.geojson", "[-121.09709, 37.41851]", "[-121.089, 37.412]");
+    let mut planned = answer(&plan(&desk, "m", &["--json", "--visits", "winery,school,clinic"]).well());
+    planned["plan"]["Surveillance"]["left_out"] = json!([{"target": "chapel", "reason": "nobody is there on Sundays"}]);
+    desk.write("p.json", &planned.to_string());
+    for more in [&[][..], &["--retime"]] {
+        let brought = answer(&again(&desk, "m", more).well());
+        let reason = |name: &str| {
+            let left_out = body(&brought)["left_out"].as_array().unwrap().iter();
+            let reasons: Vec<&str> =
+                left_out.filter(|each| each["target"] == name).map(|each| each["reason"].as_str().unwrap()).collect();
+            assert_eq!(reasons.len(), 1, "{name} {more:?}");
+            reasons[0].to_string()
+        };
+        assert!(reason("barn").contains("Quarry"), "{}", reason("barn"));
+        if more.is_empty() {
+            assert_eq!(reason("chapel"), "nobody is there on Sundays");
+            assert_eq!(reason("museum"), "the plan that was brought does not visit it");
+        }
+    }
 }
 
 /// A plan of a few visits once, with a change.
@@ -87,6 +160,37 @@ fn every_broken_rule_is_named_and_times_can_be_made_anew() {
     // Who comes later than need be waits: that is a plan as well.
     edited(&desk, |body| body["visits"][4]["end_s"] = json!(body["visits"][4]["end_s"].as_f64().unwrap() + 5.0));
     again(&desk, CELL, &[]).well();
+}
+
+#[test]
+fn broken_rules_are_counted_and_not_all_named() {
+    let desk = Desk::new();
+    edited(&desk, |body| {
+        let visit = &mut body["visits"][4];
+        visit["end_s"] = json!(visit["arrive_s"].as_f64().unwrap() + 1.0);
+    });
+    again(&desk, CELL, &[]).complained(2, &["the plan in p.json breaks 1 rule\n", "too briefly, on visit 5"]);
+    let mut planned = answer(&plan(&desk, CELL, &["--json"]).well());
+    let body = &mut planned["plan"]["Surveillance"];
+    body["cycle"] = json!([]);
+    let visits = body["visits"].as_array_mut().unwrap();
+    visits.truncate(25);
+    for visit in visits {
+        visit["end_s"] = json!(visit["arrive_s"].as_f64().unwrap() + 1.0);
+    }
+    desk.write("p.json", &planned.to_string());
+    let said = again(&desk, CELL, &[]).complained(2, &["breaks 25 rules\n", "too briefly, on visit 20", "and 5 more"]);
+    assert!(!said.err.contains("on visit 21"), "{}", said.err);
+}
+
+#[test]
+fn a_plan_of_endless_visits_is_not_looked_at() {
+    let desk = Desk::new();
+    edited(&desk, |body| {
+        let visit = body["visits"][0].clone();
+        body["visits"] = json!(vec![visit; 100_001]);
+    });
+    again(&desk, CELL, &[]).complained(2, &["it has 100001 visits, more than 100000"]);
 }
 
 #[test]

@@ -44,6 +44,8 @@ fn a_table_is_the_cost_that_is_planned_with() {
     let points = serde_json::json!([[0.0, 0.0], [600.0, 10.0], [600.0, 80.0], [3600.0, 100.0]]);
     assert_eq!(cost["Delayed"]["cost"]["Table"]["points"], points);
     desk.apex(&["plan", "m", "--budget", "20ms"]).well();
+    let level = cost_of(&with_points(", \"cost_points\": [[0, 5], [600, 5]]"), "farmhouse");
+    assert_eq!(level["Delayed"]["cost"]["Table"]["points"], serde_json::json!([[0.0, 5.0], [600.0, 5.0]]));
 }
 
 #[test]
@@ -71,8 +73,11 @@ fn tables_that_are_none_are_told() {
     told(", \"cost_points\": [[0, -1]]", &["has [0, -1]; ages and costs are between"]);
     told(", \"cost_points\": [[0, 5], [60, 4]]", &["has [60, 4] after [0, 5]", "cost never falls with age"]);
     told(", \"cost_points\": [[60, 4], [30, 5]]", &["has [30, 5] after [60, 4]", "ages rise"]);
-    let idle = ", \"cost_points\": [[0, 1]], \"importance\": 3";
-    told(idle, &["`importance` has no meaning where `cost` is table", "help: leave `importance` out"]);
+    told(", \"cost_points\": [[-5, 0]]", &["has [-5, 0]; ages and costs are between"]);
+    for idle in ["importance", "cost_growth_per_h", "cost_delay_s"] {
+        let phrases = [format!("`{idle}` has no meaning where `cost` is table"), format!("help: leave `{idle}` out")];
+        told(&format!(", \"cost_points\": [[0, 1]], \"{idle}\": 3"), &phrases.each_ref().map(String::as_str));
+    }
     let many: Vec<String> = (0..1_001).map(|age| format!("[{age}, 1]")).collect();
     told(&format!(", \"cost_points\": [{}]", many.join(",")), &["`cost_points` are 1001; they may be 1 to 1000"]);
     let desk = Desk::with_mission("structure-watch");

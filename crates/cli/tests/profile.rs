@@ -33,7 +33,8 @@ fn parts_that_were_measured_apart_make_the_profile_of_one_machine() {
     measured(&desk, "one.txt", "two-opt,wam", "2");
     let part = |file: &str, cell: &str, planners: &str, more: &[&str]| {
         let arguments = ["profile", "build", file, "--cells", cell, "--planners", planners, "--no-progress"];
-        desk.apex(&[arguments.as_slice(), &["--budgets", "1ms,10ms"], more].concat()).well();
+        let budgets = if more.contains(&"--budgets") { &[][..] } else { &["--budgets", "1ms,10ms"] };
+        desk.apex(&[arguments.as_slice(), budgets, more].concat()).well();
     };
     let six = ["--missions", "6"];
     let [first, second] = [0, 1].map(|at| CELLS.split(',').nth(at).unwrap());
@@ -58,10 +59,29 @@ fn parts_that_were_measured_apart_make_the_profile_of_one_machine() {
     refused(&["c.txt", "f.txt"], &["f.txt: wam has other costs in", "than in a part before"]);
     desk.write("g.txt", &text.replacen("generator 1", "generator 2", 1));
     refused(&["c.txt", "g.txt"], &["g.txt has other missions (by version"]);
+    let hash = text.lines().find(|line| line.starts_with("cell ")).and_then(|line| line.split(' ').nth(2)).unwrap();
+    desk.write("h.txt", &text.replacen(hash, &"0".repeat(hash.len()), 1));
+    refused(&["c.txt", "h.txt"], &[&format!("h.txt: {first} has other missions here than in a part before")]);
+    part("i.txt", first, "wam", &[&six[..], &["--budgets", "1ms,20ms"]].concat());
+    refused(&["a.txt", "i.txt"], &["i.txt has other budgets than a.txt"]);
     desk.write("mine.txt", "my notes");
     desk.apex(&["profile", "merge", "mine.txt", "c.txt"]).complained(2, &["is not written over"]);
     assert_eq!(desk.read("mine.txt"), "my notes");
     refused(&[], &["PART"]);
+}
+
+#[test]
+fn cells_of_ones_own_come_after_those_of_the_table() {
+    let desk = Desk::new();
+    let cells = ["small-fixed-fixed-7-uniform", "small-fixed-fixed-5-uniform", "large-fixed-fixed-4-uniform"];
+    for (file, cell) in ["a.txt", "b.txt", "c.txt"].into_iter().zip(cells) {
+        let arguments = ["profile", "build", file, "--cells", cell, "--planners", "two-opt", "--no-progress"];
+        desk.apex(&[arguments.as_slice(), &["--missions", "2", "--budgets", "1ms"]].concat()).well();
+    }
+    desk.apex(&["profile", "merge", "whole.txt", "a.txt", "b.txt", "c.txt"]).well();
+    let whole = desk.read("whole.txt");
+    let order: Vec<&str> = whole.lines().filter_map(|line| line.strip_prefix("cell ")?.split(' ').next()).collect();
+    assert_eq!(order, [cells[2], cells[0], cells[1]]);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
+#[cfg(test)]
+mod believed_tests;
 pub mod bookkeeping;
 mod costs;
 pub mod deliberator;

@@ -54,6 +54,7 @@ mod tests {
         let chain: Vec<Vec<usize>> = (1..8).map(|size| (0..size).collect()).collect();
         let sizes = |most: usize| thinned(&chain, most).iter().map(Vec::len).collect::<Vec<_>>();
         assert_eq!(sizes(usize::MAX), [1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(sizes(5), [1, 2, 4, 5, 7], "strides need not be whole");
         assert_eq!((sizes(3), sizes(2), sizes(1), sizes(0)), (vec![1, 4, 7], vec![1, 7], vec![1], vec![]));
     }
 

@@ -243,4 +243,15 @@ fn between_multiples_there_is_no_route() {
     assert!(any.above(1.0) > 1.0 && any.above(1.0) < any.below(1.0) && any.below(1.0) < 1.0 + 1e-8);
     let off = valued(&[1.0, 2.000_001]);
     assert!(off.above(1.0) < 1.000_001 && off.below(2.5) > 2.4, "nearly whole is not whole");
+    // A sum of values that are nearly whole may lie a little below a multiple.
+    assert_eq!(tens.below(10.0 - 5e-7), 10.0);
+    assert!(tenths.below(0.3 - 5e-8) > 0.29 && tenths.below(0.3 - 5e-6) < 0.01);
+}
+
+#[test]
+fn values_whose_sums_cannot_be_told_have_no_grain() {
+    assert_eq!(valued(&[1.0; 1_000]).below(2.5), 2.0);
+    assert!(valued(&[1.0; 1_001]).below(2.5) > 2.4, "of more targets rests may add up");
+    assert!(valued(&[2e9, 4e9]).below(3e9) > 2.9e9, "large values have no last places");
+    assert!(valued(&[-1.0, 2.0]).below(1.5) > 1.4 && valued(&[]).below(1.5) > 1.4);
 }
