@@ -80,7 +80,7 @@ fn what_a_plan_says_of_itself_is_worked_out_anew() {
         desk.write("p.json", &boast.to_string());
         let brought = answer(&again(&desk, what, &[]).well());
         assert!((number("value", &brought) - number("value", &planned)).abs() < 1e-6, "{brought}");
-        assert_eq!((&brought["proven_optimal"], &planned["proven_optimal"]), (&json!(false), &json!(false)), "{what}");
+        assert!(number("gap", &brought) > 0.05 && number("gap", &planned) > 0.05, "{what}: {}", brought["bound"]);
         for name in ["score", "return_s", "expected_cost_bound"] {
             assert_eq!(body(&brought)[name], body(&planned)[name], "{name} of {what}");
         }

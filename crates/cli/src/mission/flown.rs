@@ -220,8 +220,11 @@ mod tests {
         Arc::new(Mission::load(&folder).unwrap())
     }
 
+    /// Where planning was to begin, and what was planned.
+    type Asked = (Option<Plan>, Plan);
+
     /// Remembers where it was to begin and what it has planned, as 2-Opt does.
-    struct Spy(Arc<Mutex<Vec<(Option<Plan>, Plan)>>>);
+    struct Spy(Arc<Mutex<Vec<Asked>>>);
 
     fn watch(plan: &Plan) -> &SurveillancePlan {
         let Plan::Surveillance(plan) = plan else { panic!("of another kind") };
