@@ -16,8 +16,7 @@ fn mission(name: &str) -> Mission {
 fn news(said: &[(&str, &str, Option<f64>)]) -> News {
     let mut news = News::default();
     for (head, subject, number) in said {
-        let items: Vec<Value> =
-            [Value::symbol(subject)].into_iter().chain(number.map(Value::Real)).collect();
+        let items: Vec<Value> = [Value::symbol(subject)].into_iter().chain(number.map(Value::Real)).collect();
         assert!(news.take(head, &items).is_some(), "{head} is news");
     }
     news

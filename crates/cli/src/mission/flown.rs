@@ -303,7 +303,10 @@ mod tests {
         for number in 0..SOLVE_REQUESTS_MAX as u64 + 3 {
             flown.answered(SolveRequestId(number), plan.clone(), Time::ZERO);
         }
-        assert_eq!((flown.answers.len(), flown.answers.first_key_value().map(|(request, _)| request.0)), (SOLVE_REQUESTS_MAX, Some(3)));
+        assert_eq!(
+            (flown.answers.len(), flown.answers.first_key_value().map(|(request, _)| request.0)),
+            (SOLVE_REQUESTS_MAX, Some(3))
+        );
     }
 
     fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
@@ -447,7 +450,8 @@ mod tests {
         assert_eq!(left(&[(first, 110.0), (second, 120.0)]), from(2));
         assert_eq!(left(&[(first, 10.0), (second, 20.0), (first, 110.0)]), from(1), "what came before does not count");
         assert_eq!(left(&[(third, 110.0), (first, 120.0), (first, 130.0)]), from(1), "nor what is not its next");
-        let laps: Vec<(&str, f64)> = (0..order.len() + 1).map(|at| (order[at % order.len()].as_str(), 200.0 + 9.0 * at as f64)).collect();
+        let laps: Vec<(&str, f64)> =
+            (0..order.len() + 1).map(|at| (order[at % order.len()].as_str(), 200.0 + 9.0 * at as f64)).collect();
         assert_eq!(left(&laps), from(1), "a lap later it stands where it stood");
         assert_eq!(stored(&mission, &Bookkeeping::default(), &goal, &solved.problem), None, "nothing was chosen");
     }
