@@ -1,0 +1,267 @@
+//! The plan that is flown: taken, left behind, and read back from stored procedures.
+
+use super::super::bookkeeping::{BookkeepingObserver, Chosen, SharedBookkeeping, lock};
+use super::super::deliberator::{Deliberation, Means, MissionDeliberator, Wish, solve, translate};
+use super::super::problem::pose;
+use super::*;
+use apex_model::because::{Because, Cause};
+use apex_model::effect::{Decision, DecisionKind, Effect};
+use apex_model::event::{Batch, Event, EventKind};
+use apex_model::solver::{Environment, Solver};
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_runtime::invocation::Invocations;
+use apex_runtime::ports::{Deliberator, Observer, Withdrawal};
+use apex_solvers::Registry;
+use std::sync::{Arc, Mutex};
+
+fn mission(name: &str) -> Arc<Mission> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
+    Arc::new(Mission::load(&folder).unwrap())
+}
+
+/// Where planning was to begin, and what was planned.
+type Asked = (Option<Plan>, Plan);
+
+/// Remembers where it was to begin and what it has planned, as 2-Opt does.
+struct Spy(Arc<Mutex<Vec<Asked>>>);
+
+fn watch(plan: &Plan) -> &SurveillancePlan {
+    let Plan::Surveillance(plan) = plan else { panic!("of another kind") };
+    plan
+}
+
+impl Solver for Spy {
+    fn name(&self) -> &'static str {
+        "spy"
+    }
+    fn serves(&self, _: &Problem) -> bool {
+        true
+    }
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let previous = environment.previous.cloned();
+        let plan = apex_solvers::two_opt::TwoOpt.solve(problem, environment)?;
+        self.0.lock().unwrap().push((previous, plan.clone()));
+        Ok(plan)
+    }
+}
+
+#[test]
+fn an_answer_that_nobody_took_is_no_flown_plan() {
+    let (seen, books) = (Arc::new(Mutex::new(Vec::new())), SharedBookkeeping::default());
+    let mut planners = Registry::shipped();
+    planners.add(Arc::new(Spy(Arc::clone(&seen)))).unwrap();
+    let means = Means::of(&Arc::new(planners));
+    let mut deliberator = MissionDeliberator::new(mission("structure-watch"), Arc::clone(&books), means);
+    let goal = Value::list([Value::symbol("patrol"), Value::symbol("the"), Value::symbol("structures")]);
+    let mut ask = |number: u64, at_s: f64| {
+        let budget = Some(Duration::from_seconds(0.005));
+        let (request, solver) = (SolveRequestId(number), Symbol::new("spy"));
+        let request = SolveRequest { request, task: TaskId(1), goal: goal.clone(), solver, budget };
+        let answer = deliberator.deliberate(&request, Time::from_seconds(at_s), &Withdrawal::new());
+        answer.result.unwrap();
+    };
+    ask(0, 0.0);
+    // Cancelled meanwhile: the executive never takes it.
+    assert_eq!(lock(&books).target_changes, []);
+    ask(1, 60.0);
+    let kind = DecisionKind::ProcedureAdded { request: SolveRequestId(1), summary: "a".into(), pdl: "b".into() };
+    let because = Because::new(Cause::PlanArrived { request: SolveRequestId(1), solver: Symbol::new("spy") }, None);
+    let taken = Effect::Decided(Decision { task: None, kind, because });
+    let batch = Batch { now: Time::from_seconds(70.0), events: Vec::new() };
+    BookkeepingObserver::new(Arc::clone(&books)).observe(&batch, &[taken]).unwrap();
+    let told = std::mem::take(&mut lock(&books).target_changes);
+    assert!(!told.is_empty() && told.iter().all(|(_, at, ..)| *at == batch.now), "{told:?}");
+    ask(2, 320.0);
+    ask(3, 900.0);
+    let seen = seen.lock().unwrap();
+    let begun: Vec<bool> = seen.iter().map(|(previous, _)| previous.is_some()).collect();
+    assert_eq!(begun, [false, false, true, true], "only what was taken is begun from");
+    // Of the plan of 60 s what is ahead at 320 s and at 900 s.
+    let whole = watch(&seen[1].1);
+    for (ask, elapsed_s) in [(2, 260.0), (3, 840.0)] {
+        let left = watch(seen[ask].0.as_ref().unwrap());
+        let behind = whole.visits.iter().filter(|visit| visit.end_s <= elapsed_s).count();
+        assert!(behind > 0 && left.visits == whole.visits[behind..], "{behind} visits are behind");
+        assert_eq!(left.cycle, whole.cycle);
+    }
+}
+
+#[test]
+fn answers_of_which_nothing_is_heard_are_forgotten_the_oldest_first() {
+    let mut flown = Flown::default();
+    let plan = Plan::Surveillance(SurveillancePlan {
+        solver: STORED.to_string(),
+        cycle: Vec::new(),
+        return_s: None,
+        expected_cost: 0.0,
+        expected_cost_bound: None,
+        left_out: Vec::new(),
+        summary: String::new(),
+        visits: Vec::new(),
+    });
+    for number in 0..SOLVE_REQUESTS_MAX as u64 + 3 {
+        flown.answered(SolveRequestId(number), plan.clone(), Time::ZERO);
+    }
+    assert_eq!(
+        (flown.answers.len(), flown.answers.first_key_value().map(|(request, _)| request.0)),
+        (SOLVE_REQUESTS_MAX, Some(3))
+    );
+}
+
+fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
+    let problem = pose(mission, &Bookkeeping::default(), Time::ZERO).unwrap();
+    let means = Means::of(&Arc::new(Registry::shipped()));
+    let wish = Wish { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
+    solve(problem, wish, &mut Invocations::new(), &Withdrawal::new()).unwrap()
+}
+
+/// The forms of a plan's steps.
+fn forms(mission: &Mission, solved: &Deliberation) -> Vec<Value> {
+    let steps = translate(solved, &Value::symbol("go"), 1, mission).steps;
+    steps.into_iter().filter_map(|(_, activity)| visit(&Activity::Goal(activity))).collect()
+}
+
+#[test]
+fn a_cycle_is_read_back_where_it_stands() {
+    let mission = mission("structure-watch");
+    let solved = solved(&mission, Some("two-opt"));
+    let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
+        panic!("of another kind")
+    };
+    let forms = forms(&mission, &solved);
+    assert!(plan.cycle.len() > 3 && forms.len() == plan.cycle.len());
+    let read = watched(problem, &forms, 0, true).unwrap();
+    // A printed cycle may begin elsewhere.
+    let first = plan.cycle.iter().position(|name| *name == read.cycle[0]).unwrap();
+    let turned: Vec<String> = plan.cycle.iter().cycle().skip(first).take(plan.cycle.len()).cloned().collect();
+    assert_eq!(read.cycle, turned);
+    assert_eq!(read.visits.len().abs_diff(plan.visits.len()) / 3, 0, "the same horizon holds as many visits");
+    let reasoned = SurveillancePlan { left_out: plan.left_out.clone(), ..read.clone() };
+    let broken = apex_solvers::checker::violations(&solved.problem, &Plan::Surveillance(reasoned));
+    assert_eq!(broken, Vec::<String>::new(), "its times can be flown");
+    let later = watched(problem, &forms, 2, true).unwrap();
+    assert_eq!((&later.cycle[0], later.visits[0].target.as_str()), (&read.cycle[2], read.cycle[2].as_str()));
+    assert_eq!(watched(problem, &forms, 2 * forms.len() + 2, true).unwrap(), later, "laps before do not count");
+    let once = watched(problem, &forms, 2, false).unwrap();
+    assert_eq!((once.cycle.len(), once.visits.len()), (0, forms.len() - 2));
+    let strange = Value::list([Value::symbol("visit"), Value::symbol("atlantis")]);
+    let with: Vec<Value> = [strange].into_iter().chain(forms).collect();
+    assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is no target does not count");
+    assert_eq!(watched(problem, &[], 0, true), None);
+}
+
+#[test]
+fn observations_are_read_back_with_their_manoeuvres() {
+    let mission = mission("western-states");
+    let solved = solved(&mission, None);
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (&solved.problem, &solved.plan) else {
+        panic!("of another kind")
+    };
+    let read = visited(problem, &forms(&mission, &solved)).unwrap();
+    let of = |plan: &SingleVisitPlan| -> Vec<(String, usize)> {
+        plan.visits.iter().map(|visit| (visit.target.clone(), visit.manoeuvre)).collect()
+    };
+    assert!(of(plan).len() > 3);
+    assert_eq!(of(&read), of(plan));
+    for (read, planned) in read.visits.iter().zip(&plan.visits) {
+        assert!((read.end_s - planned.end_s).abs() <= 0.5 && (read.worth - planned.worth).abs() < 1e-2 * planned.worth);
+    }
+    // A factor that falls in the course of each observation counts as it is when that begins.
+    let mut fading = problem.clone();
+    for visit in &read.visits {
+        let target = fading.targets.iter_mut().find(|target| target.name == visit.target).unwrap();
+        target.timing = vec![(visit.begin_s, 1.0), (visit.end_s, 0.5)];
+    }
+    let forms = forms(&mission, &solved);
+    assert!(visited(&fading, &forms).unwrap().visits.iter().all(|visit| visit.timing == 1.0));
+    // Without times they follow each other.
+    let timeless: Vec<Value> =
+        forms.iter().map(|form| Value::list(form.as_list().unwrap().iter().take(4).cloned())).collect();
+    let read = visited(problem, &timeless).unwrap();
+    assert_eq!((of(&read), read.visits[0].begin_s), (of(plan), problem.start_s));
+    assert!(read.visits.windows(2).all(|pair| (pair[0].end_s - pair[1].begin_s).abs() < 1e-6));
+}
+
+/// A copy of the mission that has the plan as a stored procedure, which was chosen for the goal at 100 s.
+fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Bookkeeping) {
+    let folder = tempfile::TempDir::new().unwrap();
+    let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
+    for entry in std::fs::read_dir(shipped).unwrap().map(Result::unwrap) {
+        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+    }
+    let plan = translate(solved, goal, 1, &mission(name));
+    std::fs::write(folder.path().join("plan.pdl"), plan.source.text.as_bytes()).unwrap();
+    let program = folder.path().join("mission.pdl");
+    let text = std::fs::read_to_string(&program).unwrap();
+    std::fs::write(&program, text.replacen("  :targets", "  :files (\"plan.pdl\")\n  :targets", 1)).unwrap();
+    let mission = Mission::load(folder.path()).unwrap();
+    let mut books = Bookkeeping::default();
+    for procedure in &mission.library.procedures {
+        let steps = procedure.steps.iter().filter_map(|step| visit(&step.activity)).count();
+        if steps > 0 && steps == forms(&mission, solved).len() {
+            let goal = match plan.repeat {
+                true => Value::list([Value::symbol("one-cycle-of"), goal.clone()]),
+                false => goal.clone(),
+            };
+            let chosen = Chosen { place: procedure.place, since: Time::from_seconds(100.0) };
+            books.chosen.insert(goal.to_string(), chosen);
+        }
+    }
+    assert_eq!(books.chosen.len(), 1, "one procedure is the plan's");
+    (mission, books)
+}
+
+/// Each target is observed from so many seconds on, for one second.
+fn observe(books: Bookkeeping, observed: &[(&str, f64)]) -> Bookkeeping {
+    let books = Arc::new(Mutex::new(books));
+    let mut observer = BookkeepingObserver::new(Arc::clone(&books));
+    for (target, at_s) in observed {
+        for (head, at_s) in [("observing", *at_s), ("observed", at_s + 1.0)] {
+            let form = Value::list([Value::symbol(head), Value::symbol(target)]);
+            let (at, kind) = (Time::from_seconds(at_s), EventKind::Occurrence(form));
+            let batch = Batch { now: at, events: vec![Event { sequence: 0, at, kind }] };
+            observer.observe(&batch, &[]).unwrap();
+        }
+    }
+    let books = lock(&books).clone();
+    assert_eq!(books.observed().count(), observed.len());
+    books
+}
+
+#[test]
+fn a_stored_cycle_is_left_where_its_own_visits_ended() {
+    let goal = Value::list([Value::symbol("patrol"), Value::symbol("the"), Value::symbol("structures")]);
+    let solved = solved(&mission("structure-watch"), Some("two-opt"));
+    let (mission, books) = with_stored("structure-watch", &solved, &goal);
+    let left = |observed: &[(&str, f64)]| {
+        let books = observe(books.clone(), observed);
+        match stored(&mission, &books, &goal, &solved.problem).unwrap() {
+            Plan::Surveillance(plan) => plan.cycle,
+            Plan::SingleVisit(_) => panic!("of another kind"),
+        }
+    };
+    let order = left(&[]);
+    assert!(order.len() > 3);
+    let from = |done: usize| order.iter().cycle().skip(done).take(order.len()).cloned().collect::<Vec<_>>();
+    let [first, second, third] = [0, 1, 2].map(|at| order[at].as_str());
+    assert_eq!(left(&[(first, 110.0), (second, 120.0)]), from(2));
+    assert_eq!(left(&[(first, 10.0), (second, 20.0), (first, 110.0)]), from(1), "what came before does not count");
+    assert_eq!(left(&[(third, 110.0), (first, 120.0), (first, 130.0)]), from(1), "nor what is not its next");
+    let laps: Vec<(&str, f64)> =
+        (0..order.len() + 1).map(|at| (order[at % order.len()].as_str(), 200.0 + 9.0 * at as f64)).collect();
+    assert_eq!(left(&laps), from(1), "a lap later it stands where it stood");
+    assert_eq!(stored(&mission, &Bookkeeping::default(), &goal, &solved.problem), None, "nothing was chosen");
+}
+
+#[test]
+fn stored_observations_are_left_from_the_first_that_was_not_made() {
+    let goal = Value::list([Value::symbol("map"), Value::symbol("the"), Value::symbol("fires")]);
+    let solved = solved(&mission("western-states"), None);
+    let (mission, books) = with_stored("western-states", &solved, &goal);
+    let Plan::SingleVisit(plan) = &solved.plan else { panic!("of another kind") };
+    let names: Vec<&str> = plan.visits.iter().map(|visit| visit.target.as_str()).collect();
+    let books = observe(books, &[(names[0], 500.0), (names[1], 9_000.0)]);
+    let left = stored(&mission, &books, &goal, &solved.problem).unwrap();
+    assert_eq!(left.targets(), names[2..]);
+}
