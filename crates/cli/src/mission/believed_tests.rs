@@ -46,7 +46,7 @@ fn fire<'m>(mission: &'m Mission, id: &str) -> Option<&'m Fire> {
 fn posed(mission: &Mission, news: News) -> SurveillanceProblem {
     let mut books = Bookkeeping::default();
     books.news = news;
-    match pose(mission, &books, Time::from_seconds(60.0)).unwrap() {
+    match pose(&books.news.believed(mission), &books, Time::from_seconds(60.0)).unwrap() {
         Problem::Surveillance(problem) => problem,
         Problem::SingleVisit(_) => panic!("of another kind"),
     }
