@@ -73,6 +73,11 @@ impl<'n> Annealing<'n> {
         route.value - self.network.cost_per_tick * f64::from(route.end())
     }
 
+    /// The one that is worth more; `known` where both are worth the same.
+    pub(super) fn better(&self, known: Route, found: Route) -> Route {
+        if self.score(&found) > self.score(&known) { found } else { known }
+    }
+
     fn energy(&self, route: &Route) -> f64 {
         self.score(route) - self.thrift * f64::from(route.length())
     }

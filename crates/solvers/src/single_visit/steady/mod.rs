@@ -1,8 +1,9 @@
 //! The search where ways take the same time at every departure: ruin and recreation over a timetable, with cooling.
 //!
 //! Whether a visit fits between two others, and when the route then ends, is told by three numbers a stop; so an insertion
-//! is priced in a step, however long the route. Where the budget is known one cooling takes all of it but what the bound
-//! needs; else rounds follow each other, each longer than the one before.
+//! is priced in a step, however long the route. Where the budget is known coolings take all of it but what the bound
+//! needs: three from nothing, of which each ends in a good route though perhaps far from the best one, and a last one from
+//! the best of them that begins less hot. Else rounds follow each other, each longer than the one before.
 //! Bound: none but the budget; equal seed and budget give an equal route.
 
 mod annealing;
@@ -36,6 +37,12 @@ const STALE_ROUNDS_MAX: u32 = 30;
 const FRESH: (f64, f64) = (2.0, 0.05);
 const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
 const CHANGED: (f64, f64) = (0.1, 0.02);
+/// Coolings of a new plan from nothing, the share of the work that they take together, and how hot the last one begins, as a
+/// share of their heat. With more nodes than these one cooling takes all: shorter ones would end too early.
+const FRESH_ROUNDS: u32 = 3;
+const FRESH_SHARE: f64 = 0.75;
+const LAST_HEAT: f64 = 0.1;
+const ROUNDS_NODES_MAX: usize = 400;
 /// Share of the budget that the bound may take, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
@@ -84,7 +91,8 @@ pub(super) fn run(
         None if network.visits().len() > annealing::ALL_MISSING_MAX => FRESH_OF_MANY,
         None => FRESH,
     };
-    let mut best = search(&network, first, (environment.seed, heat, bound_units), budget);
+    let rounds = if previous.is_none() && network.nodes.len() <= ROUNDS_NODES_MAX { FRESH_ROUNDS } else { 0 };
+    let mut best = search(&network, first, (environment.seed, heat, rounds), bound_units, budget);
     // The knapsack alone looks at every leg twice.
     let pays = bound_units as usize > network.nodes.len() * network.nodes.len() / 100;
     let proven = pays.then(|| bound::highest_value(&network, best.value, bound_units, budget));
@@ -120,22 +128,32 @@ pub(super) fn at_best_departures(
     Some(found)
 }
 
-/// Cools down from `first` until only what the bound needs is left of the budget.
+/// Cools down until only `spare` is left of the budget: so many rounds from nothing, and one from the best of `first` and theirs.
 fn search(
     network: &Network,
     first: Route,
-    (seed, heat, spare): (u64, (f64, f64), u64),
+    (seed, heat, rounds): (u64, (f64, f64), u32),
+    spare: u64,
     budget: &mut dyn Budget,
 ) -> Route {
     let mut annealing = Annealing::new(network, seed);
     let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len().max(1) as f64;
-    let (hot, cold) = (heat.0 * mean, heat.1 * mean);
+    let (mut hot, cold) = (heat.0 * mean, heat.1 * mean);
     let mut best = first;
     // A search for ever would never cool: it ends by itself like one by the clock.
     let known = budget.left().map(|left| left.saturating_sub(spare)).filter(|units| *units < u64::MAX >> 8);
-    if let Some(units) = known {
-        let found = annealing.round(&best, Round { units, hot, cold }, budget);
-        return if annealing.score(&found) > annealing.score(&best) { found } else { best };
+    if let Some(mut left) = known {
+        let each = (FRESH_SHARE / f64::from(rounds.max(1)) * left as f64) as u64;
+        for _ in 0..rounds {
+            let found = annealing.round(&Route::new(network), Round { units: each, hot, cold }, budget);
+            best = annealing.better(best, found);
+            left -= each;
+        }
+        if rounds > 0 {
+            hot = (LAST_HEAT * hot).max(cold);
+        }
+        let found = annealing.round(&best, Round { units: left, hot, cold }, budget);
+        return annealing.better(best, found);
     }
     let (mut units, mut stale) = (ROUND_UNITS, 0);
     while stale < STALE_ROUNDS_MAX && !budget.exhausted() {
