@@ -300,11 +300,15 @@ pub(super) fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
     ceil(time_s / tick_s)
 }
 
+/// Only sums and comparisons, so that the compiler rounds several at once: adding and taking away a large number rounds to the
+/// nearest whole one, and the last bits of such a sum are that whole number.
 #[inline(always)]
 fn ceil(ticks: f64) -> i32 {
+    const ROUND: f64 = 6_755_399_441_055_744.0;
     let ticks = ticks.min(f64::from(NO_WAY)) - SAME_TICKS;
-    let below = ticks as i32;
-    below + i32::from(f64::from(below) < ticks)
+    let nearest = (ticks + ROUND) - ROUND;
+    let above = nearest + if nearest < ticks { 1.0 } else { 0.0 };
+    (above + ROUND).to_bits() as i32
 }
 
 pub(super) fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
@@ -322,6 +326,10 @@ fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick
     let ticks_per_s = if tick_s < 1.0 { libm::round(1.0 / tick_s) } else { 1.0 / tick_s };
     let mut legs = vec![NO_WAY; nodes.len() * nodes.len()];
     let count = nodes.len();
+    let targets: Vec<usize> = nodes.iter().skip(FIRST as usize).map(|node| node.target as usize).collect();
+    // Where every target is one node, in order, its ticks are copied as they are.
+    let in_order = targets.iter().enumerate().all(|(index, target)| index == *target);
+    let mut ticks: Vec<i32> = Vec::new();
     for (from, data) in nodes.iter().enumerate() {
         let stay_s = if from >= FIRST as usize { duration_s(data) } else { 0.0 };
         let Some(row) = legs.get_mut(from * count..(from + 1) * count) else { continue };
@@ -331,9 +339,18 @@ fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick
             _ => travel.between_s.get(data.target as usize),
         };
         let Some(times) = times else { continue };
-        for (slot, to) in row.iter_mut().zip(nodes).skip(FIRST as usize) {
-            if let Some(time_s) = times.get(to.target as usize).filter(|_| to.target != data.target) {
-                *slot = ceil((stay_s + time_s) * ticks_per_s);
+        ticks.clear();
+        ticks.extend(times.iter().map(|time_s| ceil((stay_s + time_s) * ticks_per_s)));
+        if let Some(own) = ticks.get_mut(data.target as usize) {
+            *own = NO_WAY;
+        }
+        let visits = row.get_mut(FIRST as usize..).unwrap_or_default();
+        match ticks.get(..visits.len()).filter(|_| in_order) {
+            Some(ticks) => visits.copy_from_slice(ticks),
+            None => {
+                for (slot, target) in visits.iter_mut().zip(&targets) {
+                    *slot = ticks.get(*target).copied().unwrap_or(NO_WAY);
+                }
             }
         }
         let home_s = match (from as u32, problem.base) {

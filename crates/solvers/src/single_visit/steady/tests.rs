@@ -1,6 +1,6 @@
 //! The timetable against a naive twin, and that the search finds the best of small problems.
 
-use super::network::{END, FIRST, START};
+use super::network::{END, FIRST, NO_WAY, START, ceil_ticks};
 use super::*;
 use crate::formats;
 use crate::formats::generate::{self, Day, Family, Places};
@@ -48,6 +48,28 @@ fn naive_end(network: &Network, visits: &[u32]) -> Option<i32> {
         here = next;
     }
     Some(time)
+}
+
+/// Rounded as the standard function does it, what cannot be flown included.
+fn ceiling(ticks: f64) -> i32 {
+    libm::ceil(ticks.min(f64::from(NO_WAY)) - 1e-6) as i32
+}
+
+#[test]
+fn a_tick_that_is_begun_counts_whole() {
+    for ticks in
+        [0.0, 5e-7, 1.5e-6, 0.5, 0.999_998, 1.0, 1.000_002, 2.5, 3.5, 134_217_728.0, 6e8, f64::INFINITY, f64::NAN]
+    {
+        assert_eq!(ceil_ticks(ticks, 1.0), ceiling(ticks), "{ticks}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn ticks_are_rounded_up(whole in 0..NO_WAY, part in 0.0..1.0f64) {
+        let ticks = f64::from(whole) + part;
+        prop_assert_eq!(ceil_ticks(ticks, 1.0), ceiling(ticks));
+    }
 }
 
 proptest! {
