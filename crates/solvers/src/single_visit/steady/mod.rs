@@ -38,11 +38,12 @@ const FRESH: (f64, f64) = (2.0, 0.05);
 const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
 const CHANGED: (f64, f64) = (0.1, 0.02);
 /// Coolings of a new plan from nothing, the share of the work that they take together, and how hot the last one begins, as a
-/// share of their heat. With more nodes than these one cooling takes all: shorter ones would end too early.
+/// share of their heat. With more nodes or less work than these one cooling takes all: shorter ones would end too early.
 const FRESH_ROUNDS: u32 = 3;
 const FRESH_SHARE: f64 = 0.75;
 const LAST_HEAT: f64 = 0.1;
 const ROUNDS_NODES_MAX: usize = 400;
+const ROUNDS_UNITS_MIN: u64 = 10_000;
 /// Share of the budget that the bound may take, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
@@ -143,6 +144,7 @@ fn search(
     // A search for ever would never cool: it ends by itself like one by the clock.
     let known = budget.left().map(|left| left.saturating_sub(spare)).filter(|units| *units < u64::MAX >> 8);
     if let Some(mut left) = known {
+        let rounds = if left < ROUNDS_UNITS_MIN { 0 } else { rounds };
         let each = (FRESH_SHARE / f64::from(rounds.max(1)) * left as f64) as u64;
         for _ in 0..rounds {
             let found = annealing.round(&Route::new(network), Round { units: each, hot, cold }, budget);
