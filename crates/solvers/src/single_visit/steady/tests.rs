@@ -50,6 +50,28 @@ fn naive_end(network: &Network, visits: &[u32]) -> Option<i32> {
     Some(time)
 }
 
+#[test]
+fn legs_are_those_of_the_targets_that_can_be_visited_in_all_their_ways() {
+    let mut problem = small(3, 8);
+    let whole = network(&problem);
+    problem.targets[2].value = 0.0;
+    let again = problem.targets[5].manoeuvres[0].clone();
+    problem.targets[5].manoeuvres.push(again);
+    for (network, missing) in [(whole, 0), (network(&problem), 1)] {
+        let travel = problem.travel.as_ref().unwrap();
+        let targets: std::collections::BTreeSet<u32> = network.visits().map(|node| network.node(node).target).collect();
+        assert_eq!(targets.len(), 8 - missing);
+        for (from, to) in network.visits().flat_map(|from| network.visits().map(move |to| (from, to))) {
+            let (here, there) = (network.node(from), network.node(to));
+            let (target, next) = (here.target as usize, there.target as usize);
+            let stay_s = problem.targets[target].manoeuvres[here.manoeuvre as usize].duration_s;
+            let ticks = ceil_ticks(stay_s + travel.between_s[target][next], network.tick_s);
+            let own = target == next;
+            assert_eq!(network.leg(from, to), if own { NO_WAY } else { ticks }, "{target} {next}");
+        }
+    }
+}
+
 /// Rounded as the standard function does it, what cannot be flown included.
 fn ceiling(ticks: f64) -> i32 {
     libm::ceil(ticks.min(f64::from(NO_WAY)) - 1e-6) as i32
