@@ -9,7 +9,7 @@ use crate::random::Generator;
 use apex_model::solver::Budget;
 
 /// Places looked at for one unit of work, which is about a microsecond.
-const LOOKS_PER_UNIT: u64 = 170;
+const LOOKS_PER_UNIT: u64 = 230;
 /// Work of an iteration whatever it finds, in looks: its chance, and copies and timetables of so many stops.
 const LOOKS_PER_ITERATION: u64 = 60;
 const LOOKS_PER_STOP: u64 = 2;
@@ -73,11 +73,6 @@ impl<'n> Annealing<'n> {
         route.value - self.network.cost_per_tick * f64::from(route.end())
     }
 
-    /// The one that is worth more; `known` where both are worth the same.
-    pub(super) fn better(&self, known: Route, found: Route) -> Route {
-        if self.score(&found) > self.score(&known) { found } else { known }
-    }
-
     fn energy(&self, route: &Route) -> f64 {
         self.score(route) - self.thrift * f64::from(route.length())
     }
@@ -109,8 +104,15 @@ impl<'n> Annealing<'n> {
         self.missing.clear();
         let visits = self.network.visits();
         if visits.len() <= ALL_MISSING_MAX {
+            let mut bits = 1;
             for node in visits {
-                if !route.sees(self.network, node) && (self.chance.below(2) == 0 || self.gone.contains(&node)) {
+                // A bit of chance for each, below a one that says when all are used.
+                if bits == 1 {
+                    bits = self.chance.bits() | 1 << 63;
+                }
+                let chosen = bits & 1 == 0;
+                bits >>= 1;
+                if !route.sees(self.network, node) && (chosen || self.gone.contains(&node)) {
                     self.missing.push(node);
                 }
             }

@@ -7,6 +7,10 @@ use crate::random::Generator;
 /// In routes of more stops only places beside a node's neighbours are looked at.
 const SCANNED_MAX: usize = 60;
 
+/// Of so many chances as many let two places be skipped as are below: one of them and another so much farther on.
+const SKIPPED_OF: usize = 100;
+const SKIPPED_BELOW: usize = 33;
+
 /// What a delay of the next stop counts against longer legs.
 const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 
@@ -60,7 +64,7 @@ impl Recreation {
         }
         self.keys.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
         // Some places are overlooked, so that not always the same is found.
-        let blind = if chance.below(4) == 0 { 0 } else { 3 };
+        let blind = chance.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(chance.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
         let mut looked = 0;
         for index in 0..self.keys.len() {
@@ -84,15 +88,15 @@ pub(super) fn best_place(
     network: &Network,
     route: &Route,
     node: u32,
-    (blind, weight): (usize, i64),
+    (blind, weight): (bool, i64),
     chance: &mut Generator,
 ) -> (Option<Place>, u64) {
     let mut looks = 8;
     let Node { open, close, value, .. } = network.node(node);
     let mut best: Option<(i64, Place)> = None;
-    let mut look = |after: usize| {
+    let mut hear = |place: Option<Place>| {
         looks += 1;
-        if let Some(place) = route.place(network, node, open, close, after) {
+        if let Some(place) = place {
             let price = weight * i64::from(place.shift) + i64::from(place.longer);
             if best.is_none_or(|(least, _)| price < least) {
                 best = Some((price, place));
@@ -100,24 +104,26 @@ pub(super) fn best_place(
         }
     };
     if route.stops.len() > SCANNED_MAX && !network.near.is_empty() {
-        look(0);
-        look(route.stops.len() - 2);
+        hear(route.place(network, node, open, close, 0));
+        hear(route.place(network, node, open, close, route.stops.len() - 2));
         for other in network.near.get(node as usize).into_iter().flatten() {
             if let Some(index) = route.index(*other) {
-                look(index - 1);
-                look(index);
+                hear(route.place(network, node, open, close, index - 1));
+                hear(route.place(network, node, open, close, index));
             }
         }
     } else {
-        let skip = if blind > 0 { chance.below(100) } else { usize::MAX };
+        let skipped = if blind { chance.below(SKIPPED_OF) } else { usize::MAX };
+        let skipped = if skipped < SKIPPED_BELOW { [skipped, skipped + SKIPPED_BELOW] } else { [usize::MAX; 2] };
         // Before this place what follows would be too late, whatever the way.
         let first = route.stops.partition_point(|stop| stop.latest < open).saturating_sub(1);
-        for (after, before) in route.stops.iter().enumerate().skip(first) {
+        for (after, pair) in route.stops.windows(2).enumerate().skip(first) {
+            let [before, next] = pair else { break };
             if before.begin > close {
                 break;
             }
-            if blind == 0 || after % 33 != skip {
-                look(after);
+            if !skipped.contains(&after) {
+                hear(Route::between(network, node, (open, close), (before, next), after));
             }
         }
     }

@@ -148,7 +148,18 @@ impl Route {
     /// What `node` would take between stop `after` and the next; none where it does not fit.
     #[inline(always)]
     pub(super) fn place(&self, network: &Network, node: u32, open: i32, close: i32, after: usize) -> Option<Place> {
-        let (before, next) = (self.stops.get(after)?, self.stops.get(after + 1)?);
+        Route::between(network, node, (open, close), (self.stops.get(after)?, self.stops.get(after + 1)?), after)
+    }
+
+    /// As `place`, between two stops of which the first is number `after`.
+    #[inline(always)]
+    pub(super) fn between(
+        network: &Network,
+        node: u32,
+        (open, close): (i32, i32),
+        (before, next): (&Stop, &Stop),
+        after: usize,
+    ) -> Option<Place> {
         let (to, from) = (network.leg(before.node, node), network.leg(node, next.node));
         let begin = (before.begin + to).max(open);
         let arrive = begin + from;

@@ -22,17 +22,18 @@ pub(super) struct Completion {
 
 impl Completion {
     /// The best ways to go on from everywhere where each visit is worth its value less the price of its target; and the steps
-    /// that were looked at.
-    pub(super) fn new(network: &Network, layout: &Layout, prices: &[f64]) -> (Completion, u64) {
+    /// that were looked at. `onward` are, for each node, those that may follow it.
+    pub(super) fn new(network: &Network, layout: &Layout, onward: &[Vec<u32>], prices: &[f64]) -> (Completion, u64) {
         let bucket = layout.bucket;
         let mut completion = Completion { layout: layout.clone(), ways: vec![[NO_WAY_ON; 2]; layout.count] };
         let mut steps = layout.count as u64;
         for time in (0..=network.limit() / bucket).rev() {
             for node in network.visits() {
                 if let Some(state) = layout.state(node, time) {
-                    steps += network.nodes.len() as u64;
+                    let onward = onward.get(node as usize).map_or(&[][..], Vec::as_slice);
+                    steps += 2 + onward.len() as u64;
                     let start = (time * bucket).max(network.node(node).open);
-                    let best = completion.best_two(network, prices, node, start);
+                    let best = completion.best_two(network, (onward, prices), node, start);
                     if let Some(slot) = completion.ways.get_mut(state) {
                         *slot = best;
                     }
@@ -42,12 +43,12 @@ impl Completion {
         (completion, steps)
     }
 
-    fn best_two(&self, network: &Network, prices: &[f64], node: u32, time: i32) -> [Onward; 2] {
+    fn best_two(&self, network: &Network, (onward, prices): (&[u32], &[f64]), node: u32, time: i32) -> [Onward; 2] {
         let mut two = [NO_WAY_ON; 2];
         if time + network.leg(node, END) <= network.limit() {
             two[0] = Onward { value: 0.0, next: HOME };
         }
-        for next in network.visits() {
+        for next in onward.iter().copied() {
             let data = network.node(next);
             let arrive = time + network.leg(node, next);
             if arrive > data.close {

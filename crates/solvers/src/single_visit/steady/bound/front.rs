@@ -1,14 +1,16 @@
 //! What was gathered where, the most first: the one question of who is beaten by whom.
 
+use super::memory::Targets;
+
 /// Pairs of a value and a set of targets of which none has both more value and fewer targets than another, by value from
 /// the highest.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Front(Vec<(f64, u64)>);
+pub(super) struct Front(Vec<(f64, Targets)>);
 
 impl Front {
     /// Has some pair at least `value` and no target but those of `closed`? Counts the pairs that were looked at.
     #[inline]
-    pub(super) fn beats(&self, value: f64, closed: u64, steps: &mut u64) -> bool {
+    pub(super) fn beats(&self, value: f64, closed: Targets, steps: &mut u64) -> bool {
         for (other, seen) in &self.0 {
             *steps += 1;
             if *other < value {
@@ -22,7 +24,7 @@ impl Front {
     }
 
     /// Puts a pair that nothing beats in its place, and takes out what it beats.
-    pub(super) fn insert(&mut self, value: f64, seen: u64, steps: &mut u64) {
+    pub(super) fn insert(&mut self, value: f64, seen: Targets, steps: &mut u64) {
         let place = self.0.partition_point(|(other, _)| *other >= value);
         *steps += (self.0.len() - place) as u64;
         self.0.insert(place, (value, seen));

@@ -10,13 +10,13 @@ use super::super::network::{END, Network, START};
 use super::completion::Completion;
 use super::front::Front;
 use super::late::Late;
-use super::memory::bit_of;
+use super::memory::{Targets, bit_of};
 use super::rest::Rest;
 use apex_model::solver::Budget;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Labels made at most, each of 32 bytes, and half as much again for those who keep what is left of them: some 150 MB.
+/// Labels made at most, each of 48 bytes, and half as much again for those who keep what is left of them: some 220 MB.
 const LABELS_MAX: usize = 3_000_000;
 /// Steps for one unit of work.
 pub(super) const STEPS_PER_UNIT: u64 = 160;
@@ -28,7 +28,7 @@ const RECENT: usize = 1 << 15;
 pub(super) struct Label {
     pub(super) value: f64,
     /// Targets that it remembers, and does not come back to.
-    pub(super) seen: u64,
+    pub(super) seen: Targets,
     pub(super) time: i32,
     pub(super) node: u32,
     /// The label it came from; its own number at the start.
@@ -58,7 +58,7 @@ pub(super) struct Search<'a> {
     /// What a visit of each node is worth.
     pub(super) worth: &'a [f64],
     /// For each target those that it remembers.
-    pub(super) remembers: &'a [u64],
+    pub(super) remembers: &'a [Targets],
     /// For each node those that may follow it.
     pub(super) onward: &'a [Vec<u32>],
     pub(super) ahead: Ahead<'a>,
@@ -70,11 +70,16 @@ pub(super) struct Search<'a> {
     pub(super) slack: f64,
 }
 
+/// Walks that are told of a search beside the best one.
+const OTHERS_MAX: usize = 16;
+
 /// What a search found.
 pub(super) struct Found {
     /// What the best walk is worth, with what is given back; negative infinity where none is worth what was wanted.
     pub(super) value: f64,
     pub(super) walk: Vec<u32>,
+    /// The best walks that are wanted, one for each last node at most.
+    pub(super) others: Vec<Vec<u32>>,
     /// The labels that nothing has beaten, earliest first.
     pub(super) labels: Vec<Label>,
 }
@@ -97,7 +102,8 @@ impl Search<'_> {
         let mut recent = vec![made.first().copied(); RECENT];
         // Time and number in one word: earlier ones first, of these those made first.
         let mut open = BinaryHeap::from([Reverse(0_u64)]);
-        let (mut home, mut last) = (f64::NEG_INFINITY, 0);
+        // For each last node the most that is wanted, and its label.
+        let mut homes = vec![(f64::NEG_INFINITY, 0_u32); self.network.nodes.len()];
         let mut steps = 0_u64;
         while let Some(Reverse(key)) = open.pop() {
             let own = key as u32;
@@ -114,10 +120,10 @@ impl Search<'_> {
             settled.push(own);
             let total = label.value + self.given_at_end();
             if total >= self.wanted
-                && total > home
                 && label.time + self.network.leg(label.node, END) <= self.network.limit()
+                && let Some(home) = homes.get_mut(label.node as usize).filter(|home| total > home.0)
             {
-                (home, last) = (total, own);
+                *home = (total, own);
             }
             for node in self.onward.get(label.node as usize).into_iter().flatten() {
                 let Some(next) = self.extended(&label, closed, own, *node, &mut steps) else { continue };
@@ -144,7 +150,11 @@ impl Search<'_> {
         }
         budget.charge(1);
         let labels = settled.iter().filter_map(|number| made.get(*number as usize).copied()).collect();
-        Some(Found { value: home, walk: walk(&made, last), labels })
+        homes.retain(|(value, _)| *value > f64::NEG_INFINITY);
+        homes.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
+        let mut walks = homes.iter().take(1 + OTHERS_MAX).map(|(_, last)| walk(&made, *last));
+        let value = homes.first().map_or(f64::NEG_INFINITY, |(value, _)| *value);
+        Some(Found { value, walk: walks.next().unwrap_or_default(), others: walks.collect(), labels })
     }
 
     fn given_at_end(&self) -> f64 {
@@ -156,7 +166,7 @@ impl Search<'_> {
 
     /// The label at `node` after `label`, if it may be there and can still come to what is `wanted`.
     #[inline]
-    fn extended(&self, label: &Label, closed: u64, own: u32, node: u32, steps: &mut u64) -> Option<Label> {
+    fn extended(&self, label: &Label, closed: Targets, own: u32, node: u32, steps: &mut u64) -> Option<Label> {
         let data = self.network.node(node);
         let bit = bit_of(data.target);
         let arrive = label.time + self.network.leg(label.node, node);
@@ -166,14 +176,14 @@ impl Search<'_> {
         }
         let time = arrive.max(data.open);
         let value = label.value + self.worth.get(node as usize).copied().unwrap_or(0.0);
-        let seen = (label.seen & self.remembers.get(data.target as usize).copied().unwrap_or(u64::MAX)) | bit;
+        let seen = (label.seen & self.remembers.get(data.target as usize).copied().unwrap_or(Targets::MAX)) | bit;
         let given = match self.given {
             Given::All(sum) => sum,
             Given::Open(prices) => {
                 let closed = seen | self.late.missed(node, time);
-                let prices = prices.iter().enumerate();
+                let prices = (0..).zip(prices);
                 *steps += 16;
-                prices.filter(|(target, _)| closed & (1 << target) == 0).map(|(_, price)| price).sum()
+                prices.filter(|(target, _)| closed & bit_of(*target) == 0).map(|(_, price)| price).sum()
             }
         };
         let needed = self.wanted - value - given;
@@ -190,7 +200,8 @@ impl Search<'_> {
     /// Was a label made not long ago that is at the same node, no later and with no less, and remembers the same?
     #[inline]
     fn is_known(&self, recent: &mut [Option<Label>], next: &Label) -> bool {
-        let mixed = (next.seen ^ u64::from(next.node).rotate_left(57)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let halves = next.seen as u64 ^ ((next.seen >> 64) as u64).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+        let mixed = (halves ^ u64::from(next.node).rotate_left(57)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let Some(slot) = recent.get_mut((mixed >> 49) as usize) else { return false };
         let same = slot.filter(|other| other.node == next.node && other.seen == next.seen);
         if same.is_some_and(|other| other.time <= next.time && other.value >= next.value - self.slack) {

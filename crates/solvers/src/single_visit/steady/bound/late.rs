@@ -1,10 +1,10 @@
 //! Which targets nobody reaches in time any more, from a node at a time on.
 
 use super::super::network::{FIRST, Network};
-use super::memory::bit_of;
+use super::memory::{Targets, bit_of};
 
 /// For each node the last times at which targets are still reached, earliest first, each with all that are missed after it.
-pub(super) struct Late(Vec<Vec<(i32, u64)>>);
+pub(super) struct Late(Vec<Vec<(i32, Targets)>>);
 
 impl Late {
     pub(super) fn new(network: &Network) -> Late {
@@ -17,7 +17,7 @@ impl Late {
                     *last = (*last).max(data.close.saturating_sub(*ticks));
                 }
             }
-            let mut order: Vec<(i32, u64)> = (0..).zip(last).map(|(target, last)| (last, bit_of(target))).collect();
+            let mut order: Vec<(i32, Targets)> = (0..).zip(last).map(|(target, last)| (last, bit_of(target))).collect();
             order.sort_unstable();
             let mut missed = 0;
             for (_, set) in &mut order {
@@ -31,7 +31,7 @@ impl Late {
 
     /// Targets that no way from `node` reaches in time after `time`.
     #[inline]
-    pub(super) fn missed(&self, node: u32, time: i32) -> u64 {
+    pub(super) fn missed(&self, node: u32, time: i32) -> Targets {
         let Some(order) = self.0.get(node as usize) else { return 0 };
         let count = order.partition_point(|(last, _)| *last < time);
         count.checked_sub(1).and_then(|index| order.get(index)).map_or(0, |(_, missed)| *missed)

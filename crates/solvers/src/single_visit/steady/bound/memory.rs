@@ -2,17 +2,20 @@
 
 use super::super::network::Network;
 
-/// Sets of targets are words of 64 bits.
-pub(super) const TARGETS_MAX: usize = 64;
+/// A set of targets.
+pub(super) type Targets = u128;
+
+/// More do not fit into a set.
+pub(in super::super) const TARGETS_MAX: usize = Targets::BITS as usize;
 
 /// The set of one target.
 #[inline(always)]
-pub(super) fn bit_of(target: u32) -> u64 {
-    1_u64.checked_shl(target).unwrap_or(0)
+pub(super) fn bit_of(target: u32) -> Targets {
+    Targets::from(1_u8).checked_shl(target).unwrap_or(0)
 }
 
 /// For each target itself and those nearest to it, `size` in all.
-pub(super) fn nearest(network: &Network, size: usize) -> Vec<u64> {
+pub(super) fn nearest(network: &Network, size: usize) -> Vec<Targets> {
     let mut away = vec![vec![i32::MAX; network.targets]; network.targets];
     for from in network.visits() {
         for to in network.visits().filter(|to| *to != from) {
@@ -33,7 +36,7 @@ pub(super) fn nearest(network: &Network, size: usize) -> Vec<u64> {
 
 /// The targets between two visits of one remember that one, where they do not remember `most` already. False where the walk
 /// comes back to nothing.
-pub(super) fn grow(remembers: &mut [u64], network: &Network, walk: &[u32], most: u32) -> bool {
+pub(super) fn grow(remembers: &mut [Targets], network: &Network, walk: &[u32], most: u32) -> bool {
     let targets: Vec<u32> = walk.iter().map(|node| network.node(*node).target).collect();
     let mut comes_back = false;
     for (index, target) in targets.iter().enumerate() {

@@ -19,9 +19,12 @@ mod proof;
 mod rest;
 mod walks;
 
+pub(super) use memory::TARGETS_MAX as LABELLED_MAX;
+
 use super::network::Network;
 use apex_model::solver::Budget;
 use grain::Grain;
+use proof::Proof;
 use walks::Walks;
 
 /// Rounds of prices.
@@ -30,6 +33,8 @@ const ROUNDS_MAX: u32 = 300;
 const PATIENCE: u32 = 6;
 /// Units of work for prices of walks where labels follow.
 const WALK_UNITS_MAX_OF_FEW: u64 = 100_000;
+/// Share of the units that labels may take before walks are asked.
+const LABELS_SHARE: f64 = 0.75;
 /// Steps of a walk that are looked at for one unit of work.
 const STEPS_PER_UNIT: u64 = 120;
 
@@ -43,26 +48,97 @@ pub(super) struct Proven {
 
 /// The least bound found within `units`. `reached` is what some route is worth.
 pub(super) fn highest_value(network: &Network, reached: f64, units: u64, budget: &mut dyn Budget) -> Proven {
-    let until = budget.used().saturating_add(units);
-    let grain = Grain::new(network);
-    let settled = |bound: f64| Proven { bound: grain.below(bound).max(reached), better: None };
-    let quick = knapsack::bound(network);
-    if grain.below(quick) <= reached {
-        return settled(quick);
+    let mut question = Question::new(network);
+    question.answer(reached, units, budget);
+    question.told()
+}
+
+/// The question what routes are worth at most, on its way to an answer.
+pub(super) struct Question<'n> {
+    network: &'n Network,
+    grain: Grain,
+    bound: f64,
+    /// What some route is worth, and that route where the question's own work has found it.
+    reached: f64,
+    better: Option<Vec<u32>>,
+    proof: Option<Proof<'n>>,
+    /// Units that were not enough for the first labels under the prices known.
+    too_few: u64,
+}
+
+impl<'n> Question<'n> {
+    pub(super) fn new(network: &'n Network) -> Question<'n> {
+        Question {
+            network,
+            grain: Grain::new(network),
+            bound: knapsack::bound(network),
+            reached: f64::NEG_INFINITY,
+            better: None,
+            proof: None,
+            too_few: 0,
+        }
     }
-    let few = network.targets <= memory::TARGETS_MAX;
-    // Where labels can settle it, prices need not be the best.
-    let for_prices = if few { (units / 4).min(WALK_UNITS_MAX_OF_FEW) } else { units };
-    let walks = Walks::new(network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40);
-    let (best, prices) = match walks {
-        Some(mut walks) => best_prices(network, &mut walks, (quick, reached), (for_prices, grain), budget),
-        None => (quick, vec![0.0; network.targets]),
-    };
-    if !few || grain.below(best) <= reached || budget.exhausted() {
-        return settled(best);
+
+    /// Takes what was found, and forgets the better route.
+    pub(super) fn told(&mut self) -> Proven {
+        Proven { bound: self.grain.below(self.bound).max(self.reached), better: self.better.take() }
     }
-    let Proven { bound, better } = proof::best(network, prices, (best, reached), (until, budget));
-    Proven { bound: grain.below(bound).max(reached), better }
+
+    /// Is no route worth more than what is reached?
+    fn is_settled(&self) -> bool {
+        self.grain.below(self.bound) <= self.reached
+    }
+
+    /// Asks labels alone, for `units`: often they settle it soon, else they hardly begin. `reached` is what some route is
+    /// worth.
+    pub(super) fn ask_labels(&mut self, reached: f64, units: u64, budget: &mut dyn Budget) {
+        self.reached = self.reached.max(reached);
+        self.label(budget.used().saturating_add(units), budget);
+    }
+
+    /// Asks labels, for most of `units`, then walks; and labels again, under the prices that walks have found, where they took
+    /// too long before.
+    pub(super) fn answer(&mut self, reached: f64, units: u64, budget: &mut dyn Budget) {
+        let until = budget.used().saturating_add(units);
+        let may_be_labelled = self.network.targets <= memory::TARGETS_MAX;
+        if may_be_labelled {
+            self.ask_labels(reached, (LABELS_SHARE * units as f64) as u64, budget);
+        }
+        self.reached = self.reached.max(reached);
+        let left = until.saturating_sub(budget.used());
+        let for_prices = if may_be_labelled { (left / 4).min(WALK_UNITS_MAX_OF_FEW) } else { left };
+        if self.is_settled() || budget.exhausted() {
+            return;
+        }
+        let Some(mut walks) = Walks::new(self.network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) else { return };
+        let known = (self.bound, self.reached);
+        let (bound, prices) = best_prices(self.network, &mut walks, known, (for_prices, self.grain), budget);
+        self.bound = self.bound.min(bound);
+        if self.too_few > 0 {
+            (self.proof, self.too_few) = (Proof::new(self.network, prices, bound), 0);
+        }
+        self.label(until, budget);
+    }
+
+    fn label(&mut self, until: u64, budget: &mut dyn Budget) {
+        let units = until.saturating_sub(budget.used());
+        if self.is_settled() || units <= self.too_few || budget.exhausted() {
+            return;
+        }
+        if self.proof.is_none() {
+            self.proof = Proof::new(self.network, vec![0.0; self.network.targets], self.bound);
+        }
+        let Some(proof) = &mut self.proof else { return };
+        if !proof.run(self.reached, until, budget) {
+            self.too_few = units;
+        }
+        let Proven { bound, better } = proof.known();
+        self.bound = self.bound.min(*bound);
+        if let Some(route) = better {
+            self.reached = proof::value_of(self.network, route).map_or(self.reached, |value| value.max(self.reached));
+            self.better = Some(route.clone());
+        }
+    }
 }
 
 /// Moves prices for `units`: the least bound, and the prices that it was found with.

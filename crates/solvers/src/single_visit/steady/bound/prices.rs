@@ -8,7 +8,7 @@ use super::super::network::{FIRST, Network};
 use super::completion::Completion;
 use super::labels::{Ahead, Given, STEPS_PER_UNIT, Search};
 use super::late::Late;
-use super::memory;
+use super::memory::{self, Targets};
 use super::walks::Layout;
 use super::{step, worths};
 use apex_model::solver::Budget;
@@ -16,9 +16,9 @@ use apex_model::solver::Budget;
 /// Rounds at most.
 const ROUNDS_MAX: u32 = 200;
 /// Rounds without a better bound after which steps are halved.
-const PATIENCE: u32 = 6;
+const PATIENCE: u32 = 4;
 /// The smallest steps, as a share of the gap.
-const SHARE_MIN: f64 = 0.05;
+const SHARE_MIN: f64 = 0.3;
 /// A bound is better when it is so by this share.
 const BETTER: f64 = 1e-4;
 /// By this share of a target's mean value labels beat each other too soon.
@@ -32,6 +32,8 @@ const REMEMBERED_MAX: u32 = 12;
 pub(super) struct Rounds<'a> {
     pub(super) network: &'a Network,
     pub(super) late: &'a Late,
+    /// For each node those that may follow it.
+    pub(super) onward: &'a [Vec<u32>],
     pub(super) layout: &'a Layout,
     /// Targets that a visit may be followed by.
     pub(super) near: usize,
@@ -41,24 +43,25 @@ pub(super) struct Rounds<'a> {
 }
 
 impl Rounds<'_> {
-    /// Moves `prices` from where they are, beginning with steps of `share` of the gap. Tells `hear` of each walk.
+    /// Moves `prices` from where they are, beginning with steps of `share` of the gap. Tells `hear` of each walk. False where
+    /// the first round does not end before the budget has used `first`.
     pub(super) fn run(
         &self,
         prices: &mut Vec<f64>,
-        remembers: &mut [u64],
+        remembers: &mut [Targets],
         mut share: f64,
-        (until, budget): (u64, &mut dyn Budget),
+        (first, until, budget): (u64, u64, &mut dyn Budget),
         hear: &mut dyn FnMut(&[u32]),
-    ) {
+    ) -> bool {
         let network = self.network;
-        let onward = near(network, self.near);
+        let onward = near(network, self.onward, self.near);
         let visits = network.visits().len().max(1) as f64;
         let slack = SLACK * network.nodes.iter().map(|node| node.value).sum::<f64>() / visits;
         let (mut best, mut kept, mut stale) = (f64::INFINITY, prices.clone(), 0);
         let mut counts = vec![0_u32; network.targets];
-        for _ in 0..ROUNDS_MAX {
+        for round in 0..ROUNDS_MAX {
             let worth = worths(network, prices);
-            let (completion, steps) = Completion::new(network, self.layout, prices);
+            let (completion, steps) = Completion::new(network, self.layout, self.onward, prices);
             budget.charge(1 + steps / STEPS_PER_UNIT);
             let search = Search {
                 network,
@@ -71,7 +74,12 @@ impl Rounds<'_> {
                 wanted: self.wanted,
                 slack: slack * share.max(SLACK_SHARE_MIN),
             };
-            let Some(found) = search.run(until, budget) else { break };
+            let Some(found) = search.run(if round == 0 { first } else { until }, budget) else {
+                if round == 0 {
+                    return false;
+                }
+                break;
+            };
             if found.is_nothing() {
                 kept.clone_from(prices);
                 break;
@@ -102,19 +110,20 @@ impl Rounds<'_> {
             }
         }
         prices.clone_from(&kept);
+        true
     }
 }
 
 /// For each node those of about as many `targets` that are quickly reached from it; from the start, all.
-fn near(network: &Network, targets: usize) -> Vec<Vec<u32>> {
+fn near(network: &Network, onward: &[Vec<u32>], targets: usize) -> Vec<Vec<u32>> {
     let most = targets * network.visits().len().div_ceil(network.targets.max(1));
-    let of = |node: u32| {
-        let mut others: Vec<u32> = network.visits().filter(|other| *other != node).collect();
+    let of = |(node, others): (u32, &Vec<u32>)| {
+        let mut others = others.clone();
         if node >= FIRST {
             others.sort_by_key(|other| network.leg(node, *other));
             others.truncate(most);
         }
         others
     };
-    (0..network.nodes.len() as u32).map(of).collect()
+    (0..).zip(onward).map(of).collect()
 }

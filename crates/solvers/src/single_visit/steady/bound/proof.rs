@@ -15,7 +15,8 @@ use super::late::Late;
 use super::prices::Rounds;
 use super::rest::Rest;
 use super::walks::Layout;
-use super::{Proven, memory, worths};
+use super::memory::{self, Targets};
+use super::{Proven, worths};
 use apex_model::solver::Budget;
 
 /// Targets that each one remembers in the beginning, itself included. Tests have few targets, and want walks that come back.
@@ -26,77 +27,112 @@ const FIRST_REMEMBERED: [usize; 4] = if cfg!(test) { [1, 2, 3, 4] } else { [3, 4
 const RUNS_MAX: usize = 100;
 /// Prices are found, and found anew where labels under them take too long: the first steps as shares of the gap, the targets
 /// that a visit may be followed by meanwhile, and the share of the units left that labels may take.
-const TURNS: [(f64, usize, f64); 3] = [(1.0, 14, 0.95), (0.5, 24, 0.7), (0.5, 64, 1.0)];
-/// Buckets of the whole flight for bounds of walks, wanted and allowed.
-const BUCKETS: i32 = 500;
+const TURNS: [(f64, usize, f64); 3] = [(1.0, 14, 0.95), (0.5, 14, 0.7), (0.5, 24, 1.0)];
+/// Buckets of the whole flight for bounds of walks: wanted, wanted while prices are sought, and allowed.
+const BUCKETS: i32 = 200;
+const BUCKETS_FOR_PRICES: i32 = 70;
 const BUCKETS_MAX: i32 = 20_000;
+/// The share of the units that the very first labels may take: where they take more, all that follows would take too long.
+const FIRST_SHARE: f64 = 0.25;
 
 /// A proof on its way.
-struct Proof<'n> {
-    /// The network, and with its ends exchanged.
-    sides: [&'n Network; 2],
+pub(super) struct Proof<'n> {
+    network: &'n Network,
+    /// The network with its ends exchanged.
+    turned: Network,
     late: [Late; 2],
-    /// For each node all others.
-    onward: Vec<Vec<u32>>,
+    /// Of each of the two, for each node those that may follow it.
+    onward: [Vec<Vec<u32>>; 2],
     layout: Layout,
+    layout_for_prices: Layout,
     grain: Grain,
     prices: Vec<f64>,
-    sampled: Vec<u64>,
-    remembers: Vec<u64>,
+    sampled: Vec<Targets>,
+    remembers: Vec<Targets>,
+    /// What some route is worth.
     reached: f64,
     known: Proven,
-}
-
-/// The least bound found within the units, from `prices` and the bound that they have; `reached` is what some route is
-/// worth.
-pub(super) fn best(
-    network: &Network,
-    prices: Vec<f64>,
-    (bound, reached): (f64, f64),
-    (until, budget): (u64, &mut dyn Budget),
-) -> Proven {
-    let known = Proven { bound, better: None };
-    let Some(layout) = layout(network) else { return known };
-    if network.targets > memory::TARGETS_MAX {
-        return known;
-    }
-    let turned = network.turned();
-    let others = |node: u32| network.visits().filter(|other| *other != node).collect();
-    let mut proof = Proof {
-        sides: [network, &turned],
-        late: [Late::new(network), Late::new(&turned)],
-        onward: (0..network.nodes.len() as u32).map(others).collect(),
-        layout,
-        grain: Grain::new(network),
-        prices,
-        sampled: memory::nearest(network, REMEMBERED),
-        remembers: vec![0; network.targets],
-        reached,
-        known,
-    };
-    for (share, near, of_left) in TURNS {
-        proof.find_prices(share, near, (until, budget));
-        let left = until.saturating_sub(budget.used()) as f64;
-        if proof.run(budget.used() + (of_left * left) as u64, budget) || budget.used() >= until || budget.exhausted() {
-            break;
-        }
-    }
-    proof.known
+    /// The turn that is on, and whether its prices are found.
+    turn: usize,
+    priced: bool,
 }
 
 /// Buckets short enough that every leg takes one at least; none where these are too many.
-fn layout(network: &Network) -> Option<Layout> {
+fn layout(network: &Network, buckets: i32) -> Option<Layout> {
     let legs = network.visits().flat_map(|from| network.visits().map(move |to| (from, to)));
     let shortest = legs.filter(|(from, to)| from != to).map(|(from, to)| network.leg(from, to)).min()?;
-    let bucket = shortest.min(network.limit() / BUCKETS).max(1);
+    let bucket = shortest.min(network.limit() / buckets).max(1);
     (shortest > 0 && network.limit() / bucket <= BUCKETS_MAX).then(|| Layout::new(network, bucket))
 }
 
-impl Proof<'_> {
-    fn find_prices(&mut self, share: f64, near: usize, (until, budget): (u64, &mut dyn Budget)) {
-        let [network, _] = self.sides;
+/// For each node the visits that are in time after it at its earliest.
+pub(super) fn onward(network: &Network) -> Vec<Vec<u32>> {
+    let follows = |node: u32, next: u32| {
+        let (here, there) = (network.node(node), network.node(next));
+        next != node && here.open + network.leg(node, next) <= there.close
+    };
+    let of = |node: u32| network.visits().filter(|next| follows(node, *next)).collect();
+    (0..network.nodes.len() as u32).map(of).collect()
+}
+
+impl<'n> Proof<'n> {
+    /// A proof that begins with `prices` and the bound that they have; none where there are too many targets, or legs of no
+    /// time.
+    pub(super) fn new(network: &'n Network, prices: Vec<f64>, bound: f64) -> Option<Proof<'n>> {
+        if network.targets > memory::TARGETS_MAX {
+            return None;
+        }
+        let turned = network.turned();
+        Some(Proof {
+            network,
+            late: [Late::new(network), Late::new(&turned)],
+            onward: [onward(network), onward(&turned)],
+            turned,
+            layout: layout(network, BUCKETS)?,
+            layout_for_prices: layout(network, BUCKETS_FOR_PRICES)?,
+            grain: Grain::new(network),
+            prices,
+            sampled: memory::nearest(network, REMEMBERED),
+            remembers: vec![0; network.targets],
+            reached: f64::NEG_INFINITY,
+            known: Proven { bound, better: None },
+            turn: 0,
+            priced: false,
+        })
+    }
+
+    /// The least bound known when the budget has used `until`, and a route that is worth more than `reached`, which is what
+    /// some route is worth, if one was found. Goes on where the last call ended. False where even the first labels take too
+    /// long: nothing is known then that was not known before.
+    pub(super) fn run(&mut self, reached: f64, until: u64, budget: &mut dyn Budget) -> bool {
+        (self.reached, self.known.better) = (reached, None);
+        while let Some((share, near, of_left)) = TURNS.get(self.turn).copied() {
+            if !self.priced && !self.find_prices(share, near, (until, budget)) {
+                return self.turn > 0;
+            }
+            self.priced = true;
+            let left = until.saturating_sub(budget.used()) as f64;
+            let settled = self.alternate(budget.used() + (of_left * left) as u64, budget);
+            if settled || budget.used() >= until || budget.exhausted() {
+                break;
+            }
+            (self.turn, self.priced) = (self.turn + 1, false);
+        }
+        true
+    }
+
+    /// What is known by now.
+    pub(super) fn known(&self) -> &Proven {
+        &self.known
+    }
+
+    /// Finds prices; false where not even the first labels come to an end.
+    fn find_prices(&mut self, share: f64, near: usize, (until, budget): (u64, &mut dyn Budget)) -> bool {
+        let network = self.network;
         let (reached, wanted) = (self.reached, self.grain.above(self.reached));
-        let rounds = Rounds { network, late: &self.late[0], layout: &self.layout, near, reached, wanted };
+        let layout = &self.layout_for_prices;
+        let rounds =
+            Rounds { network, late: &self.late[0], onward: &self.onward[0], layout, near, reached, wanted };
         let mut best: Option<(f64, Vec<u32>)> = None;
         let mut hear = |walk: &[u32]| {
             let value = value_of(network, walk);
@@ -104,16 +140,18 @@ impl Proof<'_> {
                 best = Some((value, walk.to_vec()));
             }
         };
-        rounds.run(&mut self.prices, &mut self.sampled, share, (until, budget), &mut hear);
+        let first = budget.used() + (FIRST_SHARE * until.saturating_sub(budget.used()) as f64) as u64;
+        let found = rounds.run(&mut self.prices, &mut self.sampled, share, (first, until, budget), &mut hear);
         if let Some((_, walk)) = best {
             self.hear(walk);
         }
         self.remembers.iter_mut().zip(&self.sampled).for_each(|(all, sampled)| *all |= sampled);
+        found
     }
 
     /// Keeps a route that is better than what was reached.
     fn hear(&mut self, walk: Vec<u32>) -> bool {
-        let value = value_of(self.sides[0], &walk).unwrap_or(f64::NEG_INFINITY);
+        let value = value_of(self.network, &walk).unwrap_or(f64::NEG_INFINITY);
         let better = value >= self.grain.above(self.reached);
         if better {
             self.reached = value;
@@ -123,31 +161,40 @@ impl Proof<'_> {
     }
 
     /// Labels from both ends in turn: true where the best is proven, false where labels or units did not suffice.
-    fn run(&mut self, until: u64, budget: &mut dyn Budget) -> bool {
-        let worth = worths(self.sides[0], &self.prices);
+    fn alternate(&mut self, until: u64, budget: &mut dyn Budget) -> bool {
+        let worth = worths(self.network, &self.prices);
         let given = Given::All(self.prices.iter().sum());
-        let (completion, steps) = Completion::new(self.sides[0], &self.layout, &self.prices);
+        let (completion, steps) = Completion::new(self.network, &self.layout, &self.onward[0], &self.prices);
         budget.charge(1 + steps / STEPS_PER_UNIT);
         let mut rest: Option<Rest> = None;
+        let began = budget.used();
         for run in 0..RUNS_MAX {
             let end = run % 2;
             let first = FIRST_REMEMBERED.get(run).map(|size| {
-                let few = memory::nearest(self.sides[0], *size);
-                few.iter().zip(&self.remembers).map(|(few, all)| few & all).collect::<Vec<u64>>()
+                let few = memory::nearest(self.network, *size);
+                few.iter().zip(&self.remembers).map(|(few, all)| few & all).collect::<Vec<Targets>>()
             });
             let ahead = rest.as_ref().map_or(Ahead::Walks(&completion), Ahead::Labels);
             let remembers = first.as_ref().unwrap_or(&self.remembers);
             let Some(found) = self.search(end, &worth, remembers, (ahead, given)).run(until, budget) else {
                 return false;
             };
-            let walk = in_order(end, &found);
-            let stuck = first.is_none() && !memory::grow(&mut self.remembers, self.sides[0], &walk, u32::MAX);
+            let walk = in_order(end, &found.walk);
+            let mut stuck = first.is_none();
+            if stuck {
+                stuck = !memory::grow(&mut self.remembers, self.network, &walk, u32::MAX);
+                for other in found.others.iter().map(|other| in_order(end, other)) {
+                    memory::grow(&mut self.remembers, self.network, &other, u32::MAX);
+                }
+            }
             let better = self.hear(walk);
             if self.settles(&found) {
                 return true;
             }
             let next = self.rest(end, &found, &worth, budget);
             if stuck && !better {
+                // Either it is quickly done, or other prices help more.
+                let until = until.min(budget.used() + (budget.used() - began));
                 return self.finish(1 - end, &next, until, budget);
             }
             rest = Some(next);
@@ -156,15 +203,15 @@ impl Proof<'_> {
     }
 
     /// Labels that remember everything and count values themselves, from an end whose other end's labels say what is left: as
-    /// `run`.
+    /// `alternate`.
     fn finish(&mut self, end: usize, rest: &Rest, until: u64, budget: &mut dyn Budget) -> bool {
-        let worth = worths(self.sides[0], &[]);
-        let all = vec![u64::MAX; self.remembers.len()];
+        let worth = worths(self.network, &[]);
+        let all = vec![Targets::MAX; self.remembers.len()];
         let (ahead, given) = (Ahead::Labels(rest), Given::Open(&self.prices));
         let Some(found) = self.search(end, &worth, &all, (ahead, given)).run(until, budget) else {
             return false;
         };
-        self.hear(in_order(end, &found));
+        self.hear(in_order(end, &found.walk));
         self.known.bound = self.known.bound.min(self.reached);
         true
     }
@@ -173,19 +220,22 @@ impl Proof<'_> {
         &'a self,
         end: usize,
         worth: &'a [f64],
-        remembers: &'a [u64],
+        remembers: &'a [Targets],
         (ahead, given): (Ahead<'a>, Given<'a>),
     ) -> Search<'a> {
-        let [start, turned] = self.sides;
-        let (network, late) = if end == 0 { (start, &self.late[0]) } else { (turned, &self.late[1]) };
+        let [first, second] = &self.onward;
+        let (network, late, onward) = match end {
+            0 => (self.network, &self.late[0], first),
+            _ => (&self.turned, &self.late[1], second),
+        };
         let wanted = self.grain.above(self.reached);
-        Search { network, late, worth, remembers, onward: &self.onward, ahead, given, wanted, slack: 0.0 }
+        Search { network, late, worth, remembers, onward, ahead, given, wanted, slack: 0.0 }
     }
 
     /// What labels from `end` say to those from the other.
     fn rest(&self, end: usize, found: &Found, worth: &[f64], budget: &mut dyn Budget) -> Rest {
         let mut steps = 0;
-        let rest = Rest::new(if end == 0 { self.sides[0] } else { self.sides[1] }, &found.labels, worth, &mut steps);
+        let rest = Rest::new(if end == 0 { self.network } else { &self.turned }, &found.labels, worth, &mut steps);
         budget.charge(1 + steps / STEPS_PER_UNIT);
         rest
     }
@@ -199,9 +249,9 @@ impl Proof<'_> {
     }
 }
 
-/// The walk that labels from `end` have found, from the start.
-fn in_order(end: usize, found: &Found) -> Vec<u32> {
-    let mut walk = found.walk.clone();
+/// A walk that labels from `end` have found, from the start.
+fn in_order(end: usize, walk: &[u32]) -> Vec<u32> {
+    let mut walk = walk.to_vec();
     if end == 1 {
         walk.reverse();
     }

@@ -3,7 +3,7 @@
 use super::super::network::Network;
 use super::front::Front;
 use super::labels::Label;
-use super::memory::bit_of;
+use super::memory::{Targets, bit_of};
 
 /// Buckets of the flight.
 const BUCKETS: i32 = 256;
@@ -56,7 +56,7 @@ impl Rest {
     /// May a way that visits `node` at `time` and remembers `seen`, the node's own target left out, still gather `wanted`
     /// after it? Never no where it may.
     #[inline]
-    pub(super) fn may(&self, node: u32, time: i32, seen: u64, wanted: f64, steps: &mut u64) -> bool {
+    pub(super) fn may(&self, node: u32, time: i32, seen: Targets, wanted: f64, steps: &mut u64) -> bool {
         let index = node as usize * BUCKETS as usize + (time / self.width) as usize;
         let Some((front, left_out)) = self.fronts.get(index) else { return true };
         *left_out >= wanted || front.beats(wanted, !seen, steps)
