@@ -15,6 +15,8 @@ const LOOKS_PER_ITERATION: u64 = 60;
 const LOOKS_PER_STOP: u64 = 2;
 /// All of the time counts as much as this share of a mean visit, so that of equal routes the shorter is kept.
 const THRIFT: f64 = 0.3;
+/// Share of all values within which scores are equal.
+const SAME_SHARE: f64 = 1e-10;
 /// Iterations at one temperature.
 const STEP: u64 = 32;
 /// In problems of more nodes only what is near to what was taken out is put back.
@@ -38,6 +40,8 @@ pub(super) struct Annealing<'n> {
     ease: Vec<f64>,
     /// What a tick of flight counts beside its cost, so that of equal routes the shorter is kept.
     thrift: f64,
+    /// Scores that differ by no more than this are equal: sums are summed in any order.
+    same: f64,
 }
 
 /// How long a round is and how it cools.
@@ -65,12 +69,19 @@ impl<'n> Annealing<'n> {
             missing: Vec::new(),
             ease,
             thrift,
+            same: SAME_SHARE * values,
         }
     }
 
     /// Benefits minus costs.
     pub(super) fn score(&self, route: &Route) -> f64 {
         route.value - self.network.cost_per_tick * f64::from(route.end())
+    }
+
+    /// Is `route` worth more than `other`, or as much and shorter?
+    pub(super) fn is_better(&self, route: &Route, other: &Route) -> bool {
+        let more = self.score(route) - self.score(other);
+        more > self.same || more > -self.same && route.length() < other.length()
     }
 
     fn energy(&self, route: &Route) -> f64 {
@@ -135,7 +146,7 @@ impl<'n> Annealing<'n> {
         let mut current = start.clone();
         let mut best = start.clone();
         let mut next = start.clone();
-        let (mut now, mut highest) = (self.energy(&current), self.energy(&best));
+        let mut now = self.energy(&current);
         let begin = budget.used();
         let mut heat = round.hot;
         let turns = if self.network.visits().len() <= ALL_MISSING_MAX { TURNS } else { TURNS_OF_MANY };
@@ -161,9 +172,8 @@ impl<'n> Annealing<'n> {
             if energy > now + heat * libm::log(self.chance.unit().max(1e-12)) {
                 std::mem::swap(&mut current, &mut next);
                 now = energy;
-                if now > highest {
+                if self.is_better(&current, &best) {
                     best.clone_from(&current);
-                    highest = now;
                 }
             }
         }

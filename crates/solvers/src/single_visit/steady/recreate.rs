@@ -66,13 +66,15 @@ impl Recreation {
         // Some places are overlooked, so that not always the same is found.
         let blind = chance.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(chance.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
+        // Of two visits that pay together neither may pay alone.
+        let generous = network.cost_per_tick > 0.0 && chance.below(2) == 0;
         let mut looked = 0;
         for index in 0..self.keys.len() {
             let Some((_, node)) = self.keys.get(index).copied() else { break };
             if route.sees(network, node) {
                 continue;
             }
-            let (place, looks) = best_place(network, route, node, (blind, weight), chance);
+            let (place, looks) = best_place(network, route, node, (blind, generous, weight), chance);
             looked += looks;
             if let Some(place) = place {
                 route.insert(network, node, place.after);
@@ -83,12 +85,13 @@ impl Recreation {
     }
 }
 
-/// The place where `node` takes least, none where it fits nowhere or costs more than it is worth; and places looked at.
+/// The place where `node` takes least, none where it fits nowhere, or costs more than it is worth if we are
+/// not `generous`; and places looked at.
 pub(super) fn best_place(
     network: &Network,
     route: &Route,
     node: u32,
-    (blind, weight): (bool, i64),
+    (blind, generous, weight): (bool, bool, i64),
     chance: &mut Generator,
 ) -> (Option<Place>, u64) {
     let mut looks = 8;
@@ -127,6 +130,6 @@ pub(super) fn best_place(
             }
         }
     }
-    let pays = |place: &Place| value > network.cost_per_tick * f64::from(place.end - route.end());
+    let pays = |place: &Place| generous || value > network.cost_per_tick * f64::from(place.end - route.end());
     (best.map(|(_, place)| place).filter(pays), looks)
 }

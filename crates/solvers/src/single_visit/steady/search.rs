@@ -137,7 +137,7 @@ impl<'n> Search<'n> {
     }
 
     fn keep(&mut self, found: Route) {
-        if self.annealing.score(&found) > self.annealing.score(&self.best) {
+        if self.annealing.is_better(&found, &self.best) {
             self.best = found;
         }
     }

@@ -6,7 +6,7 @@ use crate::formats;
 use crate::formats::generate::{self, Day, Family, Places};
 use crate::random::Generator;
 use crate::single_visit::{examples, explain};
-use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_model::problem::{CrewMember, Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::solver::{Solver, WorkBudget};
 use proptest::prelude::*;
 
@@ -175,6 +175,39 @@ proptest! {
         let plan = solved(&problem, 3_000, seed);
         prop_assert!((plan.benefits - best).abs() < 1e-9, "{} of {best}", plan.benefits);
         prop_assert!(plan.benefits_bound.unwrap() >= best - 1e-9);
+    }
+}
+
+/// The highest score of all routes, by trying every one: what they are worth less what their flight costs.
+fn highest_score(network: &Network, visits: &mut Vec<u32>) -> f64 {
+    let own: f64 = visits.iter().map(|node| network.node(*node).value).sum();
+    let Some(end) = naive_end(network, visits) else { return f64::NEG_INFINITY };
+    let mut best = own - network.cost_per_tick * f64::from(end);
+    for node in network.visits() {
+        if !visits.contains(&node) {
+            visits.push(node);
+            best = best.max(highest_score(network, visits));
+            visits.pop();
+        }
+    }
+    best
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+    #[test]
+    fn what_gathers_more_is_not_taken_where_its_flight_costs_more(seed in 0..10_000u64, dear in 1..20u32) {
+        let mut problem = small(seed, 6);
+        let values: f64 = problem.targets.iter().map(|target| target.value).sum();
+        let hours = (problem.end_s.unwrap() - problem.start_s) / 3600.0;
+        let wage_per_hour = 0.2 * f64::from(dear) * values / hours;
+        problem.crew.push(CrewMember { role: "pilot".into(), wage_per_hour, fixed_hours: 0.0, flight_share: 1.0 });
+        let network = network(&problem);
+        prop_assert!(network.cost_per_tick > 0.0);
+        let best = highest_score(&network, &mut Vec::new());
+        prop_assume!(best > 0.0);
+        let plan = solved(&problem, 20_000, seed);
+        prop_assert!((plan.score - best).abs() < 1e-6 * values, "{} of {best}", plan.score);
     }
 }
 

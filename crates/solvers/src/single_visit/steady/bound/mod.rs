@@ -31,8 +31,6 @@ use walks::Walks;
 const ROUNDS_MAX: u32 = 300;
 /// Rounds without a better bound after which steps are halved.
 const PATIENCE: u32 = 6;
-/// Units of work for prices of walks where labels follow.
-const WALK_UNITS_MAX_OF_FEW: u64 = 100_000;
 /// Share of the units that labels may take before walks are asked.
 const LABELS_SHARE: f64 = 0.75;
 /// Steps of a walk that are looked at for one unit of work.
@@ -106,7 +104,7 @@ impl<'n> Question<'n> {
         }
         self.reached = self.reached.max(reached);
         let left = until.saturating_sub(budget.used());
-        let for_prices = if may_be_labelled { (left / 4).min(WALK_UNITS_MAX_OF_FEW) } else { left };
+        let for_prices = if may_be_labelled { left / 2 } else { left };
         if self.is_settled() || budget.exhausted() {
             return;
         }

@@ -12,10 +12,10 @@ use super::completion::Completion;
 use super::grain::Grain;
 use super::labels::{Ahead, Found, Given, STEPS_PER_UNIT, Search};
 use super::late::Late;
+use super::memory::{self, Targets};
 use super::prices::Rounds;
 use super::rest::Rest;
 use super::walks::Layout;
-use super::memory::{self, Targets};
 use super::{Proven, worths};
 use apex_model::solver::Budget;
 
@@ -131,8 +131,7 @@ impl<'n> Proof<'n> {
         let network = self.network;
         let (reached, wanted) = (self.reached, self.grain.above(self.reached));
         let layout = &self.layout_for_prices;
-        let rounds =
-            Rounds { network, late: &self.late[0], onward: &self.onward[0], layout, near, reached, wanted };
+        let rounds = Rounds { network, late: &self.late[0], onward: &self.onward[0], layout, near, reached, wanted };
         let mut best: Option<(f64, Vec<u32>)> = None;
         let mut hear = |walk: &[u32]| {
             let value = value_of(network, walk);
