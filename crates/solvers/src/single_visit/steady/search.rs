@@ -38,6 +38,9 @@ const FEW: usize = 40;
 const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 
+/// Share of a value within which it is as high as its bound: sums are summed in any order.
+const SAME_SHARE: f64 = 1e-9;
+
 /// A search in progress.
 pub(super) struct Search<'n> {
     network: &'n Network,
@@ -93,7 +96,8 @@ impl<'n> Search<'n> {
 
     /// Is no route worth more? Bounds are of what is gathered, and say nothing of costs.
     fn is_settled(&self) -> bool {
-        self.network.cost_per_tick == 0.0 && self.bound.is_some_and(|bound| bound <= self.best.value)
+        let value = self.best.value;
+        self.network.cost_per_tick == 0.0 && self.bound.is_some_and(|bound| bound <= value + SAME_SHARE * value.abs())
     }
 
     /// Cools for `units`, of which a proof after the first cooling takes `early`; for less where it settles the question.

@@ -108,12 +108,14 @@ impl<'n> Question<'n> {
         if self.is_settled() || budget.exhausted() {
             return;
         }
-        let Some(mut walks) = Walks::new(self.network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) else { return };
-        let known = (self.bound, self.reached);
-        let (bound, prices) = best_prices(self.network, &mut walks, known, (for_prices, self.grain), budget);
-        self.bound = self.bound.min(bound);
-        if self.too_few > 0 {
-            (self.proof, self.too_few) = (Proof::new(self.network, prices, bound), 0);
+        if let Some(mut walks) = Walks::new(self.network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) {
+            let known = (self.bound, self.reached);
+            let (bound, prices) = best_prices(self.network, &mut walks, known, (for_prices, self.grain), budget);
+            self.bound = self.bound.min(bound);
+            if let Some(proof) = self.proof.as_mut().filter(|_| self.too_few > 0) {
+                proof.begin_with(prices);
+                self.too_few = 0;
+            }
         }
         self.label(until, budget);
     }
@@ -124,7 +126,12 @@ impl<'n> Question<'n> {
             return;
         }
         if self.proof.is_none() {
-            self.proof = Proof::new(self.network, vec![0.0; self.network.targets], self.bound);
+            let needed = Proof::units_to_begin(self.network);
+            if needed > units / 4 {
+                return;
+            }
+            budget.charge(needed);
+            self.proof = Proof::new(self.network, self.bound);
         }
         let Some(proof) = &mut self.proof else { return };
         if !proof.run(self.reached, until, budget) {

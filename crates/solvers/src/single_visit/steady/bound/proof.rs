@@ -34,6 +34,8 @@ const BUCKETS_FOR_PRICES: i32 = 70;
 const BUCKETS_MAX: i32 = 20_000;
 /// The share of the units that the very first labels may take: where they take more, all that follows would take too long.
 const FIRST_SHARE: f64 = 0.25;
+/// Ways through another node that are looked at for one unit of work, from both ends.
+const WAYS_PER_UNIT: u64 = 1_000;
 
 /// A proof on its way.
 pub(super) struct Proof<'n> {
@@ -76,22 +78,29 @@ pub(super) fn onward(network: &Network) -> Vec<Vec<u32>> {
 }
 
 impl<'n> Proof<'n> {
-    /// A proof that begins with `prices` and the bound that they have; none where there are too many targets, or legs of no
+    /// Work of `new`: the quickest ways through any other node, from either end.
+    pub(super) fn units_to_begin(network: &Network) -> u64 {
+        let nodes = network.nodes.len() as u64;
+        1 + nodes.saturating_mul(nodes).saturating_mul(nodes) / WAYS_PER_UNIT
+    }
+
+    /// A proof that begins without prices, and the bound that is known; none where there are too many targets, or legs of no
     /// time.
-    pub(super) fn new(network: &'n Network, prices: Vec<f64>, bound: f64) -> Option<Proof<'n>> {
+    pub(super) fn new(network: &'n Network, bound: f64) -> Option<Proof<'n>> {
         if network.targets > memory::TARGETS_MAX {
             return None;
         }
+        let (layout, layout_for_prices) = (layout(network, BUCKETS)?, layout(network, BUCKETS_FOR_PRICES)?);
         let turned = network.turned();
         Some(Proof {
             network,
             late: [Late::new(network), Late::new(&turned)],
             onward: [onward(network), onward(&turned)],
             turned,
-            layout: layout(network, BUCKETS)?,
-            layout_for_prices: layout(network, BUCKETS_FOR_PRICES)?,
+            layout,
+            layout_for_prices,
             grain: Grain::new(network),
-            prices,
+            prices: vec![0.0; network.targets],
             sampled: memory::nearest(network, REMEMBERED),
             remembers: vec![0; network.targets],
             reached: f64::NEG_INFINITY,
@@ -99,6 +108,11 @@ impl<'n> Proof<'n> {
             turn: 0,
             priced: false,
         })
+    }
+
+    /// Begins anew, with these prices.
+    pub(super) fn begin_with(&mut self, prices: Vec<f64>) {
+        (self.prices, self.turn, self.priced) = (prices, 0, false);
     }
 
     /// The least bound known when the budget has used `until`, and a route that is worth more than `reached`, which is what

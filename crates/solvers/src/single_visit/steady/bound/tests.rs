@@ -109,7 +109,7 @@ proptest! {
         let best = most(&routes(&network));
         let reached = f64::from(share) * 0.5 * best;
         let sum: f64 = network.nodes.iter().map(|node| node.value).sum();
-        let mut proof = Proof::new(&network, vec![0.0; network.targets], sum).unwrap();
+        let mut proof = Proof::new(&network, sum).unwrap();
         prop_assert!(proof.run(reached, 1 << 40, &mut WorkBudget::new(1 << 40)));
         let found = proof.known();
         let bound = Grain::new(&network).below(found.bound).max(reached);
