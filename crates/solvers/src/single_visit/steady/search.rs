@@ -1,8 +1,8 @@
 //! How coolings and proofs share the budget.
 //!
 //! Coolings take all but what proofs need: three from nothing, of which each ends in a good route though perhaps far from
-//! the best one, and a last one from the best of them that begins less hot. A proof by labels is tried after the first of
-//! them, where there are not too many targets: often it takes less work than the others would, and finds the best route if
+//! the best one, and a last one from the best of them that begins less hot. A proof by labels is tried after the first
+//! cooling, where there are not too many targets: often it takes less work than the others would, and finds the best route if
 //! the first one is not. Without a known budget rounds follow each other, each longer than the one before.
 
 use super::annealing::{self, Annealing, Round};
@@ -29,6 +29,8 @@ const ROUNDS_NODES_MAX: usize = 400;
 const ROUNDS_UNITS_MIN: u64 = 10_000;
 /// Share of the budget that a proof after the first cooling may take.
 const EARLY_SHARE: f64 = 0.15;
+/// Where coolings are more than twice as long, a cooling of so many units goes before that proof and the others.
+const QUICK_UNITS: u64 = 100_000;
 /// Share of the budget that the bound may take at the end, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
@@ -106,8 +108,10 @@ impl<'n> Search<'n> {
         let rounds = if units < ROUNDS_UNITS_MIN { 0 } else { self.rounds };
         let early = if self.network.targets <= bound::LABELLED_MAX { early.min(units / 2) } else { 0 };
         let each = (FRESH_SHARE / f64::from(rounds.max(1)) * (units - early) as f64) as u64;
-        for round in 0..rounds {
-            self.round(&Route::new(self.network), (each, self.hot), budget);
+        // Labels need a good route, but not a very good one.
+        let quick = Some(QUICK_UNITS).filter(|quick| rounds > 0 && early > 0 && 2 * quick < each);
+        for (round, units) in quick.into_iter().chain((0..rounds).map(|_| each)).enumerate() {
+            self.round(&Route::new(self.network), (units, self.hot), budget);
             if round == 0 && early > 0 {
                 self.ask(Question::ask_labels, early, budget);
                 if self.is_settled() {
