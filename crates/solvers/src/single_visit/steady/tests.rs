@@ -211,6 +211,54 @@ proptest! {
     }
 }
 
+/// Units used with a wage for every hour of flight.
+fn units_used(problem: &SingleVisitProblem, wage_per_hour: f64) -> u64 {
+    let mut problem = problem.clone();
+    problem.crew.push(CrewMember { role: "pilot".into(), wage_per_hour, fixed_hours: 0.0, flight_share: 1.0 });
+    let mut budget = WorkBudget::new(40_000);
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
+    super::super::SingleVisit.solve(&Problem::SingleVisit(problem), &mut environment).unwrap();
+    budget.used
+}
+
+#[test]
+fn a_proof_of_benefits_ends_the_search_where_flight_costs_nothing() {
+    for seed in 0..6 {
+        let problem = small(seed, 10);
+        assert!(units_used(&problem, 0.0) < 15_000, "seed {seed}");
+        assert!(units_used(&problem, 1.0) >= 20_000, "seed {seed}: of what it costs nothing is proven");
+    }
+}
+
+/// The end of the shortest route through all.
+fn shortest(network: &Network, visits: &mut Vec<u32>) -> i32 {
+    if visits.len() == network.visits().len() {
+        return naive_end(network, visits).unwrap_or(i32::MAX);
+    }
+    let mut least = i32::MAX;
+    for node in network.visits() {
+        if !visits.contains(&node) {
+            visits.push(node);
+            least = least.min(shortest(network, visits));
+            visits.pop();
+        }
+    }
+    least
+}
+
+#[test]
+fn of_routes_that_gather_the_same_the_shortest_is_flown() {
+    for number in 1..=5 {
+        let problem = formats::read("op", &generate::oplib(8, 3.0, number)).unwrap().problem;
+        let network = network(&problem);
+        let plan = solved(&problem, 20_000, 1);
+        assert_eq!(plan.visits.len(), problem.targets.len(), "{}", plan.summary);
+        let shortest_s = f64::from(shortest(&network, &mut Vec::new())) * network.tick_s;
+        let flown_s = plan.end_s - problem.start_s;
+        assert!((flown_s - shortest_s).abs() < 1e-3 * shortest_s, "{number}: {flown_s} s, not {shortest_s}");
+    }
+}
+
 /// Walks that come back to a target beat every route here, until the targets between remember it.
 #[test]
 fn few_targets_with_wide_windows_are_proven() {

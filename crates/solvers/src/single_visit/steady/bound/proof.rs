@@ -110,9 +110,9 @@ impl<'n> Proof<'n> {
         })
     }
 
-    /// Begins anew, with these prices.
+    /// Begins with these prices, where no labels have come to an end yet.
     pub(super) fn begin_with(&mut self, prices: Vec<f64>) {
-        (self.prices, self.turn, self.priced) = (prices, 0, false);
+        self.prices = prices;
     }
 
     /// The least bound known when the budget has used `until`, and a route that is worth more than `reached`, which is what

@@ -21,9 +21,13 @@ fn random(seed: u64) -> Network {
 }
 
 fn parts(seed: u64) -> (Vec<Node>, Vec<i32>, usize) {
+    parts_apart(seed, if seed.is_multiple_of(2) { 1 } else { 17 })
+}
+
+/// Only every so many-th target can be visited.
+fn parts_apart(seed: u64, apart: u32) -> (Vec<Node>, Vec<i32>, usize) {
     let mut chance = Generator::new(seed);
     let targets = 3 + chance.below(6);
-    let apart = if seed.is_multiple_of(2) { 1 } else { 17 };
     let limit = 100 + chance.below(120) as i32;
     let terminal = |close| Node { target: u32::MAX, manoeuvre: 0, open: 0, close, value: 0.0 };
     let mut nodes = vec![terminal(0), terminal(limit)];
@@ -164,6 +168,16 @@ proptest! {
         let told = question.told();
         prop_assert!((told.bound - best).abs() < 1e-5, "{} of {best}", told.bound);
         prop_assert_eq!(told.better.is_some(), reached < best - 1e-9);
+    }
+
+    #[test]
+    fn of_targets_that_fit_into_no_set_walks_alone_say_what_they_can(seed in 0..100_000u64, units in 0..20_000u64) {
+        let (nodes, legs, targets) = parts_apart(seed, 64);
+        let network = Network::given(nodes, legs, targets);
+        prop_assert_eq!(Proof::new(&network, 0.0).is_some(), targets <= 128);
+        let found = highest_value(&network, 0.0, units, &mut WorkBudget::new(1 << 40));
+        prop_assert!(found.bound >= most(&routes(&network)) - 1e-9);
+        prop_assert!(found.better.is_none() || targets <= 128);
     }
 
     #[test]
