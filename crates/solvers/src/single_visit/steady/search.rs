@@ -25,6 +25,8 @@ const CHANGED: (f64, f64) = (0.1, 0.02);
 const FRESH_ROUNDS: u32 = 3;
 const FRESH_SHARE: f64 = 0.75;
 const LAST_HEAT: f64 = 0.1;
+/// With many targets this share of what is left for the last cooling is for one more, as after a change: it ends colder.
+const COOLER_SHARE: f64 = 0.3;
 const ROUNDS_NODES_MAX: usize = 400;
 const ROUNDS_UNITS_MIN: u64 = 10_000;
 /// Share of the budget that a proof after the first cooling may take.
@@ -47,6 +49,10 @@ const SAME_SHARE: f64 = 1e-9;
 pub(super) struct Search<'n> {
     network: &'n Network,
     annealing: Annealing<'n>,
+    /// A new plan with many targets.
+    is_of_many: bool,
+    /// Mean value of a target.
+    mean: f64,
     /// Temperatures in units of value.
     hot: f64,
     cold: f64,
@@ -60,15 +66,18 @@ pub(super) struct Search<'n> {
 impl<'n> Search<'n> {
     /// From `first`, which is worth keeping where the plan is not `fresh`.
     pub(super) fn new(network: &'n Network, seed: u64, first: Route, fresh: bool) -> Search<'n> {
+        let is_of_many = fresh && network.visits().len() > annealing::ALL_MISSING_MAX;
         let heat = match fresh {
             false => CHANGED,
-            true if network.visits().len() > annealing::ALL_MISSING_MAX => FRESH_OF_MANY,
+            true if is_of_many => FRESH_OF_MANY,
             true => FRESH,
         };
         let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len().max(1) as f64;
         Search {
             network,
             annealing: Annealing::new(network, seed),
+            is_of_many,
+            mean,
             hot: heat.0 * mean,
             cold: heat.1 * mean,
             rounds: if fresh && network.nodes.len() <= ROUNDS_NODES_MAX { FRESH_ROUNDS } else { 0 },
@@ -119,9 +128,14 @@ impl<'n> Search<'n> {
                 }
             }
         }
+        let left = until.saturating_sub(budget.used());
+        let cooler = if self.is_of_many { (COOLER_SHARE * left as f64) as u64 } else { 0 };
         let hot = if rounds > 0 { (LAST_HEAT * self.hot).max(self.cold) } else { self.hot };
-        let start = self.best.clone();
-        self.round(&start, (until.saturating_sub(budget.used()), hot), budget);
+        self.round(&self.best.clone(), (left - cooler, hot), budget);
+        if self.is_of_many {
+            (self.hot, self.cold) = (CHANGED.0 * self.mean, CHANGED.1 * self.mean);
+            self.round(&self.best.clone(), (until.saturating_sub(budget.used()), self.hot), budget);
+        }
     }
 
     /// Rounds until nothing better comes.
