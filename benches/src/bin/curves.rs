@@ -19,7 +19,7 @@ const MISSIONS: u64 = 2;
 /// Budgets in units of work: a unit takes about 1 us.
 const BUDGETS: [u64; 8] = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000];
 /// The budget at which growth is shown.
-const GROWTH_BUDGET: u64 = 1_000_000;
+const GROWTH_BUDGET: u64 = 100_000;
 /// The size of a panel, and the room around it.
 const PANEL: (f64, f64) = (330.0, 230.0);
 const ROOM: (f64, f64) = (70.0, 66.0);
@@ -248,8 +248,8 @@ fn draw(rows: &[Row]) -> String {
         across,
     };
     let seconds = [(4e-3, "4 ms"), (1e-2, "10 ms"), (0.1, "0.1 s"), (1.0, "1 s"), (10.0, "10 s")];
-    for (column, targets) in [10, 100, 300].into_iter().enumerate() {
-        let panel = place(column, 0, SECONDS);
+    for (column, row, targets) in [(0, 0, 10), (1, 0, 100), (2, 0, 300), (2, 1, 1_000)] {
+        let panel = place(column, row, SECONDS);
         panel.frame(
             &mut out,
             &format!("surveillance, {targets} targets: cost above the best"),
@@ -261,8 +261,8 @@ fn draw(rows: &[Row]) -> String {
             panel.line(&mut out, &points, colour(&planner), "", &planner);
         }
     }
-    let counts = [(10.0, "10"), (30.0, "30"), (100.0, "100"), (300.0, "300")];
-    let panel = place(0, 1, (8.0, 375.0));
+    let counts = [(10.0, "10"), (30.0, "30"), (100.0, "100"), (300.0, "300"), (1_000.0, "1,000")];
+    let panel = place(0, 1, (8.0, 1_250.0));
     panel.frame(&mut out, "surveillance: loss after about 0.1 s, by targets", "targets", &counts);
     for (planner, _) in COLOURS {
         let at = |count: usize| {
@@ -281,8 +281,8 @@ fn draw(rows: &[Row]) -> String {
             let points: Vec<(f64, f64)> = line.iter().map(|(_, cpu_s, loss)| (*cpu_s, *loss)).collect();
             panel.line(&mut out, &points, colour(&planner), dashes, &format!("{targets} targets"));
             if let Some((x, y)) = points.first() {
-                let (x, y) = (panel.x(*x) - 8.0, panel.y(*y) + 4.0);
-                let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"end\">{targets}</text>");
+                let (x, y) = (panel.x(*x) + 6.0, panel.y(*y) - 4.0);
+                let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\">{targets}</text>");
             }
         }
     }
