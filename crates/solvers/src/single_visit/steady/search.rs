@@ -25,10 +25,10 @@ const CHANGED: (f64, f64) = (0.1, 0.02);
 const FRESH_ROUNDS: u32 = 3;
 const FRESH_SHARE: f64 = 0.75;
 const LAST_HEAT: f64 = 0.1;
-/// With many targets this share of what is left for the last cooling is for one more, as after a change: it ends colder.
-const COOLER_SHARE: f64 = 0.3;
 const ROUNDS_NODES_MAX: usize = 400;
 const ROUNDS_UNITS_MIN: u64 = 10_000;
+/// With many targets this share of what is left for the last cooling is for one more, as after a change: it ends colder.
+const COOLER_SHARE: f64 = 0.3;
 /// Share of the budget that a proof after the first cooling may take.
 const EARLY_SHARE: f64 = 0.15;
 /// Where coolings are more than twice as long, a cooling of so many units goes before that proof and the others.
