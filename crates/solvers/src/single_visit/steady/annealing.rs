@@ -95,16 +95,17 @@ impl<'n> Annealing<'n> {
         route
     }
 
-    /// Inserts of all missing nodes what fits.
+    /// Inserts of all missing nodes what fits and pays.
     pub(super) fn fill_all(&mut self, route: &mut Route, budget: &mut dyn Budget) {
         self.missing.clear();
         self.missing.extend(self.network.visits());
-        self.fill(route, budget);
+        self.fill(route, false, budget);
     }
 
     /// Inserts of the missing nodes what fits.
-    fn fill(&mut self, route: &mut Route, budget: &mut dyn Budget) {
-        let looked = self.recreation.run(self.network, route, &self.missing, &self.ease, &mut self.chance);
+    fn fill(&mut self, route: &mut Route, may_be_generous: bool, budget: &mut dyn Budget) {
+        let looked =
+            self.recreation.run(self.network, route, &self.missing, &self.ease, may_be_generous, &mut self.chance);
         self.looked += looked + LOOKS_PER_ITERATION + LOOKS_PER_STOP * route.stops.len() as u64;
         budget.charge(self.looked / LOOKS_PER_UNIT);
         self.looked %= LOOKS_PER_UNIT;
@@ -167,7 +168,7 @@ impl<'n> Annealing<'n> {
             next.clone_from(&current);
             ruin(self.network, &mut next, &mut self.gone, &mut self.chance);
             self.choose_missing(&next);
-            self.fill(&mut next, budget);
+            self.fill(&mut next, true, budget);
             let energy = self.energy(&next);
             if energy > now + heat * libm::log(self.chance.unit().max(1e-12)) {
                 std::mem::swap(&mut current, &mut next);

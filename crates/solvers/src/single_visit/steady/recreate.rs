@@ -34,13 +34,14 @@ pub(super) struct Recreation {
 }
 
 impl Recreation {
-    /// Inserts of `missing` what fits; returns places looked at.
+    /// Inserts of `missing` what fits and, if we may not be generous, pays; returns places looked at.
     pub(super) fn run(
         &mut self,
         network: &Network,
         route: &mut Route,
         missing: &[u32],
         ease: &[f64],
+        may_be_generous: bool,
         chance: &mut Generator,
     ) -> u64 {
         let order = match chance.below(8) {
@@ -67,7 +68,7 @@ impl Recreation {
         let blind = chance.below(4) != 0;
         let weight = SHIFT_WEIGHTS.get(chance.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
         // Of two visits that pay together neither may pay alone.
-        let generous = network.cost_per_tick > 0.0 && chance.below(2) == 0;
+        let generous = may_be_generous && network.cost_per_tick > 0.0 && chance.below(2) == 0;
         let mut looked = 0;
         for index in 0..self.keys.len() {
             let Some((_, node)) = self.keys.get(index).copied() else { break };

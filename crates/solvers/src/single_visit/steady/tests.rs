@@ -208,6 +208,12 @@ proptest! {
         prop_assume!(best > 0.0);
         let plan = solved(&problem, 20_000, seed);
         prop_assert!((plan.score - best).abs() < 1e-6 * values, "{} of {best}", plan.score);
+        // So little work is one cooling from the plan and a proof, which may find what gathers more.
+        let (flown, mut budget) = (Plan::SingleVisit(plan.clone()), WorkBudget::new(9_000));
+        let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: Some(&flown) };
+        let again = super::super::SingleVisit.solve(&Problem::SingleVisit(problem), &mut environment).unwrap();
+        let Plan::SingleVisit(again) = again else { panic!("of another kind") };
+        prop_assert!(again.score > plan.score - 1e-6 * values, "{} after {}", again.score, plan.score);
     }
 }
 
