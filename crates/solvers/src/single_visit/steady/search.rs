@@ -6,7 +6,7 @@
 //! the first one is not. Without a known budget rounds follow each other, each longer than the one before.
 
 use super::annealing::{self, Annealing, Round};
-use super::bound::{self, Proven, Question};
+use super::bound::{self, FEW, Proven, Question};
 use super::network::Network;
 use super::route::Route;
 use apex_model::solver::Budget;
@@ -33,12 +33,13 @@ const COOLER_SHARE: f64 = 0.3;
 const EARLY_SHARE: f64 = 0.15;
 /// Where coolings are more than twice as long, a cooling of so many units goes before that proof and the others.
 const QUICK_UNITS: u64 = 100_000;
+const QUICK_UNITS_OF_FEW: u64 = 37_500;
 /// Share of the budget that the bound may take at the end, and what it takes at most.
 const BOUND_SHARE: f64 = 0.15;
 const BOUND_UNITS_MAX: u64 = 3_000_000;
-/// So few targets are found out about: the proof, which may find a better route, takes half of the budget, and of a large
-/// one all but what the search needs.
-const FEW: usize = 40;
+/// Few targets are found out about: proofs, which may find a better route, take half of the budget, and of a large one all
+/// but what the search needs, which is that share of it and no less than those units.
+const SEARCH_SHARE_OF_FEW: f64 = 0.15;
 const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 
@@ -91,18 +92,25 @@ impl<'n> Search<'n> {
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
         // A search for ever would never cool: it ends by itself like one by the clock.
         let known = budget.left().filter(|left| *left < u64::MAX >> 8);
-        let spare = known.map_or(ROUND_UNITS, |left| match self.network.targets <= FEW {
-            true => left.saturating_sub(SEARCH_UNITS_OF_FEW).max(left / 2).min(BOUND_UNITS_MAX_OF_FEW),
-            false => ((BOUND_SHARE * left as f64) as u64).min(BOUND_UNITS_MAX),
-        });
+        let (early, spare) = known.map_or((0, ROUND_UNITS), |left| self.for_proofs(left));
         match known {
-            Some(left) => self.cool(left.saturating_sub(spare), (EARLY_SHARE * left as f64) as u64, budget),
+            Some(left) => self.cool(left.saturating_sub(spare), early, budget),
             None => self.go_on(budget),
         }
         if !self.is_settled() {
             self.ask(Question::answer, spare, budget);
         }
         (self.best, self.bound)
+    }
+
+    /// What of the units that are `left` a proof after the first cooling may take, and what one at the end.
+    fn for_proofs(&self, left: u64) -> (u64, u64) {
+        let of = |share: f64| (share * left as f64) as u64;
+        if self.network.targets > FEW {
+            return (of(EARLY_SHARE), of(BOUND_SHARE).min(BOUND_UNITS_MAX));
+        }
+        let search = of(SEARCH_SHARE_OF_FEW).max(SEARCH_UNITS_OF_FEW);
+        (of(EARLY_SHARE), left.saturating_sub(search).max(left / 2).min(BOUND_UNITS_MAX_OF_FEW))
     }
 
     /// Is no route worth more? Bounds are of what is gathered, and say nothing of costs.
@@ -118,7 +126,8 @@ impl<'n> Search<'n> {
         let early = if self.network.targets <= bound::LABELLED_MAX { early.min(units / 2) } else { 0 };
         let each = (FRESH_SHARE / f64::from(rounds.max(1)) * (units - early) as f64) as u64;
         // Labels need a good route, but not a very good one.
-        let quick = Some(QUICK_UNITS).filter(|quick| rounds > 0 && early > 0 && 2 * quick < each);
+        let quick = if self.network.targets <= FEW { QUICK_UNITS_OF_FEW } else { QUICK_UNITS };
+        let quick = Some(quick).filter(|quick| rounds > 0 && early > 0 && 2 * quick < each);
         for (round, units) in quick.into_iter().chain((0..rounds).map(|_| each)).enumerate() {
             self.round(&Route::new(self.network), (units, self.hot), budget);
             if round == 0 && early > 0 {

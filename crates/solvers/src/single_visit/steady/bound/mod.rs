@@ -33,10 +33,17 @@ const ROUNDS_MAX: u32 = 300;
 const PATIENCE: u32 = 6;
 /// Share of the units that labels may take before walks are asked.
 const LABELS_SHARE: f64 = 0.75;
+/// So few targets are settled with care where a hurry was not enough, and with so many units: those left by the hurry, which
+/// takes this share of them, or as many.
+pub(super) const FEW: usize = 40;
+const CARE_UNITS_MIN: u64 = 600_000;
+const HURRY_SHARE: f64 = 0.05;
+const HURRY_UNITS: u64 = 450_000;
 /// Steps of a walk that are looked at for one unit of work.
 const STEPS_PER_UNIT: u64 = 120;
 
 /// What is known of the most that a route can be worth.
+#[derive(Clone)]
 pub(super) struct Proven {
     /// No route is worth more.
     pub(super) bound: f64,
@@ -94,30 +101,54 @@ impl<'n> Question<'n> {
         self.label(budget.used().saturating_add(units), budget);
     }
 
-    /// Asks labels, for most of `units`, then walks; and labels again, under the prices that walks have found, where they took
-    /// too long before.
+    /// Asks labels and walks, for `units`: in a hurry, and what few targets leave open with care.
     pub(super) fn answer(&mut self, reached: f64, units: u64, budget: &mut dyn Budget) {
+        let until = budget.used().saturating_add(units);
+        self.reached = self.reached.max(reached);
+        if self.network.targets > FEW || units < CARE_UNITS_MIN {
+            self.hurry(units, budget);
+            return;
+        }
+        let prices = self.hurry(HURRY_UNITS.max((HURRY_SHARE * units as f64) as u64), budget);
+        let hurried = self.proof.clone();
+        if let Some(proof) = &mut self.proof {
+            proof.begin_with_care(prices);
+        }
+        self.too_few = 0;
+        self.label(until, budget);
+        // Care may end in too many labels with units left: then hurry goes on.
+        (self.proof, self.too_few) = (hurried, 0);
+        self.label(until, budget);
+    }
+
+    /// Asks labels, for most of `units`, then walks; and labels again, under the prices that walks have found, where they took
+    /// too long before. Tells those prices.
+    fn hurry(&mut self, units: u64, budget: &mut dyn Budget) -> Option<Vec<f64>> {
         let until = budget.used().saturating_add(units);
         let may_be_labelled = self.network.targets <= memory::TARGETS_MAX;
         if may_be_labelled {
-            self.ask_labels(reached, (LABELS_SHARE * units as f64) as u64, budget);
+            self.label(budget.used().saturating_add((LABELS_SHARE * units as f64) as u64), budget);
         }
-        self.reached = self.reached.max(reached);
         let left = until.saturating_sub(budget.used());
-        let for_prices = if may_be_labelled { left / 2 } else { left };
-        if self.is_settled() || budget.exhausted() {
-            return;
-        }
-        if let Some(mut walks) = Walks::new(self.network, for_prices.saturating_mul(STEPS_PER_UNIT) / 40) {
-            let known = (self.bound, self.reached);
-            let (bound, prices) = best_prices(self.network, &mut walks, known, (for_prices, self.grain), budget);
-            self.bound = self.bound.min(bound);
-            if let Some(proof) = self.proof.as_mut().filter(|_| self.too_few > 0) {
-                proof.begin_with(prices);
-                self.too_few = 0;
-            }
+        let prices = self.walk(if may_be_labelled { left / 2 } else { left }, budget);
+        if let Some((proof, prices)) = self.proof.as_mut().zip(prices.clone()).filter(|_| self.too_few > 0) {
+            proof.begin_with(prices);
+            self.too_few = 0;
         }
         self.label(until, budget);
+        prices
+    }
+
+    /// Asks walks, for `units`: the prices that they have found, if they could begin.
+    fn walk(&mut self, units: u64, budget: &mut dyn Budget) -> Option<Vec<f64>> {
+        if self.is_settled() || budget.exhausted() {
+            return None;
+        }
+        let mut walks = Walks::new(self.network, units.saturating_mul(STEPS_PER_UNIT) / 40)?;
+        let known = (self.bound, self.reached);
+        let (bound, prices) = best_prices(self.network, &mut walks, known, (units, self.grain), budget);
+        self.bound = self.bound.min(bound);
+        Some(prices)
     }
 
     fn label(&mut self, until: u64, budget: &mut dyn Budget) {

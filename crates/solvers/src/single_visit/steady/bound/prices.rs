@@ -15,10 +15,6 @@ use apex_model::solver::Budget;
 
 /// Rounds at most.
 const ROUNDS_MAX: u32 = 200;
-/// Rounds without a better bound after which steps are halved.
-const PATIENCE: u32 = 4;
-/// The smallest steps, as a share of the gap.
-const SHARE_MIN: f64 = 0.3;
 /// A bound is better when it is so by this share.
 const BETTER: f64 = 1e-4;
 /// By this share of a target's mean value labels beat each other too soon.
@@ -37,6 +33,10 @@ pub(super) struct Rounds<'a> {
     pub(super) layout: &'a Layout,
     /// Targets that a visit may be followed by.
     pub(super) near: usize,
+    /// The smallest steps, as a share of the gap.
+    pub(super) least: f64,
+    /// Rounds without a better bound after which steps are halved.
+    pub(super) patience: u32,
     /// What some route is worth, and what another must be worth to be better.
     pub(super) reached: f64,
     pub(super) wanted: f64,
@@ -90,7 +90,7 @@ impl Rounds<'_> {
                 best = found.value;
                 kept.clone_from(prices);
             }
-            if stale >= PATIENCE {
+            if stale >= self.patience {
                 (share, stale) = (0.5 * share, 0);
                 prices.clone_from(&kept);
                 if share >= SLACK_SHARE_MIN {
@@ -105,7 +105,7 @@ impl Rounds<'_> {
                     *count += 1;
                 }
             }
-            if share < SHARE_MIN || !step(prices, &counts, share * (found.value - self.reached)) {
+            if share < self.least || !step(prices, &counts, share * (found.value - self.reached)) {
                 break;
             }
         }

@@ -25,12 +25,35 @@ const REMEMBERED: usize = if cfg!(test) { 3 } else { 8 };
 const FIRST_REMEMBERED: [usize; 4] = if cfg!(test) { [1, 2, 3, 4] } else { [3, 4, 5, 6] };
 /// Runs under the same prices.
 const RUNS_MAX: usize = 100;
-/// Prices are found, and found anew where labels under them take too long: the first steps as shares of the gap, the targets
-/// that a visit may be followed by meanwhile, and the share of the units left that labels may take.
-const TURNS: [(f64, usize, f64); 3] = [(1.0, 14, 0.95), (0.5, 14, 0.7), (0.5, 24, 1.0)];
-/// Buckets of the whole flight for bounds of walks: wanted, wanted while prices are sought, and allowed.
-const BUCKETS: i32 = 200;
-const BUCKETS_FOR_PRICES: i32 = 70;
+/// How prices are found, and labels tried under them.
+#[derive(Clone, Copy)]
+struct Turn {
+    /// The first steps of prices as a share of the gap, and the least.
+    share: f64,
+    least: f64,
+    /// Rounds without a better bound after which steps are halved.
+    patience: u32,
+    /// The targets that a visit may be followed by meanwhile.
+    near: usize,
+    /// The share of the units left that labels may take.
+    of_left: f64,
+}
+
+/// In a hurry, which is enough where windows are narrow.
+const QUICK: [Turn; 3] = [
+    Turn { share: 1.0, least: 0.3, patience: 4, near: 14, of_left: 0.95 },
+    Turn { share: 0.5, least: 0.3, patience: 4, near: 14, of_left: 0.7 },
+    Turn { share: 0.5, least: 0.3, patience: 4, near: 24, of_left: 1.0 },
+];
+/// With care.
+const CAREFUL: [Turn; 3] = [
+    Turn { share: 1.0, least: 0.05, patience: 6, near: 14, of_left: 0.95 },
+    Turn { share: 0.5, least: 0.05, patience: 6, near: 24, of_left: 0.7 },
+    Turn { share: 0.5, least: 0.05, patience: 6, near: 64, of_left: 1.0 },
+];
+/// Buckets of the whole flight for bounds of walks: wanted, wanted while prices are sought in a hurry, and allowed.
+const BUCKETS: i32 = 500;
+const BUCKETS_IN_A_HURRY: i32 = 70;
 const BUCKETS_MAX: i32 = 20_000;
 /// The share of the units that the very first labels may take: where they take more, all that follows would take too long.
 const FIRST_SHARE: f64 = 0.25;
@@ -38,6 +61,7 @@ const FIRST_SHARE: f64 = 0.25;
 const WAYS_PER_UNIT: u64 = 1_000;
 
 /// A proof on its way.
+#[derive(Clone)]
 pub(super) struct Proof<'n> {
     network: &'n Network,
     /// The network with its ends exchanged.
@@ -46,7 +70,7 @@ pub(super) struct Proof<'n> {
     /// Of each of the two, for each node those that may follow it.
     onward: [Vec<Vec<u32>>; 2],
     layout: Layout,
-    layout_for_prices: Layout,
+    layout_in_a_hurry: Layout,
     grain: Grain,
     prices: Vec<f64>,
     sampled: Vec<Targets>,
@@ -54,7 +78,8 @@ pub(super) struct Proof<'n> {
     /// What some route is worth.
     reached: f64,
     known: Proven,
-    /// The turn that is on, and whether its prices are found.
+    /// Are turns taken with care? The one that is on, and whether its prices are found.
+    is_careful: bool,
     turn: usize,
     priced: bool,
 }
@@ -90,7 +115,7 @@ impl<'n> Proof<'n> {
         if network.targets > memory::TARGETS_MAX {
             return None;
         }
-        let (layout, layout_for_prices) = (layout(network, BUCKETS)?, layout(network, BUCKETS_FOR_PRICES)?);
+        let (layout, layout_in_a_hurry) = (layout(network, BUCKETS)?, layout(network, BUCKETS_IN_A_HURRY)?);
         let turned = network.turned();
         Some(Proof {
             network,
@@ -98,13 +123,14 @@ impl<'n> Proof<'n> {
             onward: [onward(network), onward(&turned)],
             turned,
             layout,
-            layout_for_prices,
+            layout_in_a_hurry,
             grain: Grain::new(network),
             prices: vec![0.0; network.targets],
             sampled: memory::nearest(network, REMEMBERED),
             remembers: vec![0; network.targets],
             reached: f64::NEG_INFINITY,
             known: Proven { bound, better: None },
+            is_careful: false,
             turn: 0,
             priced: false,
         })
@@ -115,18 +141,30 @@ impl<'n> Proof<'n> {
         self.prices = prices;
     }
 
+    /// Begins anew with care, and with these prices if any are known: what was learnt in a hurry makes labels many.
+    pub(super) fn begin_with_care(&mut self, prices: Option<Vec<f64>>) {
+        self.prices = prices.unwrap_or_else(|| vec![0.0; self.network.targets]);
+        (self.is_careful, self.turn, self.priced) = (true, 0, false);
+        self.sampled = memory::nearest(self.network, REMEMBERED);
+        self.remembers.fill(0);
+    }
+
     /// The least bound known when the budget has used `until`, and a route that is worth more than `reached`, which is what
     /// some route is worth, if one was found. Goes on where the last call ended. False where even the first labels take too
     /// long: nothing is known then that was not known before.
     pub(super) fn run(&mut self, reached: f64, until: u64, budget: &mut dyn Budget) -> bool {
         (self.reached, self.known.better) = (reached, None);
-        while let Some((share, near, of_left)) = TURNS.get(self.turn).copied() {
-            if !self.priced && !self.find_prices(share, near, (until, budget)) {
+        while let Some(turn) = self.turns().get(self.turn).copied() {
+            if !self.priced && !self.find_prices(turn, (until, budget)) {
                 return self.turn > 0;
+            }
+            // In a hurry what prices are by then is good enough to go on with.
+            if self.is_careful && (budget.used() >= until || budget.exhausted()) {
+                break;
             }
             self.priced = true;
             let left = until.saturating_sub(budget.used()) as f64;
-            let settled = self.alternate(budget.used() + (of_left * left) as u64, budget);
+            let settled = self.alternate(budget.used() + (turn.of_left * left) as u64, budget);
             if settled || budget.used() >= until || budget.exhausted() {
                 break;
             }
@@ -135,17 +173,32 @@ impl<'n> Proof<'n> {
         true
     }
 
+    fn turns(&self) -> [Turn; 3] {
+        if self.is_careful { CAREFUL } else { QUICK }
+    }
+
     /// What is known by now.
     pub(super) fn known(&self) -> &Proven {
         &self.known
     }
 
     /// Finds prices; false where not even the first labels come to an end.
-    fn find_prices(&mut self, share: f64, near: usize, (until, budget): (u64, &mut dyn Budget)) -> bool {
+    fn find_prices(&mut self, turn: Turn, (until, budget): (u64, &mut dyn Budget)) -> bool {
+        let Turn { share, least, patience, near, .. } = turn;
         let network = self.network;
         let (reached, wanted) = (self.reached, self.grain.above(self.reached));
-        let layout = &self.layout_for_prices;
-        let rounds = Rounds { network, late: &self.late[0], onward: &self.onward[0], layout, near, reached, wanted };
+        let layout = if self.is_careful { &self.layout } else { &self.layout_in_a_hurry };
+        let rounds = Rounds {
+            network,
+            late: &self.late[0],
+            onward: &self.onward[0],
+            layout,
+            near,
+            least,
+            patience,
+            reached,
+            wanted,
+        };
         let mut best: Option<(f64, Vec<u32>)> = None;
         let mut hear = |walk: &[u32]| {
             let value = value_of(network, walk);
@@ -196,7 +249,8 @@ impl<'n> Proof<'n> {
             let mut stuck = first.is_none();
             if stuck {
                 stuck = !memory::grow(&mut self.remembers, self.network, &walk, u32::MAX);
-                for other in found.others.iter().map(|other| in_order(end, other)) {
+                let others = if self.is_careful { &[] } else { found.others.as_slice() };
+                for other in others.iter().map(|other| in_order(end, other)) {
                     memory::grow(&mut self.remembers, self.network, &other, u32::MAX);
                 }
             }
@@ -207,7 +261,8 @@ impl<'n> Proof<'n> {
             let next = self.rest(end, &found, &worth, budget);
             if stuck && !better {
                 // Either it is quickly done, or other prices help more.
-                let until = until.min(budget.used() + (budget.used() - began));
+                let last = self.turn + 1 == CAREFUL.len() && self.is_careful;
+                let until = if last { until } else { until.min(budget.used() + (budget.used() - began)) };
                 return self.finish(1 - end, &next, until, budget);
             }
             rest = Some(next);
