@@ -201,7 +201,10 @@ _Planners = list[tuple[str, list[str], Callable[[str, Surroundings], str], Calla
 def command(arguments: list[str], planners: _Planners) -> bool: ...
 def plan_json(problem: str, solver: str | None, budget_s: float, seed: int, planners: _Planners) -> str: ...
 def expected_cost_of(
-    problem: str, visits: list[tuple[str, float]], costs: list[tuple[str, Callable[[float], float], list[float]]]
+    problem: str,
+    visits: list[tuple[str, float]],
+    costs: list[tuple[str, Callable[[float], float], list[float]]],
+    survival: bool,
 ) -> tuple[float, list[tuple[str, float, int, float]]]: ...
 def cost_points(
     cost: Callable[[float], float], horizon_s: float, relative_error: float

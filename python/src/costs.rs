@@ -1,6 +1,7 @@
 //! Costs of ignorance written in Python: asked by the metrics, which know what a cost must be.
 
 use crate::errors::{InputError, PlanningError, input};
+use apex_metrics::eci::Likelihoods;
 use apex_metrics::own_cost::{OwnCost, expected_cost_with};
 use apex_metrics::tabulate::tabulate;
 use apex_model::problem::{Problem, SurveillanceVisit};
@@ -39,13 +40,15 @@ fn told(python: Python<'_>, why: String, raised: &Raised) -> PyErr {
 /// Name, expected cost, number of observations and longest gap in seconds of each target.
 type Targets = Vec<(String, f64, usize, f64)>;
 
-/// The score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps.
+/// The score of visits, each a target and when its observation ends; costs have the name of their target and ages of jumps;
+/// with `survival` only the first event after an observation counts.
 #[pyfunction]
 pub(crate) fn expected_cost_of(
     python: Python<'_>,
     problem: &str,
     visits: Vec<(String, f64)>,
     costs: Vec<(String, Bound<'_, PyAny>, Vec<f64>)>,
+    survival: bool,
 ) -> PyResult<(f64, Targets)> {
     let problem = match apex_cli::problem(problem).map_err(PlanningError::new_err)? {
         Problem::Surveillance(problem) => problem,
@@ -59,7 +62,9 @@ pub(crate) fn expected_cost_of(
         let function = Box::new(asking(cost, &raised));
         own.insert(name.clone(), OwnCost { function, jumps_s: jumps_s.clone() });
     }
-    let cost = expected_cost_with(&problem, &visits, &mut own).map_err(|why| told(python, why, &raised))?;
+    let likelihoods = if survival { Likelihoods::Survival } else { Likelihoods::Added };
+    let cost =
+        expected_cost_with(&problem, &visits, &mut own, likelihoods).map_err(|why| told(python, why, &raised))?;
     let row = |target: apex_metrics::eci::TargetCost| {
         (target.target, target.expected_cost, target.observations, target.longest_gap_s)
     };

@@ -44,6 +44,12 @@ def test_a_family_written_in_python_costs_the_same(capfd):
         family = target["cost"]["Saturating"]
         costs[target["name"]] = lambda age_s, m=family["maximum"], r=family["rate_per_s"]: -m * math.expm1(-r * age_s)
     assert expected_cost(given, visits, costs=costs).total == pytest.approx(visits["value"], rel=1e-9)
+    for target in given["Surveillance"]["targets"]:
+        target["rate"]["steps"] = [[0.0, 1e-4], [900.0, 5e-3]]
+    often = expected_cost(given, visits).total
+    first = expected_cost(given, visits, survival=True).total
+    assert 0.1 * often < first < 0.99 * often
+    assert expected_cost(given, visits, costs=costs, survival=True).total == pytest.approx(first, rel=1e-9)
 
 
 def test_jumps_may_be_named_and_save_calls(capfd):

@@ -354,8 +354,11 @@ pub struct PlanOptions {
     /// Of surveillance: the visits are a round that is flown again and again.
     #[arg(long, requires = "visits")]
     pub repeat: bool,
+    /// Of surveillance: also tell what the plan costs if only the first event after an observation counts, where events are not rare.
+    #[arg(long)]
+    pub survival: bool,
     /// Do not plan: print the problem as JSON.
-    #[arg(long, conflicts_with_all = ["solver", "budget", "bound_budget", "format", "json"])]
+    #[arg(long, conflicts_with_all = ["solver", "budget", "bound_budget", "format", "json", "survival"])]
     pub problem: bool,
     /// How the plan is printed; default is what the name of `--out` says, or a table.
     #[arg(long, value_enum, conflicts_with = "json")]

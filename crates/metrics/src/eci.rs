@@ -12,6 +12,16 @@ use std::convert::Infallible;
 /// Relative tolerance of quadrature for user functions.
 pub const QUADRATURE_TOLERANCE: f64 = 1e-11;
 
+/// How the likelihoods of events between two observations of a target go together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Likelihoods {
+    /// Added up, as in the paper: events are rare, or each counts.
+    #[default]
+    Added,
+    /// Only the first event after an observation counts ([`crate::survival`]).
+    Survival,
+}
+
 /// What it costs not to know of an event that is `age_s` old. Events of the future cost nothing.
 pub fn cost_at(cost: &CostFunction, age_s: f64) -> f64 {
     if age_s < 0.0 {
@@ -113,7 +123,7 @@ pub fn interval_cost(target: &SurveillanceTarget, from_s: f64, until_s: f64) -> 
 }
 
 /// The spans of constant rate in `[from_s, until_s]`: beginning, end, events per second.
-fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+pub(crate) fn pieces(rate: &EventRate, from_s: f64, until_s: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
     let ends = rate.steps.iter().skip(1).map(|(time_s, _)| *time_s).chain([f64::INFINITY]);
     rate.steps.iter().zip(ends).enumerate().filter_map(move |(index, ((time_s, events_per_s), end_s))| {
         let begin_s = if index == 0 { from_s } else { time_s.max(from_s) };
@@ -208,7 +218,7 @@ pub(crate) mod tests {
     use apex_model::problem::{Position, TravelTimes};
     use proptest::prelude::*;
 
-    fn target(cost: CostFunction, rate: EventRate) -> SurveillanceTarget {
+    pub(crate) fn target(cost: CostFunction, rate: EventRate) -> SurveillanceTarget {
         SurveillanceTarget {
             name: "a".to_string(),
             position: Position::default(),

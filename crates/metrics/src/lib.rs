@@ -6,4 +6,5 @@ pub mod eci;
 pub mod mission_score;
 pub mod own_cost;
 pub mod quadrature;
+pub mod survival;
 pub mod tabulate;

@@ -3,7 +3,8 @@
 //! What is promised of such a function is seen only at the ages at which it is asked: there it must be finite, not
 //! negative and, but for rounding, nowhere less than at a younger age asked.
 
-use crate::eci::{self, ExpectedCost, TargetCost};
+use crate::eci::{self, ExpectedCost, Likelihoods, TargetCost};
+use crate::survival;
 use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, SurveillanceVisit};
 use std::collections::BTreeMap;
 
@@ -42,7 +43,7 @@ pub(crate) fn falls((young_s, young): (f64, f64), (old_s, old): (f64, f64)) -> S
 }
 
 /// Expected cost of ignorance of flying `visits`, in any order, where targets named in `own` have those costs instead of
-/// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`].
+/// their families: by quadrature to [`eci::QUADRATURE_TOLERANCE`]. `likelihoods` of events are added up or survived.
 ///
 /// # Errors
 /// A sentence that names the target: one that is none, a visit without a time, or what is wrong with a cost and at which age.
@@ -50,6 +51,7 @@ pub fn expected_cost_with(
     problem: &SurveillanceProblem,
     visits: &[SurveillanceVisit],
     own: &mut BTreeMap<String, OwnCost<'_>>,
+    likelihoods: Likelihoods,
 ) -> Result<ExpectedCost, String> {
     let known = |name: &str| problem.targets.iter().any(|target| target.name == name);
     let named = visits.iter().map(|visit| &visit.target).chain(own.keys());
@@ -65,14 +67,26 @@ pub fn expected_cost_with(
             visits.iter().filter(|visit| visit.target == target.name).map(|visit| visit.end_s).collect();
         ends_s.sort_by(f64::total_cmp);
         match own.get_mut(&target.name) {
-            None => Ok(eci::target_cost(target, ends_s, problem.horizon_s)),
-            Some(cost) => {
-                target_cost_of(target, cost, ends_s, problem.horizon_s).map_err(|why| format!("{}: {why}", target.name))
-            }
+            None => target_cost(target, ends_s, problem.horizon_s, likelihoods),
+            Some(cost) => target_cost_of(target, cost, ends_s, problem.horizon_s, likelihoods),
         }
+        .map_err(|why| format!("{}: {why}", target.name))
     };
     let targets = problem.targets.iter().map(cost_of).collect::<Result<Vec<TargetCost>, String>>()?;
     Ok(ExpectedCost { total: targets.iter().map(|target| target.expected_cost).sum(), targets })
+}
+
+/// The cost of a target with a family of the model's.
+fn target_cost(
+    target: &SurveillanceTarget,
+    ends_s: Vec<f64>,
+    horizon_s: f64,
+    likelihoods: Likelihoods,
+) -> Result<TargetCost, String> {
+    eci::over_intervals(target, ends_s, horizon_s, |from_s, until_s| match likelihoods {
+        Likelihoods::Added => Ok(eci::interval_cost(target, from_s, until_s)),
+        Likelihoods::Survival => survival::interval_cost(target, from_s, until_s),
+    })
 }
 
 fn target_cost_of(
@@ -80,6 +94,7 @@ fn target_cost_of(
     cost: &mut OwnCost<'_>,
     ends_s: Vec<f64>,
     horizon_s: f64,
+    likelihoods: Likelihoods,
 ) -> Result<TargetCost, String> {
     let OwnCost { function, jumps_s } = cost;
     let mut asked: Vec<(f64, f64)> = Vec::new();
@@ -105,7 +120,11 @@ fn target_cost_of(
         }
     };
     let total = eci::over_intervals(target, ends_s, horizon_s, |from_s, until_s| {
-        eci::interval_cost_of(&target.rate, &mut watched, jumps_s, from_s, until_s)
+        let interval_cost = match likelihoods {
+            Likelihoods::Added => eci::interval_cost_of,
+            Likelihoods::Survival => survival::interval_cost_of,
+        };
+        interval_cost(&target.rate, &mut watched, jumps_s, from_s, until_s)
     });
     match trouble.or_else(|| fall(asked)) {
         Some(why) => Err(why),
@@ -165,7 +184,7 @@ mod tests {
         cost: impl FnMut(f64) -> Result<f64, String>,
     ) -> Result<ExpectedCost, String> {
         let own = OwnCost { function: Box::new(cost), jumps_s: Vec::new() };
-        expected_cost_with(problem, &visits(ends), &mut BTreeMap::from([("a".to_string(), own)]))
+        expected_cost_with(problem, &visits(ends), &mut BTreeMap::from([("a".to_string(), own)]), Likelihoods::Added)
     }
 
     proptest! {
@@ -184,6 +203,11 @@ mod tests {
             prop_assert_eq!(&with.targets[1], &exact.targets[1]);
             prop_assert_eq!(with.targets[0].observations, exact.targets[0].observations);
             prop_assert_eq!(with.targets[0].longest_gap_s, exact.targets[0].longest_gap_s);
+            let own = OwnCost { function: Box::new(|age_s| Ok(cost_at(&cost, age_s))), jumps_s: Vec::new() };
+            let mut own = BTreeMap::from([("a".to_string(), own)]);
+            let first = expected_cost_with(&problem, &visits(&ends), &mut own, Likelihoods::Survival).unwrap();
+            let exact = survival::expected_cost(&problem, &sorted).unwrap();
+            prop_assert!((first.total - exact.total).abs() <= 1e-9 * exact.total.max(1.0), "{first:?} {exact:?}");
         }
     }
 
@@ -212,7 +236,8 @@ mod tests {
         assert_eq!(told(&[("barn", 1.0)]), "barn is no target of the problem; targets are a, b.");
         assert!(told(&[("b", f64::NAN)]).contains("A visit of b ends at NaN"));
         let own = OwnCost { function: Box::new(Ok), jumps_s: Vec::new() };
-        let unknown = expected_cost_with(&problem, &[], &mut BTreeMap::from([("c".to_string(), own)]));
+        let unknown =
+            expected_cost_with(&problem, &[], &mut BTreeMap::from([("c".to_string(), own)]), Likelihoods::Added);
         assert!(unknown.unwrap_err().contains("c is no target"));
     }
 }

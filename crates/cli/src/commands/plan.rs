@@ -7,10 +7,12 @@ use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
 use crate::plan_output::proof::{self, Proven};
+use crate::plan_output::table::Beside;
 use crate::plan_output::{geojson, json, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::problem::Problem;
+use apex_metrics::survival;
+use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_runtime::invocation::Invocations;
@@ -44,6 +46,9 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
     }
     refuse(format, &question)?;
+    if options.survival {
+        refuse_survival(format, &question)?;
+    }
     let mut solved = match &options.plan {
         Some(file) => plan_brought::solve(options, file, &question)?,
         None => planned(options, &question, planners)?,
@@ -52,12 +57,13 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         name_obstacles(mission, &mut solved);
     }
     let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
+    let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let text = match format {
         PlanFormat::Table => {
-            let beside = table::Beside { proven: &proven, turns: turns_of(&question, &solved) };
+            let beside = Beside { proven: &proven, turns: turns_of(&question, &solved), survival };
             table::write(&question.name, question.benchmark.as_ref(), &solved, &beside)
         }
-        PlanFormat::Json => json(&question, &solved, &proven),
+        PlanFormat::Json => json(&question, &solved, &proven, survival),
         PlanFormat::Pdl => pdl(&question, &solved),
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
@@ -107,7 +113,7 @@ pub fn answer(
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
     let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
-    Ok(json(&question, &solved, &proven))
+    Ok(json(&question, &solved, &proven, None))
 }
 
 /// A problem in JSON.
@@ -158,9 +164,33 @@ fn refuse(format: PlanFormat, question: &Question) -> Outcome {
     }
 }
 
-fn json(question: &Question, solved: &Deliberation, proven: &Proven) -> String {
-    let turns = turns_of(question, solved);
-    json::write(&question.name, question.benchmark.as_ref(), solved, proven, turns.as_ref())
+/// The cost of ignorance of a first event is of problems that have one, and for formats that say it.
+fn refuse_survival(format: PlanFormat, question: &Question) -> Outcome {
+    if !matches!(question.problem, Problem::Surveillance(_)) {
+        return Err(Trouble::user("`--survival` is for plans of surveillance")
+            .because("single visits have no cost of ignorance")
+            .help("leave `--survival` out"));
+    }
+    match format {
+        PlanFormat::Table | PlanFormat::Json => Ok(()),
+        _ => Err(Trouble::user("`--survival` is for tables and JSON")
+            .because("the other formats hold what is flown")
+            .help("leave `--survival` or `--format` out")),
+    }
+}
+
+/// What a plan of surveillance costs where only the first event after an observation counts.
+fn survival_cost(solved: &Deliberation) -> Outcome<f64> {
+    let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
+        return Err(Trouble::user("the plan is none of surveillance"));
+    };
+    let cost = survival::expected_cost(problem, &plan.visits);
+    cost.map(|cost| cost.total).map_err(|why| Trouble::user("the cost of first events is not known").because(why))
+}
+
+fn json(question: &Question, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
+    let beside = Beside { proven, turns: turns_of(question, solved), survival };
+    json::write(&question.name, question.benchmark.as_ref(), solved, &beside)
 }
 
 /// Was the shortest of all tours asked for?

@@ -2,18 +2,13 @@
 
 use crate::commands::plan_question::Benchmark;
 use crate::mission::deliberator::Deliberation;
-use crate::plan_output::proof::{Proof, Proven};
-use crate::plan_output::turns::Turns;
+use crate::plan_output::proof::Proof;
+use crate::plan_output::table::Beside;
 use apex_solvers::bound::ages::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.
-pub fn write(
-    name: &str,
-    benchmark: Option<&Benchmark>,
-    solved: &Deliberation,
-    proven: &Proven,
-    turns: Option<&Turns>,
-) -> String {
+pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, beside: &Beside<'_>) -> String {
+    let Beside { proven, turns, survival } = beside;
     let Proof { value, bound, gap, proven_optimal } = proven.proof;
     let answer = serde_json::json!({
         "mission": name,
@@ -30,7 +25,8 @@ pub fn write(
         "bound_complete": proven.complete,
         "cpu_s": solved.cpu_s,
         "plan": solved.plan,
-        "turns": turns.map(|turns| serde_json::json!({
+        "survival_cost": survival,
+        "turns": turns.as_ref().map(|turns| serde_json::json!({
             "radius_m": turns.radius_m,
             "ways": turns.ways,
             "time_s": turns.time_s,

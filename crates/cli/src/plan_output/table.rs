@@ -24,6 +24,8 @@ pub struct Beside<'a> {
     pub proven: &'a Proven,
     /// What turns cost.
     pub turns: Option<Turns>,
+    /// What a plan of surveillance costs where only first events count, if somebody asks.
+    pub survival: Option<f64>,
 }
 
 /// What was asked, who planned and why, the visits, what they are worth, what is left out.
@@ -76,6 +78,9 @@ fn write_table(out: &mut String, solved: &Deliberation, beside: &Beside<'_>) -> 
     match &solved.plan {
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
+    }
+    if let (Plan::Surveillance(plan), Some(cost)) = (&solved.plan, beside.survival) {
+        write_survival(out, plan.expected_cost, cost)?;
     }
     if let Some(turns) = &beside.turns {
         write_turns(out, turns)?;
@@ -165,6 +170,12 @@ fn write_surveillance(out: &mut String, plan: &SurveillancePlan) -> std::fmt::Re
         }
         None => writeln!(out, "  no bound is known"),
     }
+}
+
+/// How far likelihoods that are added up are from those of first events.
+fn write_survival(out: &mut String, added: f64, survival: f64) -> std::fmt::Result {
+    let less = if added > 0.0 { 100.0 * (1.0 - survival / added).max(0.0) } else { 0.0 };
+    writeln!(out, "  if only the first event after an observation counts: {survival:.4}, {less:.1} % less")
 }
 
 /// What turns cost, so that somebody can see what a vehicle that turns more tightly would gain.
