@@ -5,7 +5,6 @@
 
 pub mod anytime;
 pub mod bound;
-pub mod brought;
 pub mod checker;
 pub mod features;
 pub mod formats;

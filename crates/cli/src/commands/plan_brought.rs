@@ -6,7 +6,8 @@ use crate::options::PlanOptions;
 use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::problem::Plan;
 use apex_model::solver::{Environment, WorkBudget, units_in};
-use apex_solvers::{brought, checker};
+use apex_solvers::checker;
+use apex_solvers::human::brought;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -1,5 +1,9 @@
 //! Bends the order of a cycle to the expected cost itself: where the horizon holds few laps, the shortest tour is not the
-//! cheapest. Moves one target, exchanges two, or turns a part round.
+//! cheapest. Moves one target, exchanges two, or turns a part round: one move a file.
+
+mod exchange;
+mod relocate;
+mod turn;
 
 use super::Report;
 use super::subset::Search;
@@ -34,22 +38,12 @@ fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: Report<'_>
 
 fn neighbours(cycle: &[usize], from: usize, to: usize) -> Vec<Vec<usize>> {
     let mut all = Vec::new();
-    if from == to {
-        return all;
+    if from != to {
+        all.push(relocate::relocated(cycle, from, to));
     }
-    let mut moved = cycle.to_vec();
-    let target = moved.remove(from);
-    moved.insert(to.min(moved.len()), target);
-    all.push(moved);
     if from < to {
-        let mut exchanged = cycle.to_vec();
-        exchanged.swap(from, to);
-        all.push(exchanged);
-        let mut turned = cycle.to_vec();
-        if let Some(part) = turned.get_mut(from..=to) {
-            part.reverse();
-        }
-        all.push(turned);
+        all.push(exchange::exchanged(cycle, from, to));
+        all.push(turn::turned(cycle, from, to));
     }
     all
 }

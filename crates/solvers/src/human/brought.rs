@@ -5,7 +5,7 @@
 //! the times. Neither says that the plan may be flown: that is the checker's word.
 //! Bound: O(visits x targets), and what [`Human`] takes.
 
-use crate::human::{Human, NAME};
+use super::{Human, NAME};
 use crate::single_visit;
 use crate::surveillance::scenario::Scenario;
 use apex_metrics::eci;

@@ -5,13 +5,15 @@
 //! (manoeuvre, waiting for a better time) that is worth most beside the others.
 //! Bound: O(visits) of surveillance; of single visits O(visits^2 x ways of a target).
 
+pub mod brought;
+
 use crate::single_visit;
 use crate::surveillance::scenario::Scenario;
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_model::solver::{Environment, Solver};
 
 /// The planner's name, also of plans that people bring.
-pub(crate) const NAME: &str = "human";
+const NAME: &str = "human";
 
 /// What a person wants to be flown.
 #[derive(Clone, Debug, PartialEq, Eq)]

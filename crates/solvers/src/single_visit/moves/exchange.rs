@@ -1,0 +1,12 @@
+//! Two visits in each other's place.
+
+use super::super::search::{Candidate, Search};
+
+impl Search<'_, '_, '_> {
+    /// Exchanges the visits `from` and `to`. Says whether that was better.
+    pub(super) fn exchange(&mut self, current: &mut Candidate, from: usize, to: usize) -> bool {
+        let mut exchanged = current.order.clone();
+        exchanged.swap(from, to);
+        self.try_promising(current, from, to + 1, exchanged)
+    }
+}

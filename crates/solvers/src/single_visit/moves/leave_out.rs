@@ -1,0 +1,14 @@
+//! A visit less.
+
+use super::super::search::{Candidate, Search};
+
+impl Search<'_, '_, '_> {
+    /// Leaves out the first visit without which the plan is better. Says whether there is one.
+    pub(super) fn leave_out(&mut self, current: &mut Candidate) -> bool {
+        (0..current.order.len()).any(|at| {
+            let mut order = current.order.clone();
+            order.remove(at);
+            !order.is_empty() && self.try_order(current, at, order)
+        })
+    }
+}

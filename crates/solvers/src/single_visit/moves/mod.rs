@@ -1,0 +1,126 @@
+//! The moves of the search, one a file: insertion of missing targets and changes of an order.
+//!
+//! Most candidates are turned away by an estimate: the legs that change, flown at the times known from the order as it is.
+//! Only what may be better by it is judged as a whole, with all that follows later or earlier.
+
+mod exchange;
+mod fill;
+mod leave_out;
+mod rechoose;
+mod relocate;
+mod replace;
+mod turn;
+
+use super::schedule::{Choice, UNITS_PER_LEG};
+use super::search::{Candidate, Search};
+use super::travel::Node;
+
+/// An estimate may be wrong by this where winds and zones change with the time of day.
+const ESTIMATE_SLACK_S: f64 = 60.0;
+/// And by this share of the flight that is left.
+const ESTIMATE_SLACK_SHARE: f64 = 0.01;
+
+impl Search<'_, '_, '_> {
+    /// Applies improving moves until there is none.
+    pub(super) fn descend(&mut self, current: &mut Candidate) {
+        while !self.budget.exhausted()
+            && (self.relocate(current)
+                || self.turn_or_exchange(current)
+                || self.rechoose(current)
+                || self.insert(current)
+                || self.replace(current)
+                || self.leave_out(current))
+        {}
+    }
+
+    /// Turns the part between any two visits round, or exchanges the two. Says whether anything got better.
+    fn turn_or_exchange(&mut self, current: &mut Candidate) -> bool {
+        let mut better = false;
+        for from in 0..current.order.len() {
+            for to in from + 1..current.order.len() {
+                better |= self.turn(current, from, to);
+                better |= self.exchange(current, from, to);
+            }
+        }
+        better
+    }
+
+    /// As `try_order` for the same visits in another order, that differs in `first..last` only, if the legs there
+    /// promise to take less time.
+    fn try_promising(&mut self, current: &mut Candidate, first: usize, last: usize, order: Vec<Choice>) -> bool {
+        if self.budget.exhausted() || !self.is_promising(current, first, last, &order) {
+            return false;
+        }
+        self.try_order(current, first, order)
+    }
+
+    fn is_promising(&mut self, current: &Candidate, first: usize, last: usize, order: &[Choice]) -> bool {
+        self.budget.charge(1);
+        let slack_s = self.slack_s(current, first);
+        if slack_s.is_infinite() {
+            return true;
+        }
+        let old_s: f64 = (first..=last).map(|at| arrival(current, at) - self.end_before(current, at)).sum();
+        let (mut node, mut time_s) = (exit_before(current, first), self.end_before(current, first));
+        let mut new_s = 0.0;
+        // The legs into each visit that may have moved, and out of the last.
+        for at in first..=last {
+            let choice = order.get(at).filter(|_| at < last);
+            let entry = match choice {
+                Some(choice) => Some(Node::Entry(choice.target, choice.manoeuvre)),
+                None => self.entry_at(current, at),
+            };
+            let Some(entry) = entry else { break };
+            self.budget.charge(UNITS_PER_LEG);
+            let Some(leg_s) = self.schedule.travel.time_s(node, entry, time_s) else { return false };
+            new_s += leg_s;
+            if new_s > old_s + slack_s {
+                return false;
+            }
+            let Some(choice) = choice else { break };
+            let target = self.schedule.problem.targets.get(choice.target);
+            let manoeuvre = target.and_then(|target| target.manoeuvres.get(choice.manoeuvre));
+            time_s += leg_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
+            node = Node::Exit(choice.target, choice.manoeuvre);
+        }
+        true
+    }
+
+    /// How far an estimate of what comes from visit `at` on may be wrong: waiting may become shorter, wind and zones may
+    /// change; where worth changes with time no estimate is trusted.
+    fn slack_s(&self, current: &Candidate, at: usize) -> f64 {
+        let targets = &self.schedule.problem.targets;
+        let visits = current.judged.visits.iter().zip(&current.order).skip(at);
+        let waits = visits.map(|(timed, choice)| {
+            let timing = targets.get(choice.target).is_some_and(|target| !target.timing.is_empty());
+            if timing { f64::INFINITY } else { timed.begin_s - timed.arrive_s }
+        });
+        let left_s = current.judged.end_s - self.end_before(current, at);
+        ESTIMATE_SLACK_S + ESTIMATE_SLACK_SHARE * left_s + waits.sum::<f64>()
+    }
+
+    /// When the visit before the one at `at` ends.
+    fn end_before(&self, current: &Candidate, at: usize) -> f64 {
+        let before = at.checked_sub(1).and_then(|before| current.judged.visits.get(before));
+        before.map_or(self.schedule.problem.start_s, |timed| timed.end_s)
+    }
+
+    /// Where the visit at `at` begins; the base after the last; none where the flight may end anywhere.
+    fn entry_at(&self, current: &Candidate, at: usize) -> Option<Node> {
+        match current.order.get(at) {
+            Some(choice) => Some(Node::Entry(choice.target, choice.manoeuvre)),
+            None => self.schedule.problem.base.map(|_| Node::Base),
+        }
+    }
+}
+
+/// Where the visit before the one at `at` ends.
+fn exit_before(current: &Candidate, at: usize) -> Node {
+    let before = at.checked_sub(1).and_then(|before| current.order.get(before));
+    before.map_or(Node::Start, |choice| Node::Exit(choice.target, choice.manoeuvre))
+}
+
+/// When the vehicle is at the visit at `at`; after the last, when the flight ends.
+fn arrival(current: &Candidate, at: usize) -> f64 {
+    current.judged.visits.get(at).map_or(current.judged.end_s, |timed| timed.arrive_s)
+}

@@ -1,0 +1,21 @@
+//! Another manoeuvre or another time for a visit.
+
+use super::super::search::{Candidate, Search};
+
+impl Search<'_, '_, '_> {
+    /// Another manoeuvre or another time for one visit. Says whether anything got better.
+    pub(super) fn rechoose(&mut self, current: &mut Candidate) -> bool {
+        let mut better = false;
+        for at in 0..current.order.len() {
+            let Some(now) = current.order.get(at).copied() else { continue };
+            for choice in self.choices(now.target).into_iter().filter(|choice| *choice != now) {
+                let mut order = current.order.clone();
+                if let Some(slot) = order.get_mut(at) {
+                    *slot = choice;
+                }
+                better |= self.try_order(current, at, order);
+            }
+        }
+        better
+    }
+}

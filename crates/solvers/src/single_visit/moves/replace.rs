@@ -1,0 +1,27 @@
+//! Another target in place of one.
+
+use super::super::search::{Candidate, Search, inserted};
+
+/// Insertions judged in place of one visit taken out.
+const REPLACEMENTS_MAX: usize = 12;
+
+impl Search<'_, '_, '_> {
+    /// One visit out, another target or the same in another way in at any place.
+    pub(super) fn replace(&mut self, current: &mut Candidate) -> bool {
+        for out in 0..current.order.len() {
+            let mut order = current.order.clone();
+            order.remove(out);
+            let Some(judged) = self.judge(current, out, &order) else { continue };
+            let without = Candidate { order, judged };
+            let mut offers = self.offers(&without, 0.0);
+            for _ in 0..REPLACEMENTS_MAX {
+                let Some(offer) = self.best_offer(&without, &mut offers) else { break };
+                let order = inserted(&without.order, offer.at, offer.choice);
+                if self.try_order(current, out.min(offer.at), order) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,14 @@
+//! A part of the order turned round.
+
+use super::super::search::{Candidate, Search};
+
+impl Search<'_, '_, '_> {
+    /// Turns the visits `from` to `to` round. Says whether that was better.
+    pub(super) fn turn(&mut self, current: &mut Candidate, from: usize, to: usize) -> bool {
+        let mut turned = current.order.clone();
+        if let Some(part) = turned.get_mut(from..=to) {
+            part.reverse();
+        }
+        self.try_promising(current, from, to + 1, turned)
+    }
+}

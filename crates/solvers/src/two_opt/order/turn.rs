@@ -1,0 +1,10 @@
+//! A part of the cycle turned round.
+
+/// The cycle with the part from `from` to `to` turned round.
+pub(super) fn turned(cycle: &[usize], from: usize, to: usize) -> Vec<usize> {
+    let mut turned = cycle.to_vec();
+    if let Some(part) = turned.get_mut(from..=to) {
+        part.reverse();
+    }
+    turned
+}
