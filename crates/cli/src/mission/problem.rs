@@ -133,7 +133,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
 }
 
 /// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
-fn turn_radius_m(model: &VehicleModel) -> f64 {
+pub(crate) fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(
             model.true_airspeed_m_s_cruise,

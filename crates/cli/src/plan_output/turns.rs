@@ -1,7 +1,7 @@
 //! What turns cost in a plan, where its vehicle cannot turn at once.
 
 use crate::mission::Mission;
-use crate::mission::problem::survey;
+use crate::mission::problem::{survey, turn_radius_m};
 use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, SurveillanceProblem};
 
 /// What turning makes a plan's ways take.
@@ -30,12 +30,13 @@ pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<T
 }
 
 fn of_surveillance(problem: &SurveillanceProblem, plan: &SurveillancePlan, mission: &Mission) -> Option<Turns> {
+    // Who turns at once needs no survey, which takes longer than all of the rest.
+    if turn_radius_m(&mission.model) <= 0.0 {
+        return None;
+    }
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     let mut ways = survey(mission, &positions, mission.start, 0.0).ok()?;
     let mut turns = Turns { radius_m: ways.circle_radius_m(), ways: 0, time_s: 0.0 };
-    if turns.radius_m <= 0.0 {
-        return None;
-    }
     let (mut from, mut depart_s) = (None, 0.0);
     for visit in &plan.visits {
         let to = problem.targets.iter().position(|target| target.name == visit.target)?;
