@@ -6,12 +6,14 @@ use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_model::solver::{Budget, Environment, WorkBudget};
 
 /// Ruins in a row without a better plan after which the search ends by itself.
-pub(super) const STALE_ROUNDS_MAX: usize = 300;
+pub(super) const STALE_ROUNDS_MAX: usize = 3_000;
 
 /// The search goes on from plans that are worse than the best by a random part of this share.
 const DETOUR_SHARE: f64 = 0.08;
 /// Rounds without a better plan after which it returns to the best, again and again.
-const RETURN_ROUNDS: usize = 20;
+const RETURN_ROUNDS: usize = 60;
+/// How far chance may lower the merit of an insertion after a ruin, as a share of it.
+const REFILL_NOISE: f64 = 0.3;
 
 /// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
 const EXACT_TARGETS_MAX: usize = 6;
@@ -68,10 +70,11 @@ pub(super) fn run(
     while stale < STALE_ROUNDS_MAX && !search.budget.exhausted() {
         stale += 1;
         let mut next = search.ruined(&current);
-        search.fill(&mut next, 0.6);
+        search.fill(&mut next, REFILL_NOISE);
         search.banned.clear();
-        search.descend(&mut next);
         if next.judged.beats(&best.judged) {
+            // A descent takes as much work as dozens of ruins: only the best plan is worth it.
+            search.descend(&mut next);
             best = next.clone();
             stale = 0;
             tell(&mut search, &best, report);
