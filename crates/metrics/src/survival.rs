@@ -225,6 +225,15 @@ mod tests {
     }
 
     #[test]
+    fn costs_that_hardly_begin_keep_their_digits() {
+        // So slow a cost is a line.
+        let cost = |cost| interval_cost(&target(cost, EventRate::constant(0.01)), 0.0, 100.0).unwrap();
+        let slow = cost(CostFunction::Saturating { maximum: 3.0, rate_per_s: 1e-12 });
+        let line = cost(CostFunction::Linear { cost_per_s: 3e-12 });
+        assert!((slow / line - 1.0).abs() < 1e-9, "{slow} {line}");
+    }
+
+    #[test]
     fn certain_events_cost_what_the_oldest_does() {
         let slow = target(CostFunction::Linear { cost_per_s: 2.0 }, EventRate::constant(1e6));
         assert!((interval_cost(&slow, 0.0, 50.0).unwrap() - 100.0).abs() < 1e-4);

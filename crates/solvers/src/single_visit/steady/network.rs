@@ -42,7 +42,6 @@ pub(super) struct Node {
 }
 
 /// The problem in ticks.
-#[derive(Clone)]
 pub(super) struct Network {
     pub(super) nodes: Vec<Node>,
     pub(super) targets: usize,

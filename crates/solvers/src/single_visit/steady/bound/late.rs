@@ -4,7 +4,6 @@ use super::super::network::{FIRST, Network};
 use super::memory::{Targets, bit_of};
 
 /// For each node the last times at which targets are still reached, earliest first, each with all that are missed after it.
-#[derive(Clone)]
 pub(super) struct Late(Vec<Vec<(i32, Targets)>>);
 
 impl Late {

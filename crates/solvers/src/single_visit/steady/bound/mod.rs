@@ -43,7 +43,6 @@ const HURRY_UNITS: u64 = 450_000;
 const STEPS_PER_UNIT: u64 = 120;
 
 /// What is known of the most that a route can be worth.
-#[derive(Clone)]
 pub(super) struct Proven {
     /// No route is worth more.
     pub(super) bound: f64,
@@ -110,14 +109,10 @@ impl<'n> Question<'n> {
             return;
         }
         let prices = self.hurry(HURRY_UNITS.max((HURRY_SHARE * units as f64) as u64), budget);
-        let hurried = self.proof.clone();
         if let Some(proof) = &mut self.proof {
             proof.begin_with_care(prices);
         }
         self.too_few = 0;
-        self.label(until, budget);
-        // Care may end in too many labels with units left: then hurry goes on.
-        (self.proof, self.too_few) = (hurried, 0);
         self.label(until, budget);
     }
 

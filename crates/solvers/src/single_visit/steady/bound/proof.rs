@@ -61,7 +61,6 @@ const FIRST_SHARE: f64 = 0.25;
 const WAYS_PER_UNIT: u64 = 1_000;
 
 /// A proof on its way.
-#[derive(Clone)]
 pub(super) struct Proof<'n> {
     network: &'n Network,
     /// The network with its ends exchanged.
