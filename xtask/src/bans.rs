@@ -11,6 +11,7 @@ const CORE: &[&str] = &[
     "crates/geo",
     "crates/metrics",
     "crates/solvers",
+    "crates/mission",
     "adapters/sim",
 ];
 /// Entries without which the list would be no list: clocks, threads, platform mathematics, size, tests.

@@ -10,7 +10,6 @@
 
 mod commands;
 mod console;
-mod mission;
 mod monitor;
 mod options;
 mod output;
@@ -21,6 +20,7 @@ mod replacing;
 mod sources;
 mod telling;
 mod trouble;
+mod world;
 
 pub use apex_solvers::Registry;
 

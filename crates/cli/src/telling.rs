@@ -1,69 +1,6 @@
-//! Words and columns for people.
+//! Words for people and for their shells.
 
-use apex_model::time::Duration;
-
-/// Lines for people are no wider than this.
-const LINE_WIDTH: usize = 100;
-/// Where the text stands beside the times of a history.
-const TIME_INDENT: &str = "                ";
-/// The narrowest column of names.
-const NAME_WIDTH_MIN: usize = 10;
-
-/// A duration as people say it: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
-pub fn plain_duration(duration: Duration) -> String {
-    let seconds = duration.seconds();
-    if seconds < 60.0 {
-        let text = format!("{seconds:.1}");
-        return format!("{} s", text.strip_suffix(".0").unwrap_or(&text));
-    }
-    let whole = seconds.round() as u64;
-    let parts = [(whole / 3600, "h"), (whole / 60 % 60, "min"), (whole % 60, "s")];
-    let words: Vec<String> =
-        parts.iter().filter(|(count, _)| *count > 0).map(|(count, unit)| format!("{count} {unit}")).collect();
-    words.join(" ")
-}
-
-/// How wide a column must be for its heading and all of its names.
-pub fn name_width<'a>(heading: &str, names: impl IntoIterator<Item = &'a str>) -> usize {
-    let longest = names.into_iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    longest.max(heading.chars().count()).max(NAME_WIDTH_MIN)
-}
-
-/// Words joined by `joint`, in lines no wider than [`LINE_WIDTH`]; later lines begin with `indent`, and of the first one
-/// `used` columns are taken already.
-pub fn wrapped(words: &[String], joint: &str, used: usize, indent: &str) -> String {
-    let mut text = String::new();
-    let mut width = used;
-    for (index, word) in words.iter().enumerate() {
-        let piece = if index + 1 < words.len() { format!("{word}{joint}") } else { word.clone() };
-        let length = piece.chars().count();
-        if index > 0 && width + length > LINE_WIDTH {
-            text.truncate(text.trim_end().len());
-            text.push('\n');
-            text.push_str(indent);
-            width = indent.len();
-        }
-        text.push_str(&piece);
-        width += length;
-    }
-    text
-}
-
-/// One line for people in as many as it needs; what begins with a time goes on beside it.
-pub fn wrapped_line(line: &str) -> String {
-    let words: Vec<String> = line.split(' ').map(str::to_string).collect();
-    let leading = line.len() - line.trim_start().len();
-    // A moment of a history stands beside its time; everything else goes on a little further in.
-    let moment = line.trim_start().split_once("  ").is_some_and(|(time, _)| !time.contains(' '));
-    let indent = if moment && leading > 2 { TIME_INDENT.to_owned() } else { " ".repeat(leading.max(2) + 2) };
-    wrapped(&words, " ", 0, &indent)
-}
-
-/// A name in a column of `width`, and what is to be said of it in the lines beside it.
-pub fn named(name: &str, width: usize, text: &str) -> String {
-    let words: Vec<String> = text.split(' ').map(str::to_string).collect();
-    format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))
-}
+pub use apex_mission::text::{name_width, named, plain_duration, wrapped, wrapped_line};
 
 /// A word for the shell: quoted where the shell would read it otherwise.
 pub fn shell_word(word: &str) -> String {
@@ -77,38 +14,6 @@ pub fn shell_word(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn durations_read_as_people_say_them() {
-        let said = |seconds: f64| plain_duration(Duration::from_seconds(seconds));
-        assert_eq!(said(79_495.896), "22 h 4 min 56 s");
-        assert_eq!(said(243.146), "4 min 3 s");
-        assert_eq!(said(3600.0), "1 h");
-        assert_eq!(said(13.5), "13.5 s");
-        assert_eq!(said(0.0), "0 s");
-        assert_eq!(said(59.99), "60 s");
-    }
-
-    #[test]
-    fn long_texts_go_on_in_their_column() {
-        let text = named("cabin", 10, &"word ".repeat(25));
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2);
-        assert!(lines[0].starts_with("  cabin       word ") && lines[0].len() <= LINE_WIDTH, "{text}");
-        assert!(lines[1].starts_with("              word "), "{text}");
-    }
-
-    #[test]
-    fn a_history_goes_on_beside_its_times() {
-        let line = format!("         13.5s  {}", "word ".repeat(20).trim_end());
-        let text = wrapped_line(&line);
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2, "{text}");
-        assert_eq!(lines[0].len(), 95, "as full as can be: {text}");
-        assert!(lines[1].starts_with("                word"), "{text}");
-        assert_eq!(wrapped_line("short"), "short");
-        assert_eq!(wrapped_line(""), "");
-    }
 
     #[test]
     fn words_are_quoted_for_the_shell_where_needed() {

@@ -2,8 +2,10 @@
 
 use super::check;
 use crate::options::CheckOptions;
-use crate::trouble::{Outcome, Trouble, read_text};
+use crate::trouble::{Outcome, Trouble};
 use crate::{output, replacing, sources};
+use apex_mission::error::MissionResult;
+use apex_mission::files::read_text;
 use apex_pdl::{Applicability, Checked, Diagnostic, Fix, Severity, SourceText};
 use similar::TextDiff;
 use std::collections::BTreeMap;
@@ -96,12 +98,12 @@ fn fix_standard_input(options: &CheckOptions) -> Outcome<bool> {
 }
 
 /// A way to read a file of the program.
-type Reader<'r> = &'r mut dyn FnMut(&Path) -> Outcome<String>;
+type Reader<'r> = &'r mut dyn FnMut(&Path) -> MissionResult<String>;
 
 impl Program {
     /// Checks and fixes until nothing safe is left to fix. A pass that leaves more errors than it found is taken back,
     /// unless it mended the text's structure: what was wrong behind a missing `)` is seen only then.
-    fn mend(&mut self, mut check: impl FnMut(Reader<'_>) -> Outcome<Checked>) -> Outcome<Checked> {
+    fn mend(&mut self, mut check: impl FnMut(Reader<'_>) -> MissionResult<Checked>) -> MissionResult<Checked> {
         let mut checked = check(&mut |path| self.read(path))?;
         for _ in 0..PASSES_MAX {
             let Some((texts, made)) = self.fixed(&checked) else { break };
@@ -118,7 +120,7 @@ impl Program {
         Ok(checked)
     }
 
-    fn read(&mut self, path: &Path) -> Outcome<String> {
+    fn read(&mut self, path: &Path) -> MissionResult<String> {
         if let Some(known) = self.texts.get(path) {
             return Ok(known.now.clone());
         }

@@ -1,14 +1,14 @@
 //! `apex fly`: a whole mission in simulated time, recorded, reported.
 
-use crate::mission::Mission;
-use crate::mission::bookkeeping::{Bookkeeping, BookkeepingObserver, SharedBookkeeping, lock};
-use crate::mission::deliberator::{Means, MissionDeliberator};
-use crate::mission::report::{Report, report};
-use crate::mission::world::world;
 use crate::options::FlyOptions;
 use crate::telling::{plain_duration, shell_word};
 use crate::trouble::{Outcome, Trouble};
+use crate::world::world;
 use crate::{commands, output, recording, sources};
+use apex_mission::Mission;
+use apex_mission::bookkeeping::{Bookkeeping, BookkeepingObserver, SharedBookkeeping, lock};
+use apex_mission::deliberator::{Means, MissionDeliberator};
+use apex_mission::report::{Report, report};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};

@@ -2,7 +2,6 @@
 
 use super::plan_brought;
 use super::plan_question::{self, Question};
-use crate::mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::output;
 use crate::plan_output::chart::{Chart, chart};
@@ -12,6 +11,7 @@ use crate::plan_output::{geojson, json, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
 use apex_metrics::survival;
+use apex_mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_model::value::Value;

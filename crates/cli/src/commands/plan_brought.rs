@@ -1,9 +1,9 @@
 //! `apex plan --plan FILE`: a plan that somebody drew or edited, read, scored and checked like any other.
 
 use super::plan_question::Question;
-use crate::mission::deliberator::{Deliberation, PLAN_VISITS_MAX};
 use crate::options::PlanOptions;
 use crate::trouble::{Outcome, Trouble, read_text};
+use apex_mission::deliberator::{Deliberation, PLAN_VISITS_MAX};
 use apex_model::problem::Plan;
 use apex_model::solver::{Environment, WorkBudget, units_in};
 use apex_solvers::checker;

@@ -1,14 +1,14 @@
 //! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
 //! of its cell.
 
-use crate::mission::Mission;
-use crate::mission::bookkeeping::Bookkeeping;
-use crate::mission::deliberator::validate;
-use crate::mission::problem::pose;
 use crate::options::PlanOptions;
 use crate::plan_output::proof;
 use crate::sources::parse_time;
 use crate::trouble::{Outcome, Trouble, nearby_help, read_text};
+use apex_mission::Mission;
+use apex_mission::bookkeeping::Bookkeeping;
+use apex_mission::deliberator::validate;
+use apex_mission::problem::pose;
 use apex_model::problem::{Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;

@@ -6,10 +6,10 @@ use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{output, outside, recording, sources};
+use apex_mission::scenario;
 use apex_model::library::Library;
 use apex_model::time::Time;
 use apex_runtime::answer_lines::read_answers;
-use apex_runtime::input_lines::read_inputs;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
@@ -152,20 +152,14 @@ fn recorder(path: &Path, library: &Library) -> Outcome<Recorder> {
 
 /// Reads scripted inputs from a file, or from standard input for `-`.
 pub fn inputs_of(path: &Path) -> Outcome<Vec<Input>> {
-    let (name, text) = if path.as_os_str() == "-" {
-        let mut text = String::new();
-        std::io::stdin()
-            .read_to_string(&mut text)
-            .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
-        ("<standard input>".to_string(), text)
-    } else {
-        (path.display().to_string(), read_text(path)?)
-    };
-    let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
-    read_inputs(&name, &text, &read_value).map_err(|errors| {
-        Trouble::user(errors.to_string())
-            .help("each line is {\"t\": SECONDS, \"event\": \"(FORM)\"} or {\"t\": SECONDS, \"measurement\": \"(ATTRIBUTE OBJECT)\", \"value\": VALUE}")
-    })
+    if path.as_os_str() != "-" {
+        return Ok(scenario::read(path)?);
+    }
+    let mut text = String::new();
+    std::io::stdin()
+        .read_to_string(&mut text)
+        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+    Ok(scenario::parse("<standard input>", &text)?)
 }
 
 /// Reads what the operator answers.

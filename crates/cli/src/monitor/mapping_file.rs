@@ -227,7 +227,7 @@ mod tests {
             let file = shipped(format).unwrap().unwrap();
             let declarations = file.declarations_beside(&Library::default());
             let source = apex_pdl::SourceText { name: file.name.clone(), text: declarations };
-            let checked = crate::sources::check_sources(vec![source], false, &mut |_| Err(String::new()));
+            let checked = apex_mission::program::check_sources(vec![source], false, &mut |_| Err(String::new()));
             assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
             let attributes: Vec<_> = file.entries.iter().map(|(entry, _)| entry.variable.attribute.clone()).collect();
             assert!(attributes.iter().all(|each| checked.library.state_variables.contains_key(each)), "{attributes:?}");

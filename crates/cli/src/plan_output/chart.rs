@@ -4,8 +4,8 @@
 //! from it alone.
 
 use super::watch::Watch;
-use crate::mission::{Mission, TargetKind};
 use apex_metrics::eci;
+use apex_mission::{Mission, TargetKind};
 use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
@@ -244,7 +244,7 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
 /// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
-    crate::mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
+    apex_mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }
 
 /// The path with its turns where there is one, else the route.
@@ -268,7 +268,7 @@ fn of_surveillance(
     let altitude_m = |name: &str| {
         let mission = mission?;
         let site = mission.targets.iter().find(|target| target.id == name)?;
-        matches!(site.kind, TargetKind::Site(_)).then(|| crate::mission::deliberator::visit_altitude_m(mission, site))
+        matches!(site.kind, TargetKind::Site(_)).then(|| apex_mission::deliberator::visit_altitude_m(mission, site))
     };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {

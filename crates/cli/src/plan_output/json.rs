@@ -1,9 +1,9 @@
 //! A plan as one object of JSON, for programs: `docs/reference/schema/plan.schema.json`.
 
 use crate::commands::plan_question::Benchmark;
-use crate::mission::deliberator::Deliberation;
 use crate::plan_output::proof::Proof;
 use crate::plan_output::table::Beside;
+use apex_mission::deliberator::Deliberation;
 use apex_solvers::bound::ages::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.

@@ -1,6 +1,6 @@
 //! How good a plan is, and how good any could be.
 
-use crate::mission::deliberator::Deliberation;
+use apex_mission::deliberator::Deliberation;
 use apex_model::problem::{Plan, Problem};
 use apex_model::solver::{WorkBudget, units_in};
 use apex_model::time::Duration;

@@ -1,10 +1,10 @@
 //! A plan as a table for people.
 
 use crate::commands::plan_question::Benchmark;
-use crate::mission::deliberator::Deliberation;
 use crate::plan_output::proof::{Proof, Proven};
 use crate::plan_output::turns::Turns;
 use crate::telling::{name_width, named, wrapped};
+use apex_mission::deliberator::Deliberation;
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
 use apex_solvers::bound::ages::cycles::WithoutEnd;

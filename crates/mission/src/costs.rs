@@ -2,8 +2,8 @@
 
 use super::settings::Settings;
 use super::targets::{Target, TargetKind};
-use crate::sources;
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{MissionError, MissionResult};
+use crate::program;
 use apex_executive::{Agent, call, load};
 use apex_metrics::tabulate::tabulate;
 use apex_model::library::Library;
@@ -23,25 +23,27 @@ const EXAMPLE: &str =
 ///
 /// # Errors
 /// A name that is no structure or no function of the program, or a function that is no cost.
-pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [Target]) -> Outcome {
+pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [Target]) -> MissionResult {
     if settings.costs.is_empty() {
         return Ok(());
     }
     let place = &settings.place;
-    let agent = load(Arc::clone(library), &sources::agent_of(library), sources::host_functions())
-        .map_err(|reason| Trouble::user(format!("{place}: `:costs` cannot be computed")).because(reason))?;
+    let agent = load(Arc::clone(library), &program::agent_of(library), program::host_functions())
+        .map_err(|reason| MissionError::setting(format!("{place}: `:costs` cannot be computed")).because(reason))?;
     for (name, function) in &settings.costs {
         let Some(site) = targets.iter_mut().find(|target| target.id == *name).and_then(site_of) else {
             let structures = targets.iter_mut().filter_map(|target| site_of(target).is_some().then_some(&*target.id));
             let structures: Vec<&str> = structures.take(12).collect();
-            return Err(Trouble::user(format!("{place}: `:costs` names `{name}`, which is no structure"))
+            return Err(MissionError::setting(format!("{place}: `:costs` names `{name}`, which is no structure"))
                 .help(format!("structures are: {}", structures.join(", "))));
         };
         if settings.costs.iter().filter(|(other, _)| other == name).count() > 1 {
-            return Err(Trouble::user(format!("{place}: `:costs` names `{name}` twice")).help("give it one function"));
+            return Err(
+                MissionError::setting(format!("{place}: `:costs` names `{name}` twice")).help("give it one function")
+            );
         }
         if !library.functions.contains_key(function) {
-            return Err(Trouble::user(format!(
+            return Err(MissionError::setting(format!(
                 "{place}: `:costs` names `{function}`, which is no function of the program"
             ))
             .help(EXAMPLE));
@@ -53,7 +55,9 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         let oldest_s = settings.duration.seconds() + site.initial_age_s + response_s;
         let points =
             tabulate(&mut |age_s| cost_at(&agent, function, age_s), oldest_s, RELATIVE_ERROR).map_err(|why| {
-                Trouble::user(format!("{place}: `{function}` is no cost of `{name}`")).because(why).help(EXAMPLE)
+                MissionError::setting(format!("{place}: `{function}` is no cost of `{name}`"))
+                    .because(why)
+                    .help(EXAMPLE)
             })?;
         let table = CostFunction::Table { points };
         site.cost = match response_s > 0.0 {

@@ -1,11 +1,12 @@
 //! CSV files with a header; every complaint names file, line and column.
 
-use crate::trouble::{Outcome, Trouble, read_bytes};
+use crate::error::{MissionError, MissionResult};
+use crate::files::read_bytes;
 use std::path::{Path, PathBuf};
 
 /// A table whose columns are named by its first line.
 #[derive(Debug)]
-pub struct Table {
+pub(crate) struct Table {
     file: PathBuf,
     header: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
@@ -13,7 +14,7 @@ pub struct Table {
 
 /// One row of a table.
 #[derive(Clone, Copy)]
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     table: &'a Table,
     line: u64,
     cells: &'a [String],
@@ -24,21 +25,21 @@ pub struct Row<'a> {
 ///
 /// # Errors
 /// Unreadable file, rows of unequal length, missing or unknown columns, no rows.
-pub fn read(path: &Path, columns: &[&str], optional: &[&str]) -> Outcome<Table> {
+pub(crate) fn read(path: &Path, columns: &[&str], optional: &[&str]) -> MissionResult<Table> {
     let bytes = read_bytes(path)?;
-    let broken = |error: csv::Error| Trouble::user(format!("{} is not a table", path.display())).because(error);
+    let broken = |error: csv::Error| MissionError::data(format!("{} is not a table", path.display())).because(error);
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes.as_slice());
     let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
     let missing: Vec<&str> =
         columns.iter().copied().filter(|column| !header.iter().any(|name| name == column)).collect();
     if !missing.is_empty() {
-        return Err(Trouble::user(format!("{}: missing columns: {}", path.display(), missing.join(", ")))
+        return Err(MissionError::data(format!("{}: missing columns: {}", path.display(), missing.join(", ")))
             .because(format!("the first line names {}", header.join(", ")))
             .help("add the columns; docs/reference/mission-data.md lists all of them"));
     }
     let known = |name: &&String| !columns.contains(&name.as_str()) && !optional.contains(&name.as_str());
     if let Some(unknown) = header.iter().find(known) {
-        return Err(Trouble::user(format!("{}: unknown column `{unknown}`", path.display()))
+        return Err(MissionError::data(format!("{}: unknown column `{unknown}`", path.display()))
             .help(format!("known are {}", [columns, optional].concat().join(", "))));
     }
     let mut rows = Vec::new();
@@ -48,32 +49,32 @@ pub fn read(path: &Path, columns: &[&str], optional: &[&str]) -> Outcome<Table> 
         rows.push((line, record.iter().map(str::to_string).collect()));
     }
     if rows.is_empty() {
-        return Err(Trouble::user(format!("{} has a header but no rows", path.display())));
+        return Err(MissionError::data(format!("{} has a header but no rows", path.display())));
     }
     Ok(Table { file: path.to_path_buf(), header, rows })
 }
 
 impl Table {
     /// The rows in order.
-    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(line, cells)| Row { table: self, line: *line, cells })
     }
 }
 
 impl Row<'_> {
     /// A complaint about this row.
-    pub fn trouble(&self, what: impl std::fmt::Display) -> Trouble {
-        Trouble::user(format!("{}:{}: {what}", self.table.file.display(), self.line))
+    pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
+        MissionError::data(format!("{}:{}: {what}", self.table.file.display(), self.line))
     }
 
     /// The cell, if the column exists and the cell is not empty.
-    pub fn text(&self, column: &str) -> Option<&str> {
+    pub(crate) fn text(&self, column: &str) -> Option<&str> {
         let index = self.table.header.iter().position(|name| name == column)?;
         self.cells.get(index).map(String::as_str).filter(|text| !text.is_empty())
     }
 
     /// The cell as a number inside `[low, high]`, if it is there.
-    pub fn number(&self, column: &str, low: f64, high: f64) -> Outcome<Option<f64>> {
+    pub(crate) fn number(&self, column: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {
             Ok(number) if (low..=high).contains(&number) => Ok(Some(number)),
@@ -83,7 +84,7 @@ impl Row<'_> {
     }
 
     /// The cell as a number that must be there.
-    pub fn required(&self, column: &str, low: f64, high: f64) -> Outcome<f64> {
+    pub(crate) fn required(&self, column: &str, low: f64, high: f64) -> MissionResult<f64> {
         self.number(column, low, high)?.ok_or_else(|| self.trouble(format!("`{column}` is empty")))
     }
 }

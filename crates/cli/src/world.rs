@@ -1,8 +1,8 @@
 //! The simulated world of a mission.
 
-use super::{Mission, Target, TargetKind};
 use crate::trouble::{Outcome, Trouble};
-use apex_sim::{Ground, GroundPatch, NamedPlace, SimulatedWorld, Start, WorldConfig};
+use apex_mission::{Mission, Target, TargetKind};
+use apex_sim::{Ground, GroundPatch, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
 
 /// Added around every target for its patch of ground: aircraft see and turn beside it.
 const PATCH_MARGIN_M: f64 = 10_000.0;
@@ -24,9 +24,17 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> Outcome<SimulatedWorld> {
     config.seed = seed.unwrap_or(mission.settings.seed);
     config.wind = mission.weather.clone();
     config.ground = ground(mission);
-    config.modems = mission.modems.clone();
+    config.modems = mission.modems.iter().map(modem).collect();
     config.places = places(mission);
     SimulatedWorld::new(config).map_err(|reason| Trouble::user("the mission cannot be simulated").because(reason))
+}
+
+fn modem(modem: &apex_mission::Modem) -> Modem {
+    let simulated = match modem.station {
+        Some(station) => Modem::at_station(&modem.name, station, modem.full_level_m),
+        None => Modem::satellite(&modem.name),
+    };
+    Modem { dropouts_s: modem.dropouts_s.clone(), full_level_m: modem.full_level_m, ..simulated }
 }
 
 fn ground(mission: &Mission) -> Ground {

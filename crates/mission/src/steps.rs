@@ -3,6 +3,7 @@
 use super::deliberator::Deliberation;
 use super::problem::{survey, visit_altitude_m};
 use super::{Mission, Target, TargetKind, people};
+use crate::vehicle::Airframe;
 use apex_model::event::PlannedProcedure;
 use apex_model::expression::Template;
 use apex_model::problem::{Manoeuvre, Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
@@ -10,7 +11,6 @@ use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_sim::Airframe;
 
 /// The plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {

@@ -5,34 +5,40 @@ mod believed_tests;
 pub mod bookkeeping;
 mod costs;
 pub mod deliberator;
+pub mod error;
 mod features;
+pub mod files;
 mod flown;
 mod lines;
 mod modems;
 mod news;
 mod people;
 pub mod problem;
+pub mod program;
 pub mod report;
+pub mod scenario;
 mod settings;
 mod steps;
 mod surroundings;
 mod tables;
 mod targets;
 mod telling;
-pub mod world;
+pub mod text;
+pub mod vehicle;
 
+pub use modems::Modem;
 pub use settings::Settings;
 pub use surroundings::Airfield;
 pub use targets::{Fire, Site, Target, TargetKind};
 
-use crate::sources;
-use crate::trouble::{Outcome, Trouble, nearby_help, read_bytes};
+use crate::error::{MissionError, MissionResult};
+use crate::files::{nearby_help, read_bytes};
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
 use apex_runtime::ports::Input;
-use apex_sim::VehicleModel;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use vehicle::VehicleModel;
 
 /// What failure costs, in points: one in ten thousand hours, then a whole aircraft of 400 and half of a mission of 300.
 /// Made up, and the same for every mission until mission data say otherwise.
@@ -78,19 +84,27 @@ pub struct Mission {
     /// Scripted inputs.
     pub scenario: Vec<Input>,
     /// Radios.
-    pub modems: Vec<apex_sim::Modem>,
+    pub modems: Vec<Modem>,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
     pub data: Arc<Vec<(String, Vec<u8>)>>,
 }
 
 impl Mission {
-    /// Loads the mission in a folder, or of a `mission.pdl`.
+    /// Loads the mission in a folder, or of a `mission.pdl`. Warnings of the program are left out.
     ///
     /// # Errors
-    /// Everything that can be wrong with the program or the data; diagnostics of the program have been printed.
-    pub fn load(path: &Path) -> Outcome<Mission> {
-        let program = sources::program_path(path);
-        let library = sources::load_program(&program)?;
+    /// Everything that can be wrong with the program or the data.
+    pub fn load(path: &Path) -> MissionResult<Mission> {
+        let checked = program::load_program(path)?;
+        Mission::of_program(path, Arc::new(checked.library))
+    }
+
+    /// Reads the data of a checked program, which lies in a folder or is a `mission.pdl`.
+    ///
+    /// # Errors
+    /// Everything that can be wrong with the settings or the data.
+    pub fn of_program(path: &Path, library: Arc<Library>) -> MissionResult<Mission> {
+        let program = program::program_path(path);
         let settings = settings::read(&library)?;
         let mut files = Files {
             folder: program.parent().map(Path::to_path_buf).unwrap_or_default(),
@@ -98,7 +112,7 @@ impl Mission {
             data: Vec::new(),
         };
         let model = VehicleModel::named(&settings.model).map_err(|error| {
-            Trouble::user(format!("{}: the mission's vehicle is unknown", settings.place))
+            MissionError::setting(format!("{}: the mission's vehicle is unknown", settings.place))
                 .because(error)
                 .help("write a known `:model` in :vehicle")
         })?;
@@ -113,10 +127,10 @@ impl Mission {
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
         let mut mission = Mission {
-            agent: sources::agent_of(&library),
+            agent: program::agent_of(&library),
             zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
             crew: files.read("people", &settings.people, surroundings::people)?.unwrap_or_default(),
-            scenario: files.read("scenario", &settings.scenario, crate::commands::run::inputs_of)?.unwrap_or_default(),
+            scenario: files.read("scenario", &settings.scenario, scenario::read)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
             forecasts,
@@ -137,12 +151,12 @@ impl Mission {
         Ok(mission)
     }
 
-    fn start_place(&self) -> Outcome<(Position, f64)> {
+    fn start_place(&self) -> MissionResult<(Position, f64)> {
         let start = &self.settings.start;
         self.place(start).ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
-            Trouble::user(format!("{}: the vehicle's start `:at {start}` is no place", self.settings.place))
+            MissionError::setting(format!("{}: the vehicle's start `:at {start}` is no place", self.settings.place))
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })
     }
@@ -177,7 +191,7 @@ impl Mission {
 
     /// A short name for files: the folder's, or the program's.
     pub fn short_name(path: &Path) -> String {
-        let program = sources::program_path(path);
+        let program = program::program_path(path);
         let absolute = std::fs::canonicalize(&program).unwrap_or(program);
         let of_folder = absolute.parent().and_then(Path::file_name);
         let name = if absolute.file_name().is_some_and(|name| name == "mission.pdl") {
@@ -205,12 +219,12 @@ impl Files {
         &mut self,
         option: &str,
         name: &Option<String>,
-        read: impl Fn(&Path) -> Outcome<T>,
-    ) -> Outcome<Option<T>> {
+        read: impl Fn(&Path) -> MissionResult<T>,
+    ) -> MissionResult<Option<T>> {
         let Some(name) = name else { return Ok(None) };
         let path = self.folder.join(name);
         if !path.is_file() {
-            return Err(Trouble::user(format!("cannot read {}", path.display()))
+            return Err(MissionError::setting(format!("cannot read {}", path.display()))
                 .because(format!("there is no such file, but {} names it as `:{option} \"{name}\"`", self.place))
                 .help(nearby_help(&path)));
         }

@@ -1,7 +1,7 @@
 //! Targets of a mission: fires, structures, places to look at and to start from (docs/reference/mission-data.md).
 
 use super::features::{self, NamedFeature};
-use crate::trouble::Outcome;
+use crate::error::MissionResult;
 use apex_metrics::tabulate::POINTS_MAX;
 use apex_model::problem::{CostFunction, EventRate, Light, Position, TimeWindow};
 use std::path::Path;
@@ -111,9 +111,9 @@ fn maximum(cost: &CostFunction) -> f64 {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
-pub fn read(path: &Path) -> Outcome<Vec<Target>> {
+pub(crate) fn read(path: &Path) -> MissionResult<Vec<Target>> {
     let features = features::read(path)?;
-    let targets = features.iter().map(target).collect::<Outcome<Vec<_>>>()?;
+    let targets = features.iter().map(target).collect::<MissionResult<Vec<_>>>()?;
     for (feature, target) in features.iter().zip(&targets) {
         let TargetKind::Fire(fire) = &target.kind else { continue };
         let known = |name: &String| targets.iter().any(|other| other.id == *name);
@@ -126,7 +126,7 @@ pub fn read(path: &Path) -> Outcome<Vec<Target>> {
     Ok(targets)
 }
 
-fn target(feature: &NamedFeature) -> Outcome<Target> {
+fn target(feature: &NamedFeature) -> MissionResult<Target> {
     let polygons = feature.polygons()?;
     let kind = feature.word("kind", &["fire", "structure", "target", "base"])?;
     let kind = match kind.unwrap_or(if polygons.is_empty() { "target" } else { "fire" }) {
@@ -148,7 +148,7 @@ fn target(feature: &NamedFeature) -> Outcome<Target> {
     })
 }
 
-fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> Outcome<Fire> {
+fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> MissionResult<Fire> {
     let acres = feature.number("acres", f64::MIN_POSITIVE, 1e9)?;
     let area_m2 = match (acres, polygons.is_empty()) {
         (_, false) => polygons.iter().map(|ring| features::area_m2(ring)).sum(),
@@ -176,7 +176,7 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> Outcome<Fire> {
     })
 }
 
-fn site(feature: &NamedFeature) -> Outcome<Site> {
+fn site(feature: &NamedFeature) -> MissionResult<Site> {
     let cost = cost(feature)?;
     let response_s = feature.number("response_s", 0.0, 1e7)?.unwrap_or(0.0);
     let cost = if response_s > 0.0 { CostFunction::Delayed { response_s, cost: Box::new(cost) } } else { cost };
@@ -190,7 +190,7 @@ fn site(feature: &NamedFeature) -> Outcome<Site> {
 }
 
 /// `rate_per_h`, or `rates_per_h` where it changes.
-fn rate(feature: &NamedFeature) -> Outcome<EventRate> {
+fn rate(feature: &NamedFeature) -> MissionResult<EventRate> {
     const SECONDS_PER_HOUR: f64 = 3600.0;
     let wrong = |what: String| {
         feature
@@ -219,7 +219,7 @@ fn rate(feature: &NamedFeature) -> Outcome<EventRate> {
     Ok(EventRate { steps: steps.into_iter().map(in_seconds).collect() })
 }
 
-fn cost(feature: &NamedFeature) -> Outcome<CostFunction> {
+fn cost(feature: &NamedFeature) -> MissionResult<CostFunction> {
     let family = feature.word("cost", &["linear", "saturating", "step", "logistic", "table"])?.unwrap_or("saturating");
     if family == "table" {
         return cost_table(feature);
@@ -240,7 +240,7 @@ fn cost(feature: &NamedFeature) -> Outcome<CostFunction> {
     })
 }
 
-fn cost_table(feature: &NamedFeature) -> Outcome<CostFunction> {
+fn cost_table(feature: &NamedFeature) -> MissionResult<CostFunction> {
     const EXAMPLE: &str =
         "write ages in seconds with their costs, for example `\"cost_points\": [[0, 0], [600, 80], [3600, 100]]`";
     let idle = ["importance", "cost_growth_per_h", "cost_delay_s"].into_iter().find(|key| feature.has(key));

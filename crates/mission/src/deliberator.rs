@@ -207,7 +207,7 @@ pub fn solve(
 
 /// Visits of a plan that are looked at: more than any mission has room for. Without a limit, checking nonsense could take as long
 /// as whoever made it likes.
-pub(crate) const PLAN_VISITS_MAX: usize = 100_000;
+pub const PLAN_VISITS_MAX: usize = 100_000;
 
 /// The checker's word.
 fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {

@@ -1,6 +1,7 @@
 //! GeoJSON files with names, places and properties; every complaint names file, feature and property.
 
-use crate::trouble::{Outcome, Trouble, read_text};
+use crate::error::{MissionError, MissionResult};
+use crate::files::read_text;
 use apex_geo::geodesy;
 use apex_model::problem::{Position, TimeWindow};
 use geojson::{Feature, FeatureCollection, GeoJson, GeometryValue, JsonValue};
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// One feature of a file.
 #[derive(Debug)]
-pub struct NamedFeature {
+pub(crate) struct NamedFeature {
     file: PathBuf,
     number: usize,
     feature: Feature,
@@ -22,35 +23,35 @@ pub struct NamedFeature {
 ///
 /// # Errors
 /// Unreadable file, text that is not GeoJSON, a feature without id and name, an id given twice.
-pub fn read(path: &Path) -> Outcome<Vec<NamedFeature>> {
+pub(crate) fn read(path: &Path) -> MissionResult<Vec<NamedFeature>> {
     let text = read_text(path)?;
     let parsed: GeoJson = text.parse().map_err(|error| {
-        Trouble::user(format!("{} is not GeoJSON", path.display()))
+        MissionError::data(format!("{} is not GeoJSON", path.display()))
             .because(error)
             .help("export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude")
     })?;
     let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {
-        return Err(Trouble::user(format!("{} is not a FeatureCollection", path.display()))
+        return Err(MissionError::data(format!("{} is not a FeatureCollection", path.display()))
             .help("put the feature into {\"type\": \"FeatureCollection\", \"features\": [..]}"));
     };
     let mut found: Vec<NamedFeature> = Vec::new();
     for (index, feature) in features.into_iter().enumerate() {
         let named = NamedFeature::new(path, index + 1, feature)?;
         if let Some(earlier) = found.iter().find(|earlier| earlier.id == named.id) {
-            return Err(Trouble::user(format!("{}: two features have the id `{}`", path.display(), named.id))
+            return Err(MissionError::data(format!("{}: two features have the id `{}`", path.display(), named.id))
                 .because(format!("features {} and {}", earlier.number, named.number))
                 .help("give each its own id"));
         }
         found.push(named);
     }
     if found.is_empty() {
-        return Err(Trouble::user(format!("{} holds no features", path.display())));
+        return Err(MissionError::data(format!("{} holds no features", path.display())));
     }
     Ok(found)
 }
 
 impl NamedFeature {
-    fn new(file: &Path, number: usize, feature: Feature) -> Outcome<NamedFeature> {
+    fn new(file: &Path, number: usize, feature: Feature) -> MissionResult<NamedFeature> {
         let mut named =
             NamedFeature { file: file.to_path_buf(), number, feature, id: String::new(), name: String::new() };
         let id = named.text("id")?;
@@ -64,13 +65,13 @@ impl NamedFeature {
     }
 
     /// A complaint about this feature.
-    pub fn trouble(&self, what: impl std::fmt::Display) -> Trouble {
+    pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
-        Trouble::user(format!("{}: feature {}{which}: {what}", self.file.display(), self.number))
+        MissionError::data(format!("{}: feature {}{which}: {what}", self.file.display(), self.number))
     }
 
     /// Is the property there?
-    pub fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.property(key).is_some()
     }
 
@@ -79,7 +80,7 @@ impl NamedFeature {
     }
 
     /// A text property, if there.
-    pub fn text(&self, key: &str) -> Outcome<Option<String>> {
+    pub(crate) fn text(&self, key: &str) -> MissionResult<Option<String>> {
         match self.property(key) {
             None => Ok(None),
             Some(JsonValue::String(text)) if !text.trim().is_empty() => Ok(Some(text.trim().to_string())),
@@ -88,7 +89,7 @@ impl NamedFeature {
     }
 
     /// A list of texts, if there.
-    pub fn texts(&self, key: &str) -> Outcome<Vec<String>> {
+    pub(crate) fn texts(&self, key: &str) -> MissionResult<Vec<String>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of texts"));
         match self.property(key) {
             None => Ok(Vec::new()),
@@ -101,7 +102,7 @@ impl NamedFeature {
     }
 
     /// One of `words`, if there.
-    pub fn word(&self, key: &str, words: &[&'static str]) -> Outcome<Option<&'static str>> {
+    pub(crate) fn word(&self, key: &str, words: &[&'static str]) -> MissionResult<Option<&'static str>> {
         let Some(text) = self.text(key)? else { return Ok(None) };
         let found = words.iter().copied().find(|word| *word == text);
         found.map(Some).ok_or_else(|| {
@@ -110,7 +111,7 @@ impl NamedFeature {
     }
 
     /// Spans of hours of mission time as seconds: `[[from, until], ..]`.
-    pub fn spans_s(&self, key: &str) -> Outcome<Vec<TimeWindow>> {
+    pub(crate) fn spans_s(&self, key: &str) -> MissionResult<Vec<TimeWindow>> {
         let mut spans = Vec::new();
         for (from_h, until_h) in self.pairs(key)? {
             if until_h <= from_h {
@@ -122,7 +123,7 @@ impl NamedFeature {
     }
 
     /// A list of pairs of numbers, if there: `[[from, until], ..]`.
-    pub fn pairs(&self, key: &str) -> Outcome<Vec<(f64, f64)>> {
+    pub(crate) fn pairs(&self, key: &str) -> MissionResult<Vec<(f64, f64)>> {
         let wrong = |other: &JsonValue| self.trouble(format!("`{key}` is {other}, not a list of pairs of numbers"));
         let Some(value) = self.property(key) else { return Ok(Vec::new()) };
         let items = value.as_array().ok_or_else(|| wrong(value))?;
@@ -134,7 +135,7 @@ impl NamedFeature {
     }
 
     /// A number, if there, inside `[low, high]`.
-    pub fn number(&self, key: &str, low: f64, high: f64) -> Outcome<Option<f64>> {
+    pub(crate) fn number(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<f64>> {
         match self.property(key).map(|value| (value, value.as_f64())) {
             None => Ok(None),
             Some((_, Some(number))) if (low..=high).contains(&number) => Ok(Some(number)),
@@ -146,7 +147,7 @@ impl NamedFeature {
     }
 
     /// The feature's point, or the middle of its largest polygon.
-    pub fn position(&self) -> Outcome<Position> {
+    pub(crate) fn position(&self) -> MissionResult<Position> {
         if let Some(polygon) = self.polygons()?.into_iter().next() {
             let count = polygon.len() as f64;
             let latitude_deg = polygon.iter().map(|corner| corner.latitude_deg).sum::<f64>() / count;
@@ -167,7 +168,7 @@ impl NamedFeature {
     }
 
     /// The outer rings of the feature's polygons without the closing corner, largest first; empty for a point.
-    pub fn polygons(&self) -> Outcome<Vec<Vec<Position>>> {
+    pub(crate) fn polygons(&self) -> MissionResult<Vec<Vec<Position>>> {
         let rings: Vec<_> = match self.geometry() {
             Some(GeometryValue::Polygon { coordinates }) => coordinates.first().into_iter().collect(),
             Some(GeometryValue::MultiPolygon { coordinates }) => {
@@ -175,13 +176,13 @@ impl NamedFeature {
             }
             _ => return Ok(Vec::new()),
         };
-        let mut polygons = rings.into_iter().map(|ring| self.ring(ring)).collect::<Outcome<Vec<_>>>()?;
+        let mut polygons = rings.into_iter().map(|ring| self.ring(ring)).collect::<MissionResult<Vec<_>>>()?;
         polygons.sort_by(|a, b| area_m2(b).total_cmp(&area_m2(a)));
         Ok(polygons)
     }
 
     /// Has one of its polygons a hole?
-    pub fn has_holes(&self) -> bool {
+    pub(crate) fn has_holes(&self) -> bool {
         match self.geometry() {
             Some(GeometryValue::Polygon { coordinates }) => coordinates.len() > 1,
             Some(GeometryValue::MultiPolygon { coordinates }) => coordinates.iter().any(|polygon| polygon.len() > 1),
@@ -189,14 +190,14 @@ impl NamedFeature {
         }
     }
 
-    fn ring(&self, ring: &[geojson::Position]) -> Outcome<Vec<Position>> {
+    fn ring(&self, ring: &[geojson::Position]) -> MissionResult<Vec<Position>> {
         let open = match (ring.first(), ring.last()) {
             (Some(first), Some(last)) if first == last && ring.len() > 1 => ring.get(..ring.len() - 1).unwrap_or(ring),
             _ => {
                 return Err(self.trouble("a ring is not closed").help("repeat its first position as the last one"));
             }
         };
-        let corners = open.iter().map(|corner| self.checked(corner.as_slice())).collect::<Outcome<Vec<_>>>()?;
+        let corners = open.iter().map(|corner| self.checked(corner.as_slice())).collect::<MissionResult<Vec<_>>>()?;
         if corners.len() < 3 {
             return Err(self.trouble(format!("a ring has {} corners", corners.len())).help("give three or more"));
         }
@@ -204,11 +205,11 @@ impl NamedFeature {
     }
 
     /// The feature's geometry as GeoJSON text, for Sherpa.
-    pub fn geometry_text(&self) -> String {
+    pub(crate) fn geometry_text(&self) -> String {
         self.feature.geometry.as_ref().map(ToString::to_string).unwrap_or_default()
     }
 
-    fn checked(&self, coordinates: &[f64]) -> Outcome<Position> {
+    fn checked(&self, coordinates: &[f64]) -> MissionResult<Position> {
         let [longitude_deg, latitude_deg, ..] = coordinates else {
             return Err(self.trouble("a position has fewer than two coordinates"));
         };
@@ -243,10 +244,10 @@ fn hyphenated(name: &str) -> String {
 }
 
 /// Area of a ring by the shoelace rule in a local projection.
-pub fn area_m2(ring: &[Position]) -> f64 {
+pub(crate) fn area_m2(ring: &[Position]) -> f64 {
     let Some(first) = ring.first() else { return 0.0 };
     let metres_per_degree = 111_195.0;
-    let shrink = first.latitude_deg.to_radians().cos();
+    let shrink = libm::cos(first.latitude_deg.to_radians());
     let flat = |corner: &Position| {
         (
             (corner.longitude_deg - first.longitude_deg) * metres_per_degree * shrink,

@@ -69,7 +69,7 @@ impl ScanLine {
 }
 
 /// Target and lines of a goal `(observe TARGET along ((FROM TO)..) ..)`.
-pub fn lines_of_goal(goal: &Value) -> Option<(String, Vec<ScanLine>)> {
+pub(crate) fn lines_of_goal(goal: &Value) -> Option<(String, Vec<ScanLine>)> {
     let [Value::Symbol(head), target, _, lines, ..] = goal.as_list()? else { return None };
     let line = |line: &Value| {
         let ends = line.as_list()?;

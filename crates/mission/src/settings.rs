@@ -1,6 +1,6 @@
 //! What `(defapplication ..)` says about a mission, read into plain settings.
 
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{MissionError, MissionResult};
 use apex_model::library::{Application, Library};
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
@@ -79,15 +79,15 @@ const KNOWN: &[&str] = &[
 ///
 /// # Errors
 /// No application, an option that the command does not know or cannot read.
-pub fn read(library: &Library) -> Outcome<Settings> {
+pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     let Some(application) = &library.application else {
-        return Err(Trouble::user("this program is no mission: it has no (defapplication ..)")
+        return Err(MissionError::setting("this program is no mission: it has no (defapplication ..)")
             .help("add one that names the vehicle, or run the program without a vehicle: `apex run PROGRAM.pdl`"));
     };
     let place = library.describe_place(application.place);
     for (key, _) in &application.options {
         if !KNOWN.contains(&key.folded()) {
-            return Err(Trouble::user(format!("{place}: unknown option :{key} of (defapplication ..)"))
+            return Err(MissionError::setting(format!("{place}: unknown option :{key} of (defapplication ..)"))
                 .help(format!("known are :{}", KNOWN.join(" :"))));
         }
     }
@@ -122,11 +122,12 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn wrong(&self, option: &str, found: &Value, wanted: &str) -> Trouble {
-        Trouble::user(format!("{}: `:{option} {found}` cannot be read", self.place)).help(format!("write {wanted}"))
+    fn wrong(&self, option: &str, found: &Value, wanted: &str) -> MissionError {
+        MissionError::setting(format!("{}: `:{option} {found}` cannot be read", self.place))
+            .help(format!("write {wanted}"))
     }
 
-    fn text(&self, option: &str) -> Outcome<Option<String>> {
+    fn text(&self, option: &str) -> MissionResult<Option<String>> {
         match self.application.option(option) {
             None => Ok(None),
             Some(Value::Text(text)) => Ok(Some(text.to_string())),
@@ -135,7 +136,7 @@ impl Reader<'_> {
     }
 
     /// One string, or a list of them.
-    fn texts(&self, option: &str) -> Outcome<Vec<String>> {
+    fn texts(&self, option: &str) -> MissionResult<Vec<String>> {
         let Some(Value::List(items)) = self.application.option(option) else {
             return Ok(self.text(option)?.into_iter().collect());
         };
@@ -146,7 +147,7 @@ impl Reader<'_> {
         items.iter().map(text).collect()
     }
 
-    fn duration(&self) -> Outcome<Duration> {
+    fn duration(&self) -> MissionResult<Duration> {
         match self.application.option("duration") {
             None => Ok(Duration::from_seconds(24.0 * 3600.0)),
             Some(Value::Duration(duration)) if *duration > Duration::ZERO => Ok(*duration),
@@ -154,7 +155,7 @@ impl Reader<'_> {
         }
     }
 
-    fn seed(&self) -> Outcome<u64> {
+    fn seed(&self) -> MissionResult<u64> {
         match self.application.option("seed") {
             None => Ok(1),
             Some(Value::Integer(seed)) if *seed >= 0 => Ok(seed.unsigned_abs()),
@@ -162,7 +163,7 @@ impl Reader<'_> {
         }
     }
 
-    fn length(&self, option: &str) -> Outcome<Option<f64>> {
+    fn length(&self, option: &str) -> MissionResult<Option<f64>> {
         use apex_model::quantity::Dimension;
         match self.application.option(option).map(|value| (value, value.as_number())) {
             None => Ok(None),
@@ -172,7 +173,7 @@ impl Reader<'_> {
     }
 
     /// `((TARGET FUNCTION) ..)`
-    fn costs(&self) -> Outcome<Vec<(String, Symbol)>> {
+    fn costs(&self) -> MissionResult<Vec<(String, Symbol)>> {
         let Some(found) = self.application.option("costs") else { return Ok(Vec::new()) };
         let wrong =
             || self.wrong("costs", found, "structures with functions: `:costs ((barn hay-cost) (school hay-cost))`");
@@ -185,16 +186,16 @@ impl Reader<'_> {
         found.as_list().ok_or_else(wrong)?.iter().map(|item| pair(item).ok_or_else(wrong)).collect()
     }
 
-    fn epoch(&self, text: &str) -> Outcome<f64> {
+    fn epoch(&self, text: &str) -> MissionResult<f64> {
         parse_utc(text).ok_or_else(|| {
             self.wrong("start", &Value::text(text), "a civil time with its offset: `:start \"2007-09-08T01:00:00Z\"`")
         })
     }
 
     /// `(sim :model NAME :at PLACE)`
-    fn vehicle(&self) -> Outcome<(String, Value)> {
+    fn vehicle(&self) -> MissionResult<(String, Value)> {
         let Some(form) = self.application.option("vehicle") else {
-            return Err(Trouble::user(format!("{}: the mission names no vehicle", self.place))
+            return Err(MissionError::setting(format!("{}: the mission names no vehicle", self.place))
                 .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
         };
         let items = form.as_list().unwrap_or_default();
@@ -202,7 +203,7 @@ impl Reader<'_> {
         match items.first() {
             Some(Value::Symbol(kind)) if kind.is("sim") => {}
             Some(Value::Symbol(kind)) => {
-                return Err(Trouble::user(format!("{}: unknown kind of vehicle `{kind}`", self.place))
+                return Err(MissionError::setting(format!("{}: unknown kind of vehicle `{kind}`", self.place))
                     .because("only the built-in simulator `sim` can be flown so far")
                     .help(format!("write {wanted}")));
             }
@@ -227,7 +228,7 @@ impl Reader<'_> {
 }
 
 /// Seconds since 1970-01-01T00:00Z of an RFC 3339 time such as `2007-09-07T18:00:00-07:00`.
-pub fn parse_utc(text: &str) -> Option<f64> {
+pub(crate) fn parse_utc(text: &str) -> Option<f64> {
     let time = OffsetDateTime::parse(text, &Rfc3339).ok()?;
     Some(time.unix_timestamp() as f64 + f64::from(time.millisecond()) / 1000.0)
 }

@@ -2,6 +2,7 @@
 
 use super::bookkeeping::Bookkeeping;
 use super::{Fire, Mission, Site, TargetKind};
+use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
 use apex_geo::perimeter::perimeter_manoeuvre;
 use apex_geo::travel;
@@ -10,7 +11,6 @@ use apex_model::problem::{
     SurveillanceProblem, SurveillanceTarget, WindField,
 };
 use apex_model::time::Time;
-use apex_sim::{Airframe, VehicleModel};
 use apex_solvers::surveillance::travel::{Transit, Ways};
 
 /// Time to roll level before a line begins. The turn onto the first line is part of the way to it; each further one is met
@@ -133,7 +133,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
 }
 
 /// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
-pub(crate) fn turn_radius_m(model: &VehicleModel) -> f64 {
+pub fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(
             model.true_airspeed_m_s_cruise,
@@ -271,7 +271,7 @@ pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
 ///
 /// # Errors
 /// A sentence that names what is wrong with a zone, the start or the base.
-pub(crate) fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
+pub fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
     let heights = sites(mission).map(|site| visit_altitude_m(mission, site));
     let (low_m, high_m) =
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (f64::min(l, m), f64::max(h, m)));

@@ -1,7 +1,7 @@
 //! What surrounds a mission: airspace, airfields, wind, people (docs/reference/mission-data.md).
 
 use super::{features, tables};
-use crate::trouble::Outcome;
+use crate::error::MissionResult;
 use apex_geo::plane::{Plane, Point};
 use apex_geo::travel::crossing;
 use apex_model::problem::{
@@ -24,7 +24,7 @@ pub struct Airfield {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub fn airspace(path: &Path) -> Outcome<Vec<AirspaceZone>> {
+pub(crate) fn airspace(path: &Path) -> MissionResult<Vec<AirspaceZone>> {
     let mut zones = Vec::new();
     for feature in features::read(path)? {
         let kind = match feature.word("kind", &["restricted", "permitted"])? {
@@ -81,7 +81,7 @@ fn in_one_line(points: &[Point]) -> bool {
 }
 
 /// Refuses an outline that crosses itself or encloses nothing.
-fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> Outcome<()> {
+fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> MissionResult<()> {
     let plane = Plane::around(corners);
     let flat: Option<Vec<Point>> = corners.iter().map(|corner| plane.project(*corner)).collect();
     let Some(flat) = flat else {
@@ -115,7 +115,7 @@ fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> Outcome<(
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub fn airfields(path: &Path) -> Outcome<Vec<Airfield>> {
+pub(crate) fn airfields(path: &Path) -> MissionResult<Vec<Airfield>> {
     features::read(path)?
         .iter()
         .map(|feature| {
@@ -137,13 +137,13 @@ const WIND_COLUMNS_OPTIONAL: &[&str] =
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub fn wind(path: &Path) -> Outcome<WindField> {
+pub(crate) fn wind(path: &Path) -> MissionResult<WindField> {
     let table = tables::read(path, WIND_COLUMNS, WIND_COLUMNS_OPTIONAL)?;
-    let layers = table.rows().map(|row| wind_layer(&row)).collect::<Outcome<Vec<_>>>()?;
+    let layers = table.rows().map(|row| wind_layer(&row)).collect::<MissionResult<Vec<_>>>()?;
     Ok(WindField { layers, blend: true })
 }
 
-fn wind_layer(row: &tables::Row<'_>) -> Outcome<WindLayer> {
+fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
     let edges = [
         row.number("south_deg", -90.0, 90.0)?,
         row.number("north_deg", -90.0, 90.0)?,
@@ -188,7 +188,7 @@ fn wind_layer(row: &tables::Row<'_>) -> Outcome<WindLayer> {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub fn people(path: &Path) -> Outcome<Vec<CrewMember>> {
+pub(crate) fn people(path: &Path) -> MissionResult<Vec<CrewMember>> {
     let table = tables::read(path, &["role", "wage_per_hour"], &["fixed_hours", "flight_share"])?;
     table
         .rows()

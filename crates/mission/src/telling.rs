@@ -2,7 +2,7 @@
 
 use super::bookkeeping::Visit;
 use super::report::{MissionValue, Report};
-use crate::telling::{name_width, named, wrapped};
+use crate::text::{name_width, named, wrapped};
 use apex_metrics::eci::ExpectedCost;
 use apex_metrics::mission_score::MissionScore;
 use apex_model::time::Time;

@@ -1,0 +1,92 @@
+//! What can go wrong with a mission: what failed, why, and what to do.
+
+use apex_pdl::Checked;
+use std::fmt;
+
+/// What a [`MissionError`] concerns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The PDL program: it cannot be read, or has errors (see [`MissionError::diagnostics`]).
+    Program,
+    /// A file of the mission's data: it cannot be read, or holds something else than it should.
+    Data,
+    /// An option of `(defapplication ..)`.
+    Setting,
+    /// A planning problem, or a plan.
+    Planning,
+    /// The model of a vehicle, or the vehicle itself.
+    Vehicle,
+    /// The flight record.
+    Record,
+    /// The flight.
+    Flight,
+}
+
+/// A failure of a mission.
+#[derive(Debug)]
+pub struct MissionError {
+    /// What it concerns.
+    pub kind: ErrorKind,
+    /// What failed and where, one line.
+    pub message: String,
+    /// Why, if known.
+    pub reason: Option<String>,
+    /// What to do, if known.
+    pub help: Option<String>,
+    /// The checked program, where its errors are the failure.
+    pub diagnostics: Option<Box<Checked>>,
+}
+
+/// What functions of this crate return.
+pub type MissionResult<T = ()> = Result<T, MissionError>;
+
+impl MissionError {
+    /// A failure of this kind.
+    pub fn new(kind: ErrorKind, message: impl Into<String>) -> MissionError {
+        MissionError { kind, message: message.into(), reason: None, help: None, diagnostics: None }
+    }
+
+    /// The program is at fault.
+    pub fn program(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Program, message)
+    }
+
+    /// A data file is at fault.
+    pub fn data(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Data, message)
+    }
+
+    /// An option of the application is at fault.
+    pub fn setting(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Setting, message)
+    }
+
+    /// Adds the reason.
+    #[must_use]
+    pub fn because(mut self, reason: impl fmt::Display) -> MissionError {
+        self.reason = Some(reason.to_string());
+        self
+    }
+
+    /// Adds what to do.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> MissionError {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for MissionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)?;
+        if let Some(reason) = &self.reason {
+            write!(f, "\n  why: {reason}")?;
+        }
+        if let Some(help) = &self.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for MissionError {}

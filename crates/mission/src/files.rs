@@ -1,0 +1,72 @@
+//! Reading files, and what to say when they cannot be read.
+
+use crate::error::{MissionError, MissionResult};
+
+/// Reads a text file.
+///
+/// # Errors
+/// Says which file, why it cannot be read, and what to do.
+pub fn read_text(path: &std::path::Path) -> MissionResult<String> {
+    let bytes = read_bytes(path)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        MissionError::data(format!("{} is not text", path.display()))
+            .because(format!("byte {valid} is not UTF-8"))
+            .help("save the file as UTF-8")
+    })
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// Says which file, why it cannot be read, and what to do.
+pub fn read_bytes(path: &std::path::Path) -> MissionResult<Vec<u8>> {
+    if path.is_dir() {
+        return Err(MissionError::data(format!("{} is a folder", path.display())).help("name a file in it"));
+    }
+    std::fs::read(path).map_err(|error| unreadable(path, &error))
+}
+
+/// A file that cannot be read: looked for in vain, or not for us.
+pub fn unreadable(path: &std::path::Path, error: &std::io::Error) -> MissionError {
+    let help = match error.kind() {
+        std::io::ErrorKind::PermissionDenied => "ask its owner for the right to read it".to_string(),
+        _ => nearby_help(path),
+    };
+    MissionError::data(format!("cannot read {}", path.display())).because(error).help(help)
+}
+
+/// How many names a message lists at most.
+const NEARBY_MAX: usize = 6;
+
+/// Names files and missions of the same folder that look alike, or says where a relative path was looked for.
+pub fn nearby_help(path: &std::path::Path) -> String {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or_else(|| std::path::Path::new("."));
+    let extension = path.extension();
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|candidate| candidate.extension() == extension || candidate.join("mission.pdl").is_file())
+        .filter_map(|candidate| candidate.file_name().map(|name| name.to_string_lossy().into_owned()))
+        .filter(|name| !name.starts_with('.'))
+        .collect();
+    let wanted = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase()).unwrap_or_default();
+    // Names that begin alike first: most wrong names are misspelt or cut short.
+    names.sort_by_key(|name| (usize::MAX - alike(&name.to_lowercase(), &wanted), name.clone()));
+    names.truncate(NEARBY_MAX);
+    let folder_name =
+        if folder == std::path::Path::new(".") { "this folder".into() } else { folder.display().to_string() };
+    match (folder.is_dir(), names.is_empty()) {
+        (false, _) => format!("the folder {} does not exist; check the path", folder.display()),
+        (true, true) => format!("there is nothing like it in {folder_name}; check the path"),
+        (true, false) => format!("{folder_name} holds {}", names.join(", ")),
+    }
+}
+
+/// How many characters two names have in common at their beginnings.
+fn alike(a: &str, b: &str) -> usize {
+    a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count()
+}

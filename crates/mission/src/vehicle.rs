@@ -1,0 +1,3 @@
+//! Vehicle models.
+
+pub use apex_sim::{Airframe, VehicleModel};
