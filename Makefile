@@ -13,7 +13,7 @@ ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.
 TRAVEL_WORLDS ?= 100000
 # What has property tests.
-PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics solvers logs)
+PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics planning solvers portfolio logs)
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 APEX := $(TARGET)/release/apex
 # Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.

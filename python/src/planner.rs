@@ -5,9 +5,9 @@
 
 use crate::errors::{PlanningError, input};
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Environment, Solver};
-use apex_solvers::Registry;
-use apex_solvers::surveillance::scenario::Scenario;
+use apex_planning::Registry;
+use apex_planning::solver::{Environment, Solver};
+use apex_planning::surveillance::scenario::Scenario;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -206,7 +206,7 @@ type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
 
 /// The planners that ship, and these.
 fn registry(planners: Planners) -> PyResult<Registry> {
-    let mut registry = Registry::shipped();
+    let mut registry = apex_solvers::shipped();
     for (name, kinds, call, interrupt) in planners {
         let solver = PythonSolver { name, kinds, call: Arc::new(call), interrupt: Arc::new(interrupt) };
         registry.add(Arc::new(solver)).map_err(input)?;

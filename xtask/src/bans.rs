@@ -10,8 +10,10 @@ const CORE: &[&str] = &[
     "crates/executive",
     "crates/geo",
     "crates/metrics",
+    "crates/planning",
     "crates/solvers",
     "crates/mission",
+    "crates/portfolio",
     "adapters/sim",
 ];
 /// Entries without which the list would be no list: clocks, threads, platform mathematics, size, tests.

@@ -10,8 +10,6 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geo", &["apex-model"]),
     ("crates/executive", &["apex-model"]),
     ("crates/metrics", &["apex-model", "apex-geo"]),
-    ("crates/solvers", &["apex-model", "apex-geo", "apex-metrics"]),
-    ("crates/runtime", &["apex-model", "apex-executive"]),
     // The simulator lends its vehicle models until these are data.
     (
         "crates/mission",
@@ -21,11 +19,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "apex-executive",
             "apex-geo",
             "apex-metrics",
+            "apex-planning",
             "apex-solvers",
+            "apex-portfolio",
             "apex-runtime",
             "apex-sim",
         ],
     ),
+    ("crates/planning", &["apex-model", "apex-geo", "apex-metrics"]),
+    ("crates/solvers", &["apex-model", "apex-geo", "apex-metrics", "apex-planning"]),
+    ("crates/portfolio", &["apex-model", "apex-geo", "apex-metrics", "apex-planning"]),
+    // Solver processes: the contract, and no planner.
+    ("crates/runtime", &["apex-model", "apex-executive", "apex-planning"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo"]),
     ("crates/server", &["apex-model", "apex-executive", "apex-runtime", "apex-metrics"]),
     ("crates/cli", &["*"]),

@@ -6,8 +6,8 @@
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Environment, WorkBudget};
-use apex_solvers::formats::{self, generate};
+use apex_planning::solver::{Environment, WorkBudget};
+use apex_portfolio::formats::{self, generate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -69,7 +69,7 @@ fn measure(csv: &std::path::Path) {
         done(&out, &format!("{count} targets visited"));
     }
     for count in WATCHED {
-        let cell = format!("medium-uniform-uniform-{count}-uniform").parse::<apex_solvers::test_missions::Cell>();
+        let cell = format!("medium-uniform-uniform-{count}-uniform").parse::<apex_portfolio::cell::Cell>();
         let cell = cell.expect("a cell");
         for number in 0..MISSIONS {
             let problem = Problem::Surveillance(cell.mission(number));
@@ -88,7 +88,7 @@ fn planners(out: &mut String, kind: &str, (count, number): (usize, u64), problem
             let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
             let plan = solver.solve(problem, &mut environment).expect("a plan");
             let took_s = cpu_s() - begin_s;
-            apex_solvers::checker::accept(problem, &plan).expect("a plan that the checker accepts");
+            apex_planning::checker::accept(problem, &plan).expect("a plan that the checker accepts");
             let value = match &plan {
                 Plan::Surveillance(plan) => plan.expected_cost,
                 Plan::SingleVisit(plan) => plan.benefits,

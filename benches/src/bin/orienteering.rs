@@ -8,9 +8,9 @@
 #![allow(clippy::expect_used, reason = "a figure that cannot be kept must stop the measurement")]
 
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
-use apex_model::solver::{Environment, Solver, WorkBudget};
-use apex_solvers::formats::{self, generate};
-use apex_solvers::single_visit::SingleVisit;
+use apex_planning::solver::{Environment, Solver, WorkBudget};
+use apex_portfolio::formats::{self, generate};
+use apex_solvers::planners::single_visit::SingleVisit;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -103,7 +103,7 @@ fn planned_from(
     let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut report, previous };
     let plan = solver.solve(&problem, &mut environment).expect("a plan");
     let whole_s = cpu_s() - begin_s;
-    apex_solvers::checker::accept(&problem, &plan).expect("a plan that the checker accepts");
+    apex_planning::checker::accept(&problem, &plan).expect("a plan that the checker accepts");
     match plan {
         Plan::SingleVisit(plan) => (plan, whole_s, first_s),
         Plan::Surveillance(_) => another_plan(),

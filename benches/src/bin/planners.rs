@@ -9,10 +9,10 @@
 //! each: expected costs and CPU seconds. `planners tally FILE ..`: what the rows of all files say of each cell and of all.
 
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Budget, Environment, WorkBudget};
-use apex_solvers::bound::Meter;
-use apex_solvers::bound::ages::cycles;
-use apex_solvers::test_missions::Cell;
+use apex_planning::meter::Meter;
+use apex_planning::solver::{Budget, Environment, WorkBudget};
+use apex_portfolio::cell::Cell;
+use apex_solvers::bounds::ages::cycles;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -194,7 +194,7 @@ fn main() {
         for number in chosen.clone() {
             let mission = cell.mission(number);
             let begin = cpu_ns();
-            let bound = apex_solvers::bound::expected_cost_without_waiting(&mission).expected_cost;
+            let bound = apex_solvers::bounds::expected_cost_without_waiting(&mission).expected_cost;
             bound_ms += (cpu_ns() - begin) as f64 * 1e-6 / missions as f64;
             let problem = Problem::Surveillance(mission);
             let two_opt = cost("two-opt", &problem, milliseconds, 1).0;

@@ -6,7 +6,7 @@
 use apex_geo::plane::{self, Plane, Point};
 use apex_geo::travel::{Air, Network, PlaceId, PlaneZone, Setting};
 use apex_model::problem::{AirspaceZone, Area, Position, TimeWindow, WindField, WindLayer, ZoneKind};
-use apex_solvers::random::Generator;
+use apex_planning::random::Generator;
 use std::fmt::Write;
 
 /// The world of the bar.

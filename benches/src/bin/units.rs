@@ -1,5 +1,5 @@
 //! What a unit of work takes: every planner of surveillance and of single visits, from 10 to 1,000 targets. A unit stands for a
-//! microsecond (`apex_model::solver::WORK_UNIT`); the aim is between half of one and two.
+//! microsecond (`apex_planning::solver::WORK_UNIT`); the aim is between half of one and two.
 //!
 //! `units [UNITS]` prints a row for each planner and number of targets. What is counted is processor time of this thread, so that
 //! other work on the machine matters little.
@@ -7,8 +7,8 @@
 #![allow(clippy::expect_used, reason = "a figure that cannot be had must stop the measurement")]
 
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Environment, WorkBudget};
-use apex_solvers::formats::{self, generate};
+use apex_planning::solver::{Environment, WorkBudget};
+use apex_portfolio::formats::{self, generate};
 
 const COUNTS: [usize; 5] = [10, 30, 100, 300, 1_000];
 /// Units asked for, where nobody says.
@@ -18,7 +18,7 @@ fn main() {
     let units = std::env::args().nth(1).map_or(UNITS, |word| word.parse().expect("a number of units"));
     println!("{:<18} {:>7} {:>9} {:>9} {:>8}  value", "planner", "targets", "used", "cpu_us", "us/unit");
     for count in COUNTS {
-        let cell = format!("medium-uniform-uniform-{count}-uniform").parse::<apex_solvers::test_missions::Cell>();
+        let cell = format!("medium-uniform-uniform-{count}-uniform").parse::<apex_portfolio::cell::Cell>();
         measure(count, &Problem::Surveillance(cell.expect("a cell").mission(0)), units);
         let text = generate::oplib(count + 1, 0.5, 1);
         measure(count, &Problem::SingleVisit(formats::read("op", &text).expect("our own text").problem), units);

@@ -1,10 +1,9 @@
 //! A planner of a third party in a program of its own: the whole `apex` command, with one planner more.
 
-use apex_cli::Registry;
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Environment, Solver};
-use apex_solvers::random::Generator;
-use apex_solvers::surveillance::scenario::Scenario;
+use apex_planning::random::Generator;
+use apex_planning::solver::{Environment, Solver};
+use apex_planning::surveillance::scenario::Scenario;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -46,7 +45,7 @@ impl Solver for Swaps {
 }
 
 fn main() -> ExitCode {
-    let mut planners = Registry::shipped();
+    let mut planners = apex_solvers::shipped();
     match planners.add(Arc::new(Swaps)) {
         Ok(()) => apex_cli::main(std::env::args_os(), planners),
         Err(why) => {

@@ -1,7 +1,7 @@
 //! The `apex` command as a library: a program of a third party is the whole command with planners of its own.
 //!
 //! ```no_run
-//! let planners = apex_cli::Registry::shipped();
+//! let planners = apex_cli::shipped();
 //! // planners.add(Arc::new(MyPlanner))?;
 //! apex_cli::main(std::env::args_os(), planners);
 //! ```
@@ -22,7 +22,8 @@ mod telling;
 mod trouble;
 mod world;
 
-pub use apex_solvers::Registry;
+pub use apex_planning::Registry;
+pub use apex_solvers::shipped;
 
 use apex_model::problem::Problem;
 use apex_model::time::Duration;

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    apex_cli::main(std::env::args_os(), apex_cli::Registry::shipped())
+    apex_cli::main(std::env::args_os(), apex_cli::shipped())
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use apex_solvers::random::Generator;
+use apex_planning::random::Generator;
 use common::{Desk, mission};
 use jsonschema::Validator;
 use serde_json::{Value, json};

@@ -5,9 +5,8 @@
 
 mod common;
 
-use apex_cli::Registry;
 use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceVisit};
-use apex_model::solver::{Environment, Solver};
+use apex_planning::solver::{Environment, Solver};
 use common::{Desk, mission};
 use std::process::Command;
 use std::sync::Arc;
@@ -60,7 +59,7 @@ fn the_example_plans_flies_and_is_measured() {
 
 #[test]
 fn a_measured_planner_gets_into_the_table_and_is_chosen_by_it() {
-    let mut planners = Registry::shipped();
+    let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Shortcut)).unwrap();
     let desk = Desk::with_mission("structure-watch");
     let path = |name: &str| desk.path(name).display().to_string();
@@ -160,7 +159,7 @@ fn fly_with(name: &'static str, more: &[&str]) -> Desk {
     // Without a plan this mission fails; here it goes on.
     let patrol = "(step patrol (patrol the structures) (waitfor (end ?up))";
     desk.change("m/mission.pdl", patrol, &format!("{patrol} (on-failure (inform (without-a-plan)))"));
-    let mut planners = Registry::shipped();
+    let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Bad(name))).unwrap();
     let (folder, record) = (desk.path("m").display().to_string(), desk.path("r.apex").display().to_string());
     let arguments = ["apex", "fly", &folder, "--record", &record, "--no-progress"];

@@ -9,13 +9,14 @@ pub use super::steps::translate;
 use super::{Mission, people};
 use apex_model::effect::{SolveRequest, SolveRequestId};
 use apex_model::problem::{Plan, Position, Problem};
-use apex_model::solver::{time_of, units_in};
 use apex_model::time::{Duration, Time};
+use apex_planning::Registry;
+use apex_planning::solver::{time_of, units_in};
+use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
 use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
 use apex_runtime::record::TargetState;
-use apex_solvers::{ProfileTable, Registry, Selection};
 use std::sync::Arc;
 
 /// Deliberation time where neither the mission nor the request says one.
@@ -176,8 +177,8 @@ pub fn solve(
         (Some(name), _) => {
             Selection { solver: name.to_string(), reason: "asked for by name".to_string(), people_plan_better: false }
         }
-        (None, Some(table)) => table.select(&problem, units),
-        (None, None) => apex_solvers::select_within(&problem, units),
+        (None, Some(table)) => table.select(&problem, units, &wish.means.planners),
+        (None, None) => apex_portfolio::select_within(&problem, units, &wish.means.planners),
     };
     let Some(solver) = wish.means.planners.find(&name) else {
         let names: Vec<&str> = wish.means.planners.iter().map(|solver| solver.name()).collect();
@@ -199,7 +200,7 @@ pub fn solve(
     if let Some(misconduct) = misconduct {
         reason = format!("{reason}; {misconduct}, and its best plan until then is used");
     }
-    apex_solvers::bound::state(&problem, &mut plan);
+    apex_solvers::bounds::state(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
     let (work, cpu_s) = (answer.used.min(units), answer.cpu_s);
     Ok(Deliberation { problem, plan, reason, work, cpu_s, from: None, people_plan_better })
@@ -215,7 +216,7 @@ fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
     if visits > PLAN_VISITS_MAX {
         return Err(format!("the plan of `{name}` has {visits} visits, more than {PLAN_VISITS_MAX}, and is not used"));
     }
-    let violations = apex_solvers::checker::violations(problem, plan);
+    let violations = apex_planning::checker::violations(problem, plan);
     match violations.first() {
         None => Ok(()),
         Some(first) => Err(format!(
@@ -232,8 +233,8 @@ fn usable(name: &str, problem: &Problem, plan: &Plan) -> Result<(), String> {
 /// A sentence that names the target and the field.
 pub fn validate(problem: &Problem) -> Result<(), String> {
     match problem {
-        Problem::Surveillance(problem) => apex_solvers::validate::surveillance(problem),
-        Problem::SingleVisit(problem) => apex_solvers::validate::single_visit(problem),
+        Problem::Surveillance(problem) => apex_planning::validate::surveillance(problem),
+        Problem::SingleVisit(problem) => apex_planning::validate::single_visit(problem),
     }
 }
 
@@ -260,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_fault_of_planning_does_not_pass_for_a_mission_with_nothing_left() {
-        let means = Means::of(&Arc::new(Registry::shipped()));
+        let means = Means::of(&Arc::new(apex_solvers::shipped()));
         for solver in ["no-such-solver", "two-opt", "single-visit"] {
             let problem = Problem::SingleVisit(SingleVisitProblem::default());
             let budget = Duration::from_seconds(1.0);

@@ -6,7 +6,7 @@ use super::{Mission, TargetKind};
 use apex_model::problem::{CostFunction, EventRate};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
-use apex_solvers::human::Human;
+use apex_solvers::planners::human::Human;
 use std::collections::{BTreeMap, BTreeSet};
 
 const SECONDS_PER_HOUR: f64 = 3600.0;

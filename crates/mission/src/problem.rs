@@ -11,7 +11,7 @@ use apex_model::problem::{
     SurveillanceProblem, SurveillanceTarget, WindField,
 };
 use apex_model::time::Time;
-use apex_solvers::surveillance::travel::{Transit, Ways};
+use apex_planning::surveillance::travel::{Transit, Ways};
 
 /// Time to roll level before a line begins. The turn onto the first line is part of the way to it; each further one is met
 /// antiparallel and close by: median of simulated flights at 95 m/s and 15 degrees of bank.

@@ -48,7 +48,6 @@ pub mod problem;
 pub mod procedure;
 pub mod quantity;
 pub mod resource;
-pub mod solver;
 pub mod source;
 pub mod step_clauses;
 pub mod symbol;

@@ -10,7 +10,7 @@
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
 use crate::ports::Withdrawal;
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{Budget, Environment, Solver};
+use apex_planning::solver::{Budget, Environment, Solver};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

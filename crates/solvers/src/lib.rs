@@ -1,45 +1,31 @@
-//! Planners, one folder each, with the checker that every plan must pass and the table that chooses between them.
+//! Planners (`planners/`, one folder each) and bounds on the value of plans (`bounds/`).
 //!
-//! A solver implements `apex_model::solver::Solver`: problem in, plan out, within a budget of work units. All are
+//! A planner implements `apex_planning::solver::Solver`: problem in, plan out, within a budget of work units. All are
 //! deterministic in seed and budget. A new planner is a folder and a row in [`solvers`].
 
-pub mod anytime;
-pub mod bound;
-pub mod checker;
-pub mod features;
-pub mod formats;
-pub mod human;
-pub mod nearest_neighbour;
-pub mod profile;
-pub mod random;
-pub mod registry;
-pub mod single_visit;
-pub mod surveillance;
-pub mod table;
-pub mod test_missions;
-pub mod two_opt;
-pub mod validate;
-pub mod wam;
+pub mod bounds;
+pub mod planners;
 
-pub use registry::Registry;
-pub use table::{ProfileTable, Selection, select, select_within};
+use apex_planning::Registry;
+use apex_planning::solver::Solver;
+use planners::{
+    anytime::Anytime, nearest_neighbour::NearestNeighbour, single_visit::SingleVisit, two_opt::TwoOpt, wam::Wam,
+};
+use std::sync::Arc;
 
-use apex_model::solver::Solver;
-
-/// Every planner, in the order of their complexity.
-pub fn solvers() -> Vec<Box<dyn Solver>> {
-    vec![
-        Box::new(nearest_neighbour::NearestNeighbour),
-        Box::new(two_opt::TwoOpt),
-        Box::new(wam::Wam),
-        Box::new(anytime::Anytime),
-        Box::new(single_visit::SingleVisit),
-    ]
+/// Every planner that ships, in the order of their complexity.
+pub fn solvers() -> Vec<Arc<dyn Solver>> {
+    vec![Arc::new(NearestNeighbour), Arc::new(TwoOpt), Arc::new(Wam), Arc::new(Anytime), Arc::new(SingleVisit)]
 }
 
 /// The planner called `name`.
-pub fn solver(name: &str) -> Option<Box<dyn Solver>> {
+pub fn solver(name: &str) -> Option<Arc<dyn Solver>> {
     solvers().into_iter().find(|solver| solver.name() == name)
+}
+
+/// A registry of the planners that ship.
+pub fn shipped() -> Registry {
+    Registry::of(solvers())
 }
 
 #[cfg(test)]
@@ -52,5 +38,8 @@ mod tests {
         let names: Vec<&str> = all.iter().map(|solver| solver.name()).collect();
         assert_eq!(names, ["nearest-neighbour", "two-opt", "wam", "anytime", "single-visit"]);
         assert!(names.iter().all(|name| solver(name).is_some()) && solver("human").is_none());
+        let mut registry = Registry::default();
+        solvers().into_iter().for_each(|solver| registry.add(solver).unwrap());
+        assert!(registry.iter().map(|solver| solver.name()).eq(shipped().iter().map(|solver| solver.name())));
     }
 }

@@ -2,9 +2,9 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test")]
 
 use apex_model::problem::{Plan, Problem, SingleVisitPlan};
-use apex_model::solver::{Budget, Environment, Solver, WorkBudget};
-use apex_solvers::formats::{self, generate};
-use apex_solvers::single_visit::SingleVisit;
+use apex_planning::solver::{Budget, Environment, Solver, WorkBudget};
+use apex_portfolio::formats::{self, generate};
+use apex_solvers::planners::single_visit::SingleVisit;
 
 /// A hundred targets with narrow windows: the proof ends long before the budget does. Of `c107` it finds the best route too,
 /// which this seed's first cooling misses by a visit or two.
@@ -44,7 +44,7 @@ fn solved(problem: &Problem, units: u64, seed: u64) -> (SingleVisitPlan, u64) {
     let mut budget = WorkBudget::new(units);
     let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
     let plan = SingleVisit.solve(problem, &mut environment).expect("a plan");
-    assert_eq!(apex_solvers::checker::violations(problem, &plan), Vec::<String>::new());
+    assert_eq!(apex_planning::checker::violations(problem, &plan), Vec::<String>::new());
     let Plan::SingleVisit(plan) = plan else { panic!("of another kind") };
     (plan, budget.used())
 }

@@ -15,11 +15,11 @@ use apex_mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_model::value::Value;
+use apex_planning::Registry;
+use apex_portfolio::formats;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::Withdrawal;
-use apex_solvers::Registry;
-use apex_solvers::formats;
-use apex_solvers::human::Human;
+use apex_solvers::planners::human::Human;
 use std::path::Path;
 use std::sync::Arc;
 

@@ -5,9 +5,9 @@ use crate::options::PlanOptions;
 use crate::trouble::{Outcome, Trouble, read_text};
 use apex_mission::deliberator::{Deliberation, PLAN_VISITS_MAX};
 use apex_model::problem::Plan;
-use apex_model::solver::{Environment, WorkBudget, units_in};
-use apex_solvers::checker;
-use apex_solvers::human::brought;
+use apex_planning::checker;
+use apex_planning::solver::{Environment, WorkBudget, units_in};
+use apex_solvers::planners::human::brought;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -12,9 +12,9 @@ use apex_mission::problem::pose;
 use apex_model::problem::{Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_solvers::formats;
-use apex_solvers::test_missions::Cell;
-use apex_solvers::validate::TARGETS_MAX;
+use apex_planning::validate::TARGETS_MAX;
+use apex_portfolio::cell::Cell;
+use apex_portfolio::formats;
 use std::path::Path;
 
 /// Deliberation time where nobody says one.
@@ -103,7 +103,7 @@ fn of_cell(text: &str) -> Outcome<Question> {
         Trouble::user(format!("{number} is no number of a test mission")).help(format!("write for example `{cell}@7`"))
     })?;
     let problem = Problem::Surveillance(cell.mission(number));
-    let start = Some(apex_solvers::test_missions::CENTRE);
+    let start = Some(apex_portfolio::test_missions::CENTRE);
     Ok(Question { start, ..Question::new(format!("{cell}@{number}"), problem) })
 }
 

@@ -10,8 +10,8 @@ use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
+use apex_planning::surveillance::travel::Ways;
 use apex_sim::Airframe;
-use apex_solvers::surveillance::travel::Ways;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.

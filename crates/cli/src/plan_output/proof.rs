@@ -2,10 +2,11 @@
 
 use apex_mission::deliberator::Deliberation;
 use apex_model::problem::{Plan, Problem};
-use apex_model::solver::{WorkBudget, units_in};
 use apex_model::time::Duration;
-use apex_solvers::bound::ages::cycles::{self, WithoutEnd};
-use apex_solvers::bound::{self, Meter};
+use apex_planning::meter::Meter;
+use apex_planning::solver::{WorkBudget, units_in};
+use apex_solvers::bounds as bound;
+use apex_solvers::bounds::ages::cycles::{self, WithoutEnd};
 
 /// What proofs may take where nobody says it: all that is known here of four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
 /// with more targets less is looked at.

@@ -7,8 +7,8 @@ use crate::telling::{name_width, named, wrapped};
 use apex_mission::deliberator::Deliberation;
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
-use apex_solvers::bound::ages::cycles::WithoutEnd;
-use apex_solvers::formats;
+use apex_portfolio::formats;
+use apex_solvers::bounds::ages::cycles::WithoutEnd;
 use std::fmt::Write;
 
 /// Gap below which rounding is all that is left.

@@ -21,7 +21,8 @@ pub fn of(problem: &Problem, plan: &Plan, mission: Option<&Mission>) -> Option<T
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) => {
             let radius_m = problem.vehicle.turn_radius_m;
             let turning = radius_m > 0.0 && problem.travel.is_none();
-            let (ways, time_s) = turning.then(|| apex_solvers::single_visit::turns_s(problem, plan).ok())??;
+            let (ways, time_s) =
+                turning.then(|| apex_solvers::planners::single_visit::turns_s(problem, plan).ok())??;
             Some(Turns { radius_m, ways, time_s })
         }
         (Problem::Surveillance(problem), Plan::Surveillance(plan)) => of_surveillance(problem, plan, mission?),

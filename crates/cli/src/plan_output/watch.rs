@@ -3,7 +3,7 @@
 use super::chart::{Circle, Place, Visit, bends};
 use apex_geo::travel::Circling;
 use apex_model::problem::{Position, SurveillanceVisit};
-use apex_solvers::surveillance::travel::Ways;
+use apex_planning::surveillance::travel::Ways;
 
 /// A plan of surveillance followed visit by visit.
 pub(super) struct Watch {

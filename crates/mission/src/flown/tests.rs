@@ -7,12 +7,11 @@ use super::*;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::{Batch, Event, EventKind};
-use apex_model::solver::{Environment, Solver};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
+use apex_planning::solver::{Environment, Solver};
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::{Deliberator, Observer, Withdrawal};
-use apex_solvers::Registry;
 use std::sync::{Arc, Mutex};
 
 fn mission(name: &str) -> Arc<Mission> {
@@ -40,7 +39,7 @@ impl Solver for Spy {
     }
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
         let previous = environment.previous.cloned();
-        let plan = apex_solvers::two_opt::TwoOpt.solve(problem, environment)?;
+        let plan = apex_solvers::planners::two_opt::TwoOpt.solve(problem, environment)?;
         self.0.lock().unwrap().push((previous, plan.clone()));
         Ok(plan)
     }
@@ -49,7 +48,7 @@ impl Solver for Spy {
 #[test]
 fn an_answer_that_nobody_took_is_no_flown_plan() {
     let (seen, books) = (Arc::new(Mutex::new(Vec::new())), SharedBookkeeping::default());
-    let mut planners = Registry::shipped();
+    let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Spy(Arc::clone(&seen)))).unwrap();
     let means = Means::of(&Arc::new(planners));
     let mut deliberator = MissionDeliberator::new(mission("structure-watch"), Arc::clone(&books), means);
@@ -111,7 +110,7 @@ fn answers_of_which_nothing_is_heard_are_forgotten_the_oldest_first() {
 
 fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
     let problem = pose(mission, &Bookkeeping::default(), Time::ZERO).unwrap();
-    let means = Means::of(&Arc::new(Registry::shipped()));
+    let means = Means::of(&Arc::new(apex_solvers::shipped()));
     let wish = Wish { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
     solve(problem, wish, &mut Invocations::new(), &Withdrawal::new()).unwrap()
 }
@@ -138,7 +137,7 @@ fn a_cycle_is_read_back_where_it_stands() {
     assert_eq!(read.cycle, turned);
     assert_eq!(read.visits.len().abs_diff(plan.visits.len()) / 3, 0, "the same horizon holds as many visits");
     let reasoned = SurveillancePlan { left_out: plan.left_out.clone(), ..read.clone() };
-    let broken = apex_solvers::checker::violations(&solved.problem, &Plan::Surveillance(reasoned));
+    let broken = apex_planning::checker::violations(&solved.problem, &Plan::Surveillance(reasoned));
     assert_eq!(broken, Vec::<String>::new(), "its times can be flown");
     let later = watched(problem, &forms, 2, true).unwrap();
     assert_eq!((&later.cycle[0], later.visits[0].target.as_str()), (&read.cycle[2], read.cycle[2].as_str()));

@@ -6,10 +6,10 @@ use crate::options::{ProfileBuildOptions, ProfileUpdateOptions, ProfileWorkOptio
 use crate::output;
 use crate::replacing;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::solver::Solver;
-use apex_solvers::Registry;
-use apex_solvers::profile::{MISSIONS_MAX, Planner, Profile, conclusion, measure};
-use apex_solvers::test_missions::Cell;
+use apex_planning::Registry;
+use apex_planning::solver::Solver;
+use apex_portfolio::cell::Cell;
+use apex_portfolio::profile::{MISSIONS_MAX, Planner, Profile, conclusion, measure};
 use std::path::Path;
 
 /// Budgets of one profile at most.

@@ -4,9 +4,9 @@ use super::{budgets, read};
 use crate::options::ProfileCompareOptions;
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
-use apex_solvers::profile::conclusion::{Conclusion, conclusions};
-use apex_solvers::profile::verdict::Verdict;
-use apex_solvers::profile::{Profile, budget_words, published};
+use apex_portfolio::profile::conclusion::{Conclusion, conclusions};
+use apex_portfolio::profile::verdict::Verdict;
+use apex_portfolio::profile::{Profile, budget_words, published};
 use std::fmt::Write;
 
 /// Counts agreement and prints it.

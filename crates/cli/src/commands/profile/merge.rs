@@ -4,8 +4,8 @@ use super::build::{refuse_other, write, write_table};
 use super::read;
 use crate::options::ProfileMergeOptions;
 use crate::trouble::{Outcome, Trouble};
-use apex_solvers::profile::Profile;
-use apex_solvers::profile::merge::merged;
+use apex_portfolio::profile::Profile;
+use apex_portfolio::profile::merge::merged;
 
 /// Reads all parts, then writes.
 pub(super) fn run(options: &ProfileMergeOptions) -> Outcome {

@@ -5,13 +5,14 @@ use super::{measuring, planners, read, units};
 use crate::options::ProfileCompareOptions;
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::solver::Solver;
-use apex_solvers::Registry;
-use apex_solvers::profile::regret::{self, Outcome as Mission};
-use apex_solvers::profile::{MISSIONS_MAX, budget_words};
-use apex_solvers::test_missions::Cell;
-use apex_solvers::validate::TARGETS_MAX;
+use apex_planning::Registry;
+use apex_planning::solver::Solver;
+use apex_planning::validate::TARGETS_MAX;
+use apex_portfolio::cell::Cell;
+use apex_portfolio::profile::regret::{self, Outcome as Mission};
+use apex_portfolio::profile::{MISSIONS_MAX, budget_words};
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Measures and prints, by budget and count.
 pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> Outcome {
@@ -30,10 +31,9 @@ pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> Outco
     };
     let names: Vec<String> = profile.planners.iter().map(|planner| planner.name.clone()).collect();
     let solvers = planners(&names, registry)?;
-    let solvers: Vec<&dyn Solver> = solvers.iter().map(AsRef::as_ref).collect();
     for budget in budgets {
         for count in &options.counts {
-            let outcomes = outcomes(options, *count, budget, &solvers)?;
+            let outcomes = outcomes(options, *count, &solvers, (registry, budget))?;
             report(options, *count, budget, &names, &outcomes)?;
         }
     }
@@ -44,8 +44,8 @@ pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> Outco
 fn outcomes(
     options: &ProfileCompareOptions,
     count: usize,
-    budget: u64,
-    solvers: &[&dyn Solver],
+    solvers: &[Arc<dyn Solver>],
+    (registry, budget): (&Registry, u64),
 ) -> Outcome<Vec<Mission>> {
     let mut cells: Vec<Cell> = Cell::all().into_iter().map(|cell| Cell { count, ..cell }).collect();
     cells.sort();
@@ -54,7 +54,7 @@ fn outcomes(
     let title = format!("{count} targets at {}", budget_words(budget));
     measuring::each(&options.work, &title, cells.len() * missions, |task| {
         let cell = cells.get(task / missions).ok_or("there is no such cell")?;
-        regret::mission(cell, (task % missions) as u64, solvers, budget)
+        regret::mission(cell, (task % missions) as u64, solvers, (registry, budget))
     })
 }
 

@@ -4,9 +4,9 @@ use super::{budgets, read};
 use crate::options::ProfileShowOptions;
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
-use apex_solvers::profile::verdict::{self, Best, Verdict};
-use apex_solvers::profile::{Profile, Row, budget_words, conclusion, picture};
-use apex_solvers::test_missions::Cell;
+use apex_portfolio::cell::Cell;
+use apex_portfolio::profile::verdict::{self, Best, Verdict};
+use apex_portfolio::profile::{Profile, Row, budget_words, conclusion, picture};
 use std::fmt::Write;
 
 /// Prints or draws.

@@ -1,0 +1,80 @@
+//! What a proof may still take, and what it has taken: as planners are, proofs are budgeted in units of work, never by a clock.
+//!
+//! Loops of proofs are metered in nanoseconds, as measured on one core of a loaded server, and charged in whole units, so that
+//! equal budgets prove equal bounds everywhere. Who gets less than would be needed takes a coarser look and says so.
+
+use crate::solver::{Budget, WORK_UNIT};
+
+/// A budget with what was spent of it, and whether it made somebody stop early.
+pub struct Meter<'a> {
+    budget: &'a mut dyn Budget,
+    /// Spent and not yet a whole unit.
+    spent_ns: u64,
+    cut: bool,
+}
+
+impl<'a> Meter<'a> {
+    /// Meters what is taken from `budget`.
+    pub fn new(budget: &'a mut dyn Budget) -> Meter<'a> {
+        Meter { budget, spent_ns: 0, cut: false }
+    }
+
+    /// Units spent so far.
+    pub fn used(&self) -> u64 {
+        self.budget.used()
+    }
+
+    /// Was everything tried that would have been with a greater budget?
+    pub fn is_complete(&self) -> bool {
+        !self.cut
+    }
+
+    /// Nanoseconds that are left; where a clock decides, all that there are until it says no more.
+    pub fn left_ns(&self) -> f64 {
+        if self.budget.exhausted() {
+            return 0.0;
+        }
+        self.budget.left().map_or(f64::INFINITY, |units| units as f64 * unit_ns())
+    }
+
+    /// Notes work of so many nanoseconds.
+    pub fn spend(&mut self, nanoseconds: f64) {
+        let unit_ns = WORK_UNIT.0.unsigned_abs();
+        self.spent_ns = self.spent_ns.saturating_add(nanoseconds as u64);
+        self.budget.charge(self.spent_ns / unit_ns);
+        self.spent_ns %= unit_ns;
+    }
+
+    /// Notes that something was left undone, or done less well, because the budget is too small.
+    pub fn cut(&mut self) {
+        self.cut = true;
+    }
+
+    /// The budget itself, for those who charge it in units.
+    pub fn budget(&mut self) -> &mut dyn Budget {
+        self.budget
+    }
+}
+
+fn unit_ns() -> f64 {
+    WORK_UNIT.0 as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::WorkBudget;
+
+    #[test]
+    fn whole_units_are_charged_and_rests_are_kept() {
+        let mut budget = WorkBudget::new(10);
+        let mut meter = Meter::new(&mut budget);
+        assert_eq!(meter.left_ns(), 10_000.0);
+        meter.spend(2_700.0);
+        meter.spend(400.0);
+        assert_eq!((meter.used(), meter.left_ns(), meter.is_complete()), (3, 7_000.0, true));
+        meter.spend(1e300);
+        meter.cut();
+        assert_eq!((meter.left_ns(), meter.is_complete()), (0.0, false));
+    }
+}

@@ -1,0 +1,96 @@
+//! The solver contract: what a planner is given and what it gives back (paper, sections IV and V).
+//!
+//! A solver runs beside the executive. It gets its powers by name: random numbers, a budget and a channel for its best
+//! plan so far. It answers with a [`Plan`], which an independent checker validates before the executive sees it.
+
+use apex_model::problem::{Plan, Problem};
+use apex_model::time::Duration;
+
+/// Time that one unit of a solver's work stands for: in flights, in budgets and in the profile table.
+///
+/// Measured on one core of a loaded server: all planners take 0.5 to 1.3 microseconds a unit, from 10 to 1,000 targets
+/// (`docs/reference/planning-speed.md`; `make bench-units` measures it again). A slower computer does less in a second of flight
+/// than a unit stands for: its budgets should be smaller, or its plans are late.
+pub const WORK_UNIT: Duration = Duration(1_000);
+
+/// Work units in `time`; at least one.
+pub fn units_in(time: Duration) -> u64 {
+    u64::try_from(time.0 / WORK_UNIT.0).unwrap_or(0).max(1)
+}
+
+/// Time that `units` of work stand for.
+pub fn time_of(units: u64) -> Duration {
+    Duration(WORK_UNIT.0.saturating_mul(i64::try_from(units).unwrap_or(i64::MAX)))
+}
+
+/// What a solver may use.
+pub struct Environment<'a> {
+    /// Seed for the solver's own generator; equal seed and budget give an equal plan.
+    pub seed: u64,
+    /// Work allowed. Counted in the solver's work units in simulation and replay, by the clock in flight.
+    pub budget: &'a mut dyn Budget,
+    /// Receives every better plan as soon as it is found.
+    pub report: &'a mut dyn FnMut(&Plan),
+    /// The plan that is flown now, or the best one of the problem before it changed: a place to begin, never a duty.
+    pub previous: Option<&'a Plan>,
+}
+
+/// Permission to go on.
+pub trait Budget {
+    /// Charges `units` of work.
+    fn charge(&mut self, units: u64);
+    /// True when the solver must return its best plan now.
+    fn exhausted(&self) -> bool;
+    /// Units charged so far.
+    fn used(&self) -> u64;
+    /// Units that are left; none where a clock decides. Whoever cools down wants to know for how long.
+    fn left(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// A budget of a fixed number of work units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkBudget {
+    /// Units allowed.
+    pub allowed: u64,
+    /// Units charged.
+    pub used: u64,
+}
+
+impl WorkBudget {
+    /// A fresh budget of `allowed` units.
+    pub fn new(allowed: u64) -> WorkBudget {
+        WorkBudget { allowed, used: 0 }
+    }
+}
+
+impl Budget for WorkBudget {
+    fn charge(&mut self, units: u64) {
+        self.used = self.used.saturating_add(units);
+    }
+    fn exhausted(&self) -> bool {
+        self.used >= self.allowed
+    }
+    fn used(&self) -> u64 {
+        self.used
+    }
+    fn left(&self) -> Option<u64> {
+        Some(self.allowed.saturating_sub(self.used))
+    }
+}
+
+/// A planner. Third parties implement this.
+pub trait Solver: Send + Sync {
+    /// The name in profile tables, records and `(solver NAME ..)` forms.
+    fn name(&self) -> &str;
+
+    /// Can it plan for problems of this kind?
+    fn serves(&self, problem: &Problem) -> bool;
+
+    /// Plans. Returns when done or when the budget is exhausted.
+    ///
+    /// # Errors
+    /// A sentence for people when there is no feasible plan or the problem makes no sense.
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String>;
+}

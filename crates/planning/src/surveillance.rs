@@ -1,0 +1,5 @@
+//! What all surveillance planners share: flying a word of targets, its expected cost, and the plan made of it.
+
+pub mod previous;
+pub mod scenario;
+pub mod travel;

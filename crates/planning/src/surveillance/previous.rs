@@ -1,0 +1,75 @@
+//! The plan that is flown now, as a place to begin: what is left of it on a problem that has changed.
+//!
+//! Bound: O(targets + visits).
+
+use super::scenario::Scenario;
+use crate::solver::Budget;
+use apex_model::problem::Plan;
+use std::collections::BTreeMap;
+
+/// What is left of a plan: its visits as far as their targets are still there and time reaches; a plan that repeats a cycle goes on
+/// with it. None where nothing is left.
+pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
+    let Plan::Surveillance(plan) = plan? else { return None };
+    let targets = &scenario.problem().targets;
+    let by_name: BTreeMap<&str, usize> =
+        scenario.usable().iter().filter_map(|index| Some((targets.get(*index)?.name.as_str(), *index))).collect();
+    let index = |name: &str| by_name.get(name).copied();
+    let visits: Vec<usize> = plan.visits.iter().filter_map(|visit| index(&visit.target)).collect();
+    let cycle: Vec<usize> = plan.cycle.iter().filter_map(|name| index(name)).collect();
+    // Where in its cycle the plan stands after the visits that are left; plans repeat it from its beginning.
+    let last = plan.visits.len().checked_sub(1).and_then(|last| plan.visits.get(last));
+    let after = last.and_then(|last| plan.cycle.iter().position(|name| *name == last.target)).map_or(0, |at| at + 1);
+    let after = plan.cycle.iter().take(after).filter(|name| index(name).is_some()).count();
+    scenario.spend((visits.len() + cycle.len() + scenario.usable().len()) as u64 * NAME_NS);
+    let word = scenario.flown(visits.into_iter().chain(cycle.iter().copied().cycle().skip(after)));
+    (!word.is_empty()).then_some(word)
+}
+
+/// The targets of what is left of a plan in the order in which they come first: a cycle to begin with.
+pub fn cycle(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
+    let word = word(scenario, plan)?;
+    let mut there = vec![false; scenario.problem().targets.len()];
+    let mut first = |target: &usize| there.get_mut(*target).is_some_and(|there| !std::mem::replace(there, true));
+    Some(word.into_iter().filter(|target| first(target)).collect())
+}
+
+/// What is left of the plan where that costs less than `cost`, with what it costs.
+pub fn better(
+    scenario: &Scenario<'_>,
+    plan: Option<&Plan>,
+    cost: f64,
+    budget: &mut dyn Budget,
+) -> Option<(f64, Vec<usize>)> {
+    let word = word(scenario, plan)?;
+    let before = scenario.cost(word.iter().copied(), budget);
+    (before < cost).then_some((before, word))
+}
+
+/// What finding a target by its name takes, in nanoseconds.
+const NAME_NS: u64 = 100;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::surveillance as examples;
+    use crate::solver::{Environment, Solver, WorkBudget};
+    use apex_model::problem::{Problem, SurveillancePlan, SurveillanceProblem};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_cycle_goes_on_where_the_visits_that_are_left_end() {
+        let problem = examples::random(4, 3);
+        let scenario = Scenario::new(&problem).unwrap();
+        let names = |indices: &[usize]| indices.iter().map(|index| problem.targets[*index].name.clone()).collect();
+        let mut old = scenario.cycle_plan("test", &[2, 0, 3]);
+        old.visits.truncate(5);
+        old.visits.remove(0);
+        let left = word(&scenario, Some(&Plan::Surveillance(old.clone()))).unwrap();
+        assert_eq!(left[..6], [0, 3, 2, 0, 3, 2], "the first visit is over");
+        old.cycle = names(&[2, 0, 3]);
+        old.visits.clear();
+        assert_eq!(word(&scenario, Some(&Plan::Surveillance(old))).unwrap()[..3], [2, 0, 3]);
+        assert_eq!(word(&scenario, None), None);
+    }
+}

@@ -1,0 +1,140 @@
+//! Which pattern of the profile table a set of points is most like: the likelihood of nine patterns, three ways to lie on
+//! maps of three sizes, wherever their centre is.
+//!
+//! Size and kind are asked together because they are mixed up else: four targets in one crowd on a large map are as far apart
+//! as four anywhere on a medium one, and only their sizes given the kind tell more than their shape.
+
+use super::classifier::Given;
+use crate::cell::{Scale, Space};
+use apex_geo::plane::Point;
+use std::f64::consts::PI;
+
+/// Deviation of a crowd as a share of the map's side: one crowd, each of two; and the two crowds' distance.
+const GLOBULAR: f64 = 0.08;
+const TWO_CLUSTERS: (f64, f64) = (0.05, 0.76);
+/// Width of the passage, as a share of the side, in which a map becomes too small for its points.
+const EDGE: f64 = 0.05;
+/// Rounds of the division into two clusters: it settles in a few.
+const CLUSTER_ROUNDS_MAX: usize = 50;
+
+/// Minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
+pub(super) fn unlikelihoods(given: &Given<'_>) -> [[f64; 3]; 3] {
+    let points: Vec<Point> = given
+        .points()
+        .iter()
+        .map(|point| Point { x: point.x / given.metres_per_metre(), y: point.y / given.metres_per_metre() })
+        .collect();
+    let shape = Shape::of(&points);
+    let each = Scale::ALL.map(|scale| Space::ALL.map(|space| -shape.log_likelihood(scale.side_m(), space)));
+    let least = each.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let count = points.len().max(1) as f64;
+    each.map(|row| row.map(|unlikely| (unlikely - least) / count))
+}
+
+/// What the likelihoods need to know of the points.
+struct Shape {
+    count: f64,
+    width_m: f64,
+    height_m: f64,
+    square_m2: f64,
+    counts: (f64, f64),
+    between_m: f64,
+    within_m2: f64,
+}
+
+impl Shape {
+    fn of(points: &[Point]) -> Shape {
+        let range = |axis: fn(&Point) -> f64| {
+            let ends = points
+                .iter()
+                .map(axis)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            (ends.1 - ends.0).max(0.0)
+        };
+        let sides = divided(points);
+        let (a, b) = (mean_of(points, &sides, false), mean_of(points, &sides, true));
+        let centre = mean_of(points, &vec![false; points.len()], false);
+        let squares = |centre: Option<Point>, chosen: &dyn Fn(bool) -> bool| {
+            let members = points.iter().zip(&sides).filter(|(_, side)| chosen(**side));
+            members.map(|(point, _)| centre.map_or(0.0, |centre| point.minus(centre).dot(point.minus(centre)))).sum()
+        };
+        let right = sides.iter().filter(|side| **side).count() as f64;
+        let within_m2: f64 = squares(a, &|side| !side);
+        Shape {
+            count: points.len() as f64,
+            width_m: range(|point| point.x),
+            height_m: range(|point| point.y),
+            square_m2: squares(centre, &|_| true),
+            counts: (points.len() as f64 - right, right),
+            between_m: a.zip(b).map_or(0.0, |(a, b)| b.minus(a).length()),
+            within_m2: within_m2 + squares(b, &|side| side),
+        }
+    }
+
+    /// Logarithm of the density of the points, the place of the map integrated over the plane.
+    fn log_likelihood(&self, side_m: f64, space: Space) -> f64 {
+        match space {
+            Space::Uniform => {
+                // The map may be moved as far as it still holds all; what hardly fits, or does not quite, fades.
+                let room = |extent_m: f64| {
+                    let edge_m = EDGE * side_m;
+                    let over = ((extent_m - side_m + edge_m) / edge_m).max(0.0);
+                    libm::log((side_m - extent_m).max(edge_m)) - 0.5 * over * over
+                };
+                room(self.width_m) + room(self.height_m) - 2.0 * self.count * libm::log(side_m)
+            }
+            Space::Globular => crowd(self.count, self.square_m2, GLOBULAR * side_m),
+            Space::TwoClusters => {
+                let (deviation_m, distance_m) = (TWO_CLUSTERS.0 * side_m, TWO_CLUSTERS.1 * side_m);
+                if self.counts.0.min(self.counts.1) < 1.0 {
+                    return f64::NEG_INFINITY;
+                }
+                let crowds = crowd(self.counts.0, 0.0, deviation_m) + crowd(self.counts.1, 0.0, deviation_m);
+                let variance_m2 = deviation_m * deviation_m * (1.0 / self.counts.0 + 1.0 / self.counts.1);
+                let off_m = self.between_m - distance_m;
+                // Any direction is as good, and the points may go to either crowd.
+                crowds
+                    - 0.5 * self.within_m2 / (deviation_m * deviation_m)
+                    - 0.5 * off_m * off_m / variance_m2
+                    - 0.5 * libm::log(2.0 * PI * variance_m2)
+                    - libm::log(2.0 * PI * self.between_m.max(deviation_m))
+                    - (self.count - 1.0) * std::f64::consts::LN_2
+            }
+        }
+    }
+}
+
+/// A normal crowd of `count` points with this sum of squares about their mean.
+fn crowd(count: f64, square_m2: f64, deviation_m: f64) -> f64 {
+    let variance_m2 = deviation_m * deviation_m;
+    -(count - 1.0) * libm::log(2.0 * PI * variance_m2) - libm::log(count) - 0.5 * square_m2 / variance_m2
+}
+
+/// Divides points in two, from the farthest pair, until nothing changes; true is the second side.
+pub(super) fn divided(points: &[Point]) -> Vec<bool> {
+    let mut sides = vec![false; points.len()];
+    let Some(first) = points.first() else { return sides };
+    let far = |from: Point| {
+        let farther = |a: &&Point, b: &&Point| from.minus(**a).length().total_cmp(&from.minus(**b).length());
+        points.iter().max_by(farther).copied().unwrap_or(from)
+    };
+    let mut centres = (far(*first), far(far(*first)));
+    for _ in 0..CLUSTER_ROUNDS_MAX {
+        let side = |point: &Point| point.minus(centres.1).length() < point.minus(centres.0).length();
+        let next: Vec<bool> = points.iter().map(side).collect();
+        let settled = next == sides;
+        sides = next;
+        let (Some(a), Some(b)) = (mean_of(points, &sides, false), mean_of(points, &sides, true)) else { break };
+        centres = (a, b);
+        if settled {
+            break;
+        }
+    }
+    sides
+}
+
+fn mean_of(points: &[Point], sides: &[bool], side: bool) -> Option<Point> {
+    let members = points.iter().zip(sides).filter(|(_, at)| **at == side).map(|(point, _)| *point);
+    let (sum, count) = members.fold((Point::default(), 0.0), |(sum, count), point| (sum.plus(1.0, point), count + 1.0));
+    (count > 0.0).then(|| Point { x: sum.x / count, y: sum.y / count })
+}

@@ -1,0 +1,42 @@
+//! How large the map is, measured by what the vehicle can fly in the mission's time.
+//!
+//! The number is kappa, the time of the shortest tour over all targets with their dwells over the time available: at 1 a
+//! single lap fits. The bin is that of the likeliest pattern of the table.
+
+use super::classifier::{Classifier, Given, Reading};
+use super::pattern;
+use apex_planning::solver::{Budget, WorkBudget};
+use apex_planning::tour;
+
+/// Work spent on the tour: a descent, exact for few targets.
+const TOUR_UNITS: u64 = 2_000;
+
+/// The classifier.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scale;
+
+impl Classifier for Scale {
+    fn name(&self) -> &'static str {
+        "scale"
+    }
+
+    fn bins(&self) -> &'static [&'static str] {
+        &["large", "medium", "small"]
+    }
+
+    fn read(&self, given: &Given<'_>) -> Reading {
+        let unlikelihoods = pattern::unlikelihoods(given);
+        let best = |row: &[f64; 3]| row.iter().copied().fold(f64::INFINITY, f64::min);
+        Reading { numbers: vec![("kappa", kappa(given))], distances: unlikelihoods.iter().map(best).collect() }
+    }
+}
+
+/// Time of the shortest tour found over the time available.
+fn kappa(given: &Given<'_>) -> f64 {
+    let (scenario, problem) = (&given.scenario, given.problem());
+    let mut budget = WorkBudget::new(TOUR_UNITS);
+    let cycle = tour::shortest(scenario, scenario.usable(), &mut budget as &mut dyn Budget);
+    let dwell_s: f64 = cycle.iter().filter_map(|index| problem.targets.get(*index)).map(|target| target.dwell_s).sum();
+    let travel_s = tour::length(&cycle, |from, to| scenario.typical().between(from, to));
+    (travel_s + dwell_s) / scenario.limit_s()
+}

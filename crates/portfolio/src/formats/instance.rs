@@ -1,0 +1,29 @@
+//! A benchmark problem as it was read.
+
+use apex_model::problem::SingleVisitProblem;
+
+/// What a file asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The most value within time windows and a closing time.
+    OrienteeringWithWindows,
+    /// The most value within a length.
+    Orienteering,
+    /// The shortest tour of all.
+    Tour,
+}
+
+/// A problem as a file tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    /// Its name: the file's own, or that of the file.
+    pub name: String,
+    /// The format, in words.
+    pub format: &'static str,
+    /// What is asked.
+    pub question: Question,
+    /// Vehicles (paths) that the file names; the problem is that of one.
+    pub vehicles: Option<usize>,
+    /// The problem.
+    pub problem: SingleVisitProblem,
+}

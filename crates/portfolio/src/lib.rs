@@ -1,0 +1,15 @@
+//! Which planner is best for which mission: features of problems, the measured profile of planners, and selection by it.
+//!
+//! [`test_missions`] draws missions of each [`cell`] of the feature space, [`profile`] measures planners on them, and
+//! [`table`] chooses by what was measured. [`formats`] reads benchmark files. Planners are handed in as a registry; this
+//! crate knows none.
+
+pub mod cell;
+pub mod features;
+pub mod format_error;
+pub mod formats;
+pub mod profile;
+pub mod table;
+pub mod test_missions;
+
+pub use table::{ProfileTable, Selection, select, select_within};

@@ -1,0 +1,124 @@
+//! The performance profile (paper, section V.C and Figure 4): what planners come to on test missions, measured, and what can be
+//! said of it.
+//!
+//! A [`Profile`] holds every cost that was measured, by cell, planner, budget and mission; who is better where is worked out
+//! from it ([`verdict`]), never stored beside it. Missions are independent and planners deterministic in their work, so the
+//! same profile comes of any machine and any number of threads. What selection needs of it is `data/profile-table.csv`.
+
+pub mod conclusion;
+mod file;
+pub mod measure;
+pub mod merge;
+pub mod picture;
+pub mod published;
+pub mod regret;
+pub mod statistics;
+pub mod verdict;
+
+use crate::cell::Cell;
+use crate::test_missions::GENERATOR_VERSION;
+use apex_planning::solver::time_of;
+
+/// The measured profile that ships with the product.
+pub const SHIPPED: &str = include_str!("../../data/profile.txt");
+
+/// Missions of a cell at most.
+pub const MISSIONS_MAX: u64 = file::MISSIONS_MAX;
+
+/// A planner that was measured.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Planner {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+}
+
+/// One cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Which.
+    pub cell: Cell,
+    /// Hash of its missions.
+    pub hash: String,
+    /// `costs[planner][budget][mission]`.
+    pub costs: Vec<Vec<Vec<f64>>>,
+}
+
+impl Row {
+    /// Costs of a planner at a budget (indices), by mission; none where there is no such planner or budget.
+    pub fn costs(&self, planner: usize, budget: usize) -> &[f64] {
+        self.costs.get(planner).and_then(|budgets| budgets.get(budget)).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// What was measured, and of what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Version of the test missions' generator.
+    pub generator: u32,
+    /// Missions of each cell: numbers 0, 1, ..; a planner's seed is the number of the mission.
+    pub missions: u64,
+    /// Budgets in work units, rising.
+    pub budgets: Vec<u64>,
+    /// Planners.
+    pub planners: Vec<Planner>,
+    /// Cells.
+    pub rows: Vec<Row>,
+}
+
+impl Profile {
+    /// A profile in which nothing has been measured yet.
+    pub fn empty(cells: &[Cell], missions: u64, budgets: &[u64]) -> Profile {
+        let row = |cell: &Cell| Row { cell: *cell, hash: cell.hash(missions), costs: Vec::new() };
+        Profile {
+            generator: GENERATOR_VERSION,
+            missions,
+            budgets: budgets.to_vec(),
+            planners: Vec::new(),
+            rows: cells.iter().map(row).collect(),
+        }
+    }
+
+    /// Index of the planner called `name`.
+    pub fn planner(&self, name: &str) -> Option<usize> {
+        self.planners.iter().position(|planner| planner.name == name)
+    }
+
+    /// Puts in what `planner` came to, `costs[cell][budget][mission]`, in the place of what is there under its name.
+    pub fn put(&mut self, planner: Planner, costs: Vec<Vec<Vec<f64>>>) {
+        let place = self.planner(&planner.name).unwrap_or(self.planners.len());
+        if let Some(known) = self.planners.get_mut(place) {
+            *known = planner;
+        } else {
+            self.planners.push(planner);
+        }
+        for (row, costs) in self.rows.iter_mut().zip(costs) {
+            match row.costs.get_mut(place) {
+                Some(known) => *known = costs,
+                None => row.costs.push(costs),
+            }
+        }
+    }
+
+    /// Why this profile cannot be completed with new measurements: its missions are not those of this generator.
+    pub fn outdated(&self) -> Option<String> {
+        if self.generator != GENERATOR_VERSION {
+            return Some(format!(
+                "its missions are of version {} of the generator, ours of {GENERATOR_VERSION}",
+                self.generator
+            ));
+        }
+        let other = self.rows.iter().find(|row| row.hash != row.cell.hash(self.missions))?;
+        Some(format!("its missions of {} have the hash {}, ours another", other.cell, other.hash))
+    }
+}
+
+/// A budget in words: `10 ms`.
+pub fn budget_words(units: u64) -> String {
+    let milliseconds = 1e3 * time_of(units).seconds();
+    if milliseconds >= 1000.0 { format!("{} s", milliseconds / 1000.0) } else { format!("{milliseconds} ms") }
+}
+
+#[cfg(test)]
+mod tests;

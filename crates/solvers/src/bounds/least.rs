@@ -1,0 +1,32 @@
+//! What no plan undercuts: least event rates and shortest times of ways, of which bounds are made.
+
+use apex_model::problem::{SurveillanceProblem, SurveillanceTarget, UNREACHABLE_S};
+
+/// Least events per second at any time.
+pub(super) fn events_per_s(target: &SurveillanceTarget) -> f64 {
+    target.rate.steps.iter().map(|(_, events_per_s)| *events_per_s).reduce(f64::min).unwrap_or(0.0)
+}
+
+/// Shortest times between ends of observations, over other targets too.
+pub(super) fn ways(problem: &SurveillanceProblem) -> Vec<Vec<f64>> {
+    let count = problem.targets.len();
+    let dwells = || problem.targets.iter().map(|target| target.dwell_s);
+    let leg = |from: usize, (to, dwell_s): (usize, f64)| {
+        if from == to { 0.0 } else { problem.travel.between(from, to).min(UNREACHABLE_S) + dwell_s }
+    };
+    let mut ways: Vec<Vec<f64>> =
+        (0..count).map(|from| dwells().enumerate().map(|to| leg(from, to)).collect()).collect();
+    for over in 0..count {
+        let onward = ways.get(over).cloned().unwrap_or_default();
+        for way in &mut ways {
+            let first = way.get(over).copied().unwrap_or(UNREACHABLE_S);
+            for (direct, rest) in way.iter_mut().zip(&onward) {
+                *direct = direct.min(first + rest);
+            }
+        }
+    }
+    // A way that nobody can fly takes no part in a plan; as a number it would only spoil the others.
+    let limit_s = problem.horizon_s;
+    ways.iter_mut().flatten().for_each(|way| *way = way.min(limit_s));
+    ways
+}

@@ -1,0 +1,62 @@
+//! Which targets nobody reaches in time any more, from a node at a time on.
+
+use super::memory::{Targets, bit_of};
+use crate::planners::single_visit::steady::network::{FIRST, Network};
+
+/// For each node the last times at which targets are still reached, earliest first, each with all that are missed after it.
+pub(super) struct Late(Vec<Vec<(i32, Targets)>>);
+
+impl Late {
+    pub(super) fn new(network: &Network) -> Late {
+        let nodes = network.nodes.len();
+        let quickest = quickest(network);
+        let of = |row: &[i32]| {
+            let mut last = vec![i32::MIN; network.targets];
+            for (ticks, data) in row.iter().zip(&network.nodes).skip(FIRST as usize) {
+                if let Some(last) = last.get_mut(data.target as usize) {
+                    *last = (*last).max(data.close.saturating_sub(*ticks));
+                }
+            }
+            let mut order: Vec<(i32, Targets)> = (0..).zip(last).map(|(target, last)| (last, bit_of(target))).collect();
+            order.sort_unstable();
+            let mut missed = 0;
+            for (_, set) in &mut order {
+                missed |= *set;
+                *set = missed;
+            }
+            order
+        };
+        Late(quickest.chunks(nodes.max(1)).map(of).collect())
+    }
+
+    /// Targets that no way from `node` reaches in time after `time`.
+    #[inline]
+    pub(super) fn missed(&self, node: u32, time: i32) -> Targets {
+        let Some(order) = self.0.get(node as usize) else { return 0 };
+        let count = order.partition_point(|(last, _)| *last < time);
+        count.checked_sub(1).and_then(|index| order.get(index)).map_or(0, |(_, missed)| *missed)
+    }
+}
+
+/// The quickest way from node to node through any others, without waiting.
+fn quickest(network: &Network) -> Vec<i32> {
+    let count = network.nodes.len();
+    let mut quickest: Vec<i32> =
+        (0..count * count).map(|index| network.leg((index / count) as u32, (index % count) as u32)).collect();
+    for (node, row) in quickest.chunks_mut(count.max(1)).enumerate() {
+        // Who is there needs no way.
+        if let Some(own) = row.get_mut(node) {
+            *own = 0;
+        }
+    }
+    for through in network.visits().map(|node| node as usize) {
+        let onward: Vec<i32> = quickest.get(through * count..(through + 1) * count).unwrap_or_default().to_vec();
+        for row in quickest.chunks_mut(count) {
+            let Some(to_there) = row.get(through).copied() else { continue };
+            for (ticks, on) in row.iter_mut().zip(&onward) {
+                *ticks = (*ticks).min(to_there.saturating_add(*on));
+            }
+        }
+    }
+    quickest
+}

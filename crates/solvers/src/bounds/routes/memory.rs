@@ -1,0 +1,52 @@
+//! Which targets a label remembers to have seen: for each target those in whose memory it stays.
+
+use crate::planners::single_visit::steady::network::Network;
+
+/// A set of targets.
+pub(super) type Targets = u128;
+
+/// More do not fit into a set.
+pub(crate) const TARGETS_MAX: usize = Targets::BITS as usize;
+
+/// The set of one target.
+#[inline(always)]
+pub(super) fn bit_of(target: u32) -> Targets {
+    Targets::from(1_u8).checked_shl(target).unwrap_or(0)
+}
+
+/// For each target itself and those nearest to it, `size` in all.
+pub(super) fn nearest(network: &Network, size: usize) -> Vec<Targets> {
+    let mut away = vec![vec![i32::MAX; network.targets]; network.targets];
+    for from in network.visits() {
+        for to in network.visits().filter(|to| *to != from) {
+            let (a, b) = (network.node(from).target as usize, network.node(to).target as usize);
+            if let Some(away) = away.get_mut(a).and_then(|row| row.get_mut(b)) {
+                *away = (*away).min(network.leg(from, to)).min(network.leg(to, from));
+            }
+        }
+    }
+    let near = |(target, row): (usize, &Vec<i32>)| {
+        let mut order: Vec<usize> = (0..network.targets).filter(|other| *other != target).collect();
+        order.sort_by_key(|other| (row.get(*other).copied().unwrap_or(i32::MAX), *other));
+        order.truncate(size.saturating_sub(1));
+        order.iter().fold(bit_of(target as u32), |set, other| set | bit_of(*other as u32))
+    };
+    away.iter().enumerate().map(near).collect()
+}
+
+/// The targets between two visits of one remember that one, where they do not remember `most` already. False where the walk
+/// comes back to nothing.
+pub(super) fn grow(remembers: &mut [Targets], network: &Network, walk: &[u32], most: u32) -> bool {
+    let targets: Vec<u32> = walk.iter().map(|node| network.node(*node).target).collect();
+    let mut comes_back = false;
+    for (index, target) in targets.iter().enumerate() {
+        let Some(before) = targets.iter().take(index).rposition(|other| other == target) else { continue };
+        comes_back = true;
+        for between in targets.get(before + 1..index).unwrap_or_default() {
+            if let Some(set) = remembers.get_mut(*between as usize).filter(|set| set.count_ones() < most) {
+                *set |= bit_of(*target);
+            }
+        }
+    }
+    comes_back
+}

@@ -1,0 +1,136 @@
+//! Plans of people: somebody says which targets are visited in which order; what is left to say is worked out, and the plan is
+//! checked and scored like any other (paper, section V.C: a person is one of the planners that are compared).
+//!
+//! Of surveillance the order is flown once, or again and again until the mission ends. Of single visits each is made in the way
+//! (manoeuvre, waiting for a better time) that is worth most beside the others.
+//! Bound: O(visits) of surveillance; of single visits O(visits^2 x ways of a target).
+
+pub mod brought;
+
+use crate::planners::single_visit;
+use apex_model::problem::{Plan, Problem, SurveillanceProblem};
+use apex_planning::solver::{Environment, Solver};
+use apex_planning::surveillance::scenario::Scenario;
+
+/// The planner's name, also of plans that people bring.
+const NAME: &str = "human";
+
+/// What a person wants to be flown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Human {
+    /// Names of targets in the order of visits.
+    pub visits: Vec<String>,
+    /// The order is flown again and again.
+    pub repeat: bool,
+}
+
+impl Solver for Human {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn serves(&self, _: &Problem) -> bool {
+        true
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let names: Vec<&str> = match problem {
+            Problem::Surveillance(problem) => problem.targets.iter().map(|target| target.name.as_str()).collect(),
+            Problem::SingleVisit(problem) => problem.targets.iter().map(|target| target.name.as_str()).collect(),
+        };
+        let order = self.visits.iter().map(|name| {
+            let index = names.iter().position(|known| known == name);
+            index.ok_or_else(|| format!("there is no target `{name}`; there are {}", names.join(", ")))
+        });
+        let order = order.collect::<Result<Vec<usize>, String>>()?;
+        match problem {
+            Problem::Surveillance(problem) => self.watched(problem, &order, environment),
+            Problem::SingleVisit(_) if self.repeat => {
+                Err("single visits are not repeated: leave `repeat` out".to_string())
+            }
+            Problem::SingleVisit(problem) => {
+                let order: Vec<(usize, Option<usize>)> = order.into_iter().map(|target| (target, None)).collect();
+                single_visit::in_order(problem, self.name(), &order, environment).map(Plan::SingleVisit)
+            }
+        }
+    }
+}
+
+impl Human {
+    fn watched(
+        &self,
+        problem: &SurveillanceProblem,
+        order: &[usize],
+        environment: &mut Environment<'_>,
+    ) -> Result<Plan, String> {
+        let scenario = Scenario::new(problem)?;
+        let flown = scenario.flown(order.iter().copied());
+        if let Some(name) = self.visits.get(flown.len()) {
+            let number = flown.len() + 1;
+            return Err(format!("visit {number}, of {name}, cannot be made: it would end after the flight has to"));
+        }
+        let plan = match self.repeat {
+            true => scenario.cycle_plan(self.name(), order),
+            false => scenario.plan(self.name(), order.iter().copied()),
+        };
+        scenario.charge(0, environment.budget);
+        Ok(Plan::Surveillance(plan))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_planning::examples::single_visit as fires;
+    use apex_planning::examples::surveillance as examples;
+    use apex_planning::solver::WorkBudget;
+
+    fn solve(solver: &dyn Solver, problem: &Problem) -> Result<Plan, String> {
+        let mut budget = WorkBudget::new(100_000);
+        let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
+        let plan = solver.solve(problem, &mut environment)?;
+        assert_eq!(apex_planning::checker::violations(problem, &plan), Vec::<String>::new());
+        Ok(plan)
+    }
+
+    fn human(visits: &[&str], repeat: bool) -> Human {
+        Human { visits: visits.iter().map(ToString::to_string).collect(), repeat }
+    }
+
+    #[test]
+    fn a_round_drawn_by_a_person_is_flown_until_the_end_and_scored() {
+        let problem = examples::random(4, 2);
+        let names: Vec<&str> = problem.targets.iter().map(|target| target.name.as_str()).collect();
+        let asked = Problem::Surveillance(problem.clone());
+        let of = |order: &[&str], repeat| match solve(&human(order, repeat), &asked).unwrap() {
+            Plan::Surveillance(plan) => plan,
+            Plan::SingleVisit(_) => panic!("of another kind"),
+        };
+        let (round, once) = (of(&names, true), of(&names, false));
+        assert_eq!((round.solver.as_str(), round.cycle.len(), once.visits.len()), ("human", 4, 4));
+        assert!(round.visits.len() > 4 && round.expected_cost < once.expected_cost);
+        let unknown = solve(&human(&["atlantis"], false), &asked).unwrap_err();
+        assert!(unknown.starts_with("there is no target `atlantis`; there are "), "{unknown}");
+        let long: Vec<&str> = names.iter().copied().cycle().take(1_000).collect();
+        assert!(solve(&human(&long, false), &asked).unwrap_err().contains("would end after the flight has to"));
+    }
+
+    #[test]
+    fn fires_in_the_order_of_a_person_are_seen_in_the_best_way() {
+        let asked = Problem::SingleVisit(fires::western_states(40_000.0));
+        let score = |plan: &Plan| match plan {
+            Plan::SingleVisit(plan) => plan.score,
+            Plan::Surveillance(_) => f64::NAN,
+        };
+        let best = solve(&single_visit::SingleVisit, &asked).unwrap();
+        let order = best.targets();
+        let again = solve(&human(&order, false), &asked).unwrap();
+        assert_eq!(again.targets(), order);
+        assert!(score(&again) > 0.9 * score(&best), "{} {}", score(&again), score(&best));
+        let mut twice = order.clone();
+        twice.push(order[0]);
+        let refused = solve(&human(&twice, false), &asked).unwrap_err();
+        assert!(refused.contains(&format!("visit {}, of {}", twice.len(), order[0])), "{refused}");
+        assert!(solve(&human(&order, true), &asked).is_err());
+    }
+}

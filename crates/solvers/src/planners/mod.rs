@@ -1,0 +1,8 @@
+//! The planners, one folder each, and the plans of people (`human`).
+
+pub mod anytime;
+pub mod human;
+pub mod nearest_neighbour;
+pub mod single_visit;
+pub mod two_opt;
+pub mod wam;

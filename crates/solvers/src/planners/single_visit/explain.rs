@@ -1,0 +1,215 @@
+//! Why a target is not visited, in words for people.
+
+use super::schedule::{Choice, Judged, Refusal, Schedule};
+use super::travel::Node;
+use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
+use apex_planning::solver::{Budget, WorkBudget};
+
+/// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
+const GAPS_EXPLAINED: usize = 6;
+
+/// For each target the reason why it cannot be visited even if it were the only one (but for those that must come
+/// earlier); none where it can.
+pub(super) fn alone(schedule: &mut Schedule<'_>) -> Vec<Option<String>> {
+    let mut troubles: Vec<Option<String>> = Vec::new();
+    for target in 0..schedule.problem.targets.len() {
+        troubles.push(trouble_alone(schedule, target));
+    }
+    // What must follow an impossible target is impossible too; a chain is as long as there are targets.
+    for _ in 0..schedule.problem.precedence.len() {
+        for target in 0..troubles.len() {
+            let blocked =
+                schedule.earlier(target).iter().find(|earlier| troubles.get(**earlier).is_some_and(Option::is_some));
+            let name = blocked.and_then(|earlier| schedule.problem.targets.get(*earlier)).map(|target| &target.name);
+            if let (Some(name), Some(slot @ None)) = (name, troubles.get_mut(target)) {
+                *slot = Some(format!("must follow {name}, which cannot be visited"));
+            }
+        }
+    }
+    troubles
+}
+
+fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
+    let data = schedule.problem.targets.get(target)?;
+    let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
+    if data.value * best_quality <= 0.0 {
+        return Some("is worth nothing: its value or every manoeuvre's quality is 0".to_string());
+    }
+    // What is closed now may be open after other visits: when a zone's time is over.
+    let openings: Vec<f64> = schedule
+        .problem
+        .zones
+        .iter()
+        .flat_map(|zone| [zone.active.from_s, zone.active.until_s])
+        .filter(|time_s| *time_s > schedule.problem.start_s && *time_s < schedule.limit_s)
+        .collect();
+    let mut first_trouble: Option<String> = None;
+    let mut least_over_s = f64::INFINITY;
+    for manoeuvre in 0..data.manoeuvres.len() {
+        let choice = Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY };
+        let outcome = flown_alone(schedule, choice, schedule.problem.start_s);
+        if outcome.is_ok() || openings.iter().any(|open_s| flown_alone(schedule, choice, *open_s).is_ok()) {
+            return None;
+        }
+        match outcome {
+            Ok(()) => {}
+            Err(Refusal::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
+            Err(Refusal::Impossible(trouble)) => {
+                first_trouble.get_or_insert(trouble);
+            }
+            Err(Refusal::Order) => {}
+        }
+    }
+    if least_over_s.is_finite() {
+        return Some(format!("needs {} more than {} leaves, even alone", spoken(least_over_s), schedule.limit_name));
+    }
+    first_trouble
+        .map(|trouble| if trouble.contains("window") { window_trouble(schedule, target, trouble) } else { trouble })
+}
+
+fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> String {
+    match schedule.problem.targets.get(target).map(|target| target.light) {
+        Some(Light::Day) => format!("{trouble} by daylight"),
+        Some(Light::Night) => format!("{trouble} by night"),
+        _ => trouble,
+    }
+}
+
+/// Can the one target be flown to, observed and flown home from, leaving at `start_s`? Names airspace before anything
+/// else.
+fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Refusal> {
+    let entry = Node::Entry(choice.target, choice.manoeuvre);
+    let exit = Node::Exit(choice.target, choice.manoeuvre);
+    let there = schedule.travel.way(Node::Start, entry, start_s).map_err(Refusal::Impossible)?;
+    let manoeuvre =
+        schedule.problem.targets.get(choice.target).and_then(|target| target.manoeuvres.get(choice.manoeuvre));
+    let mut end_s = there.arrive_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
+    if schedule.problem.base.is_some() {
+        let home = schedule.travel.way(exit, Node::Base, end_s);
+        end_s = home.map_err(|trouble| Refusal::Impossible(format!("on the way home {trouble}")))?.arrive_s;
+    }
+    let over_s = end_s - schedule.limit_s;
+    if over_s > 0.0 {
+        return Err(Refusal::TooLate { over_s });
+    }
+    let visit = schedule.visit(Node::Start, start_s, choice)?;
+    let end_s = schedule.home_at_s(exit, visit.end_s)?;
+    if end_s > schedule.limit_s { Err(Refusal::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
+}
+
+/// The sentence for a problem in which nothing can be visited: the commonest reason first.
+pub(super) fn nothing_feasible(problem: &SingleVisitProblem, troubles: &[Option<String>]) -> String {
+    let mut reasons: Vec<(&String, Vec<&str>)> = Vec::new();
+    for (target, trouble) in problem.targets.iter().zip(troubles) {
+        let Some(trouble) = trouble else { continue };
+        match reasons.iter_mut().find(|(reason, _)| *reason == trouble) {
+            Some((_, names)) => names.push(&target.name),
+            None => reasons.push((trouble, vec![&target.name])),
+        }
+    }
+    reasons.sort_by_key(|(_, names)| std::cmp::Reverse(names.len()));
+    let told: Vec<String> =
+        reasons.iter().take(3).map(|(reason, names)| format!("{}: {reason}", names.join(", "))).collect();
+    format!("No target can be visited. {}.", told.join("; "))
+}
+
+/// The reasons of all targets that `order` leaves out. `troubles` are those of [`alone`].
+pub(super) fn left_out(
+    schedule: &mut Schedule<'_>,
+    order: &[Choice],
+    judged: &Judged,
+    troubles: &[Option<String>],
+) -> Vec<LeftOut> {
+    let mut all = left_out_quickly(schedule, order, judged, troubles);
+    for left_out in &mut all {
+        let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target);
+        if let Some(target) = target.filter(|target| troubles.get(*target).is_some_and(Option::is_none)) {
+            left_out.reason = reason_beside(schedule, order, judged, target);
+        }
+    }
+    all
+}
+
+/// As [`left_out`], without looking for reasons that are not known yet.
+pub(super) fn left_out_quickly(
+    schedule: &mut Schedule<'_>,
+    order: &[Choice],
+    _judged: &Judged,
+    troubles: &[Option<String>],
+) -> Vec<LeftOut> {
+    let targets = schedule.problem.targets.iter().zip(troubles).enumerate();
+    let missing = targets.filter(|(index, _)| !order.iter().any(|choice| choice.target == *index));
+    missing
+        .map(|(_, (target, trouble))| {
+            let reason = trouble.clone().unwrap_or_else(|| "is not in the best plan so far".to_string());
+            LeftOut { target: target.name.clone(), reason }
+        })
+        .collect()
+}
+
+/// Why a target that could be visited alone does not fit beside the others.
+fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged, target: usize) -> String {
+    let earlier =
+        schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));
+    if let Some(earlier) = earlier.and_then(|earlier| schedule.problem.targets.get(*earlier)) {
+        return format!("must follow {}, which is left out", earlier.name);
+    }
+    let mut free = WorkBudget::new(u64::MAX);
+    let budget: &mut dyn Budget = &mut free;
+    let manoeuvres = schedule.problem.targets.get(target).map_or(0, |target| target.manoeuvres.len());
+    let (mut least_over_s, mut best_score) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut trouble = "does not fit between the others".to_string();
+    for manoeuvre in 0..manoeuvres {
+        for at in nearest_gaps(schedule, order, target, manoeuvre) {
+            let mut with = order.to_vec();
+            with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
+            match schedule.judge(&with, budget) {
+                Ok(with) => best_score = best_score.max(with.score),
+                Err(Refusal::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
+                Err(Refusal::Impossible(why)) => trouble = format!("does not fit between the others: {why}"),
+                Err(Refusal::Order) => {}
+            }
+        }
+    }
+    if best_score.is_finite() {
+        let loss = judged.score - best_score;
+        return if loss > 0.0 {
+            format!("would lower the score by {loss:.2}: the time it takes costs more than it is worth")
+        } else {
+            "was not reached within the planning budget".to_string()
+        };
+    }
+    if least_over_s.is_finite() {
+        return format!("needs {} more than {} leaves", spoken(least_over_s), schedule.limit_name);
+    }
+    trouble
+}
+
+/// The places in `order` where `target` adds the shortest detour as the crow flies.
+fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
+    let (entry, exit) = (Node::Entry(target, manoeuvre), Node::Exit(target, manoeuvre));
+    let travel = &schedule.travel;
+    let detour_s = |at: usize| {
+        let before = at.checked_sub(1).and_then(|before| order.get(before));
+        let before = before.map_or(Node::Start, |choice| Node::Exit(choice.target, choice.manoeuvre));
+        let next = order.get(at).map(|choice| Node::Entry(choice.target, choice.manoeuvre));
+        let next = next.or(schedule.problem.base.map(|_| Node::Base));
+        let direct_s = next.map_or(0.0, |next| travel.time_s_min(before, next));
+        travel.time_s_min(before, entry) + next.map_or(0.0, |next| travel.time_s_min(exit, next)) - direct_s
+    };
+    let mut gaps: Vec<(f64, usize)> = (0..=order.len()).map(|at| (detour_s(at), at)).collect();
+    gaps.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    gaps.into_iter().take(GAPS_EXPLAINED).map(|(_, at)| at).collect()
+}
+
+/// A span of time as people say it: `41 min`, `3 h 5 min`, `20 s`.
+pub(super) fn spoken(seconds: f64) -> String {
+    let minutes = libm::ceil(seconds / 60.0);
+    if seconds < 60.0 {
+        format!("{:.0} s", libm::ceil(seconds))
+    } else if minutes < 60.0 {
+        format!("{minutes:.0} min")
+    } else {
+        format!("{:.0} h {:.0} min", libm::floor(minutes / 60.0), minutes - 60.0 * libm::floor(minutes / 60.0))
+    }
+}

@@ -1,0 +1,113 @@
+//! Visits in an order that is given: each first in the way that ends first, then in the way that is worth most beside the others.
+
+use super::schedule::{Choice, Refusal, Schedule};
+use super::search::{Candidate, inserted};
+use super::{explain, plan};
+use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
+use apex_planning::solver::{Budget, Environment};
+
+/// Passes over all visits in which better ways are sought.
+const PASSES_MAX: usize = 8;
+
+/// The plan of visiting these targets, by index, in this order; it is by `solver`. Whose manoeuvre is given is observed in that one at
+/// once; the others in the way that is worth most.
+///
+/// # Errors
+/// The first visit that cannot be made, and why.
+pub fn in_order(
+    problem: &SingleVisitProblem,
+    solver: &str,
+    targets: &[(usize, Option<usize>)],
+    environment: &mut Environment<'_>,
+) -> Result<SingleVisitPlan, String> {
+    let mut schedule = Schedule::new(problem)?;
+    let troubles = explain::alone(&mut schedule);
+    let mut best: Option<Candidate> = None;
+    for (at, (target, manoeuvre)) in targets.iter().enumerate() {
+        let data = problem.targets.get(*target).ok_or("a visit names no target")?;
+        let refused = |why: &str| format!("visit {}, of {}, cannot be made: {why}", at + 1, data.name);
+        if targets.get(..at).is_some_and(|before| before.iter().any(|(before, _)| before == target)) {
+            return Err(refused("it has been visited before"));
+        }
+        if let Some(trouble) = troubles.get(*target).and_then(Option::as_ref) {
+            return Err(refused(trouble));
+        }
+        best = Some(
+            added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget)
+                .map_err(|why| refused(&why))?,
+        );
+    }
+    let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, targets, environment.budget);
+    plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)
+}
+
+/// All ways to observe `target`: the manoeuvre that is given, at once; else each, at once or from each corner of its timing on.
+fn ways(problem: &SingleVisitProblem, (target, manoeuvre): (usize, Option<usize>)) -> Vec<Choice> {
+    let Some(data) = problem.targets.get(target) else { return Vec::new() };
+    if let Some(manoeuvre) = manoeuvre {
+        return vec![Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY }];
+    }
+    let starts = || [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+    let way = |manoeuvre| starts().map(move |not_before_s| Choice { target, manoeuvre, not_before_s });
+    (0..data.manoeuvres.len()).flat_map(way).collect()
+}
+
+/// `before` with the visit of the target that ends first; else why there is none.
+fn added(
+    schedule: &mut Schedule<'_>,
+    before: Option<&Candidate>,
+    target: (usize, Option<usize>),
+    budget: &mut dyn Budget,
+) -> Result<Candidate, String> {
+    let (order, known) = before.map_or((&[][..], &[][..]), |it| (it.order.as_slice(), it.judged.visits.as_slice()));
+    let end_s = |it: &Candidate| it.judged.visits.last().map_or(f64::INFINITY, |visit| visit.end_s);
+    let mut first: Option<Candidate> = None;
+    let mut trouble = "it has no manoeuvre".to_string();
+    for choice in ways(schedule.problem, target) {
+        let order = inserted(order, order.len(), choice);
+        match schedule.judge_after(known, &order, budget) {
+            Ok(judged) => {
+                let found = Candidate { order, judged };
+                if first.as_ref().is_none_or(|first| end_s(&found) < end_s(first)) {
+                    first = Some(found);
+                }
+            }
+            Err(Refusal::TooLate { over_s }) => {
+                trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit_name);
+            }
+            Err(Refusal::Impossible(why)) => trouble = why,
+            Err(Refusal::Order) => trouble = "another target must be visited before it".to_string(),
+        }
+    }
+    first.ok_or(trouble)
+}
+
+/// The same order, each visit in another way where that is worth more and the others can still be made.
+fn improved(
+    schedule: &mut Schedule<'_>,
+    mut best: Candidate,
+    targets: &[(usize, Option<usize>)],
+    budget: &mut dyn Budget,
+) -> Candidate {
+    for _ in 0..PASSES_MAX {
+        let mut better = false;
+        for (at, target) in targets.iter().enumerate() {
+            for choice in ways(schedule.problem, *target) {
+                let mut order = best.order.clone();
+                if let Some(slot) = order.get_mut(at) {
+                    *slot = choice;
+                }
+                let known = best.judged.visits.get(..at).unwrap_or(&[]);
+                if let Ok(judged) = schedule.judge_after(known, &order, budget)
+                    && judged.beats(&best.judged)
+                {
+                    (best, better) = (Candidate { order, judged }, true);
+                }
+            }
+        }
+        if !better || budget.exhausted() {
+            break;
+        }
+    }
+    best
+}

@@ -1,0 +1,130 @@
+//! The single-visit planner: a subset of targets in the best order and way, for the highest mission score (paper, II.B).
+//!
+//! Greedy insertion by gain per time, then local search (insert, replace, relocate, exchange, turn round, other
+//! manoeuvre, wait for a better time, drop), then ruin and re-insertion from the best plan until nothing new has come for
+//! a while or the budget is exhausted. Where a plan is flown already, what is left of it is where the search begins. Everything is judged by [`schedule`], which knows wind, airspace, light, windows,
+//! order, fuel and endurance.
+//! Bound: none but the budget. A leg evaluated is two units of work, preparing a way some hundreds.
+
+mod explain;
+mod in_order;
+mod moves;
+mod plan;
+pub mod schedule;
+mod search;
+pub(crate) mod steady;
+mod travel;
+
+pub use in_order::in_order;
+pub use plan::scored;
+
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_planning::meter::Meter;
+use apex_planning::solver::{Environment, Solver};
+use std::collections::BTreeMap;
+
+/// The planner.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SingleVisit;
+
+const NAME: &str = "single-visit";
+
+impl Solver for SingleVisit {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn serves(&self, problem: &Problem) -> bool {
+        matches!(problem, Problem::SingleVisit(_))
+    }
+
+    fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String> {
+        let previous = match environment.previous {
+            Some(Plan::SingleVisit(plan)) => Some(plan),
+            _ => None,
+        };
+        solve(problem, previous, environment)
+    }
+}
+
+/// How many ways a plan has, and what turns make them take beyond straight legs.
+///
+/// # Errors
+/// As planning: a zone makes no sense.
+pub fn turns_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Result<(usize, f64), String> {
+    let mut travel = travel::Travel::new(problem)?;
+    let (mut here, mut ready_s) = (travel::Node::Start, problem.start_s);
+    let (mut ways, mut sum_s) = (0, 0.0);
+    for visit in &plan.visits {
+        let Some(target) = problem.targets.iter().position(|target| target.name == visit.target) else { continue };
+        sum_s += travel.turns_s(here, travel::Node::Entry(target, visit.manoeuvre), ready_s);
+        ways += 1;
+        (here, ready_s) = (travel::Node::Exit(target, visit.manoeuvre), visit.end_s);
+    }
+    if problem.base.is_some() && !plan.visits.is_empty() {
+        sum_s += travel.turns_s(here, travel::Node::Base, ready_s);
+        ways += 1;
+    }
+    Ok((ways, sum_s))
+}
+
+fn solve(
+    problem: &Problem,
+    previous: Option<&SingleVisitPlan>,
+    environment: &mut Environment<'_>,
+) -> Result<Plan, String> {
+    let Problem::SingleVisit(problem) = problem else {
+        return Err("single-visit plans missions of single visits only.".to_string());
+    };
+    let mut schedule = schedule::Schedule::new(problem)?;
+    let troubles = explain::alone(&mut schedule);
+    if troubles.iter().all(Option::is_some) {
+        return Err(explain::nothing_feasible(problem, &troubles));
+    }
+    let mut tell = |schedule: &mut schedule::Schedule<'_>, order, environment: &mut Environment<'_>| {
+        let best = search::longest_flown(schedule, order);
+        if let Some(plan) = plan::sketch(schedule, NAME, &best, &troubles) {
+            (environment.report)(&Plan::SingleVisit(plan));
+        }
+    };
+    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
+    let Some(found) = steady::run(&mut schedule, &usable, previous, environment, &mut tell) else {
+        let best = search::run(&mut schedule, &troubles, previous, environment);
+        return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
+    };
+    let best = search::longest_flown(&mut schedule, found.order);
+    // A thousand targets with given times are explained by the search itself; of a flight people want to know the limit.
+    let given = problem.travel.is_some();
+    let reasons = if given { explain::left_out_quickly } else { explain::left_out };
+    let mut plan = plan::plan_of(&mut schedule, NAME, &best, &troubles, reasons)?;
+    if let Some(bound) = found.bound {
+        plan.benefits_bound = Some(plan.benefits_bound.map_or(bound, |other| other.min(bound)));
+        plan.summary = plan::summary(problem, &plan);
+    }
+    let name = |target: usize| problem.targets.get(target).map(|target| target.name.as_str());
+    let reasons: BTreeMap<&str, String> =
+        found.reasons.into_iter().filter_map(|(target, reason)| Some((name(target)?, reason))).collect();
+    for left_out in plan.left_out.iter_mut().filter(|_| given) {
+        if let Some(reason) = reasons.get(left_out.target.as_str()) {
+            left_out.reason.clone_from(reason);
+        }
+    }
+    Ok(Plan::SingleVisit(plan))
+}
+
+/// Proves a bound on the benefits of a plan whose ways depend on the time, or whose order is not free, where that takes
+/// seconds: others bring theirs. The plan keeps the lower of the two.
+pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, meter: &mut Meter<'_>) {
+    if plan.benefits_bound.is_some_and(|bound| bound <= plan.benefits) {
+        return;
+    }
+    let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
+    let troubles = explain::alone(&mut schedule);
+    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
+    let Some(found) = steady::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else { return };
+    plan.benefits_bound = Some(plan.benefits_bound.map_or(found, |claimed| claimed.min(found)));
+    plan.summary = plan::summary(problem, plan);
+}
+
+#[cfg(test)]
+mod tests;

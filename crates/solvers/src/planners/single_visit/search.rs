@@ -1,0 +1,274 @@
+//! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
+
+use super::schedule::{Choice, Judged, Schedule};
+use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
+use apex_planning::random::Generator;
+use apex_planning::solver::{Budget, Environment, WorkBudget};
+
+/// Ruins in a row without a better plan after which the search ends by itself.
+pub(super) const STALE_ROUNDS_MAX: usize = 3_000;
+
+/// The search goes on from plans that are worse than the best by a random part of this share.
+const DETOUR_SHARE: f64 = 0.08;
+/// Rounds without a better plan after which it returns to the best, again and again.
+const RETURN_ROUNDS: usize = 60;
+/// How far chance may lower the merit of an insertion after a ruin, as a share of it.
+const REFILL_NOISE: f64 = 0.3;
+
+/// Missions of up to this many targets are searched exactly, if [`EXACT_NODES_MAX`] allows.
+const EXACT_TARGETS_MAX: usize = 6;
+/// Orders tried by the exact search: a tenth of a second.
+const EXACT_NODES_MAX: u32 = 50_000;
+
+/// An order with its judgement.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    pub(super) order: Vec<Choice>,
+    pub(super) judged: Judged,
+}
+
+pub(super) struct Search<'s, 'p, 'b> {
+    pub(super) schedule: &'s mut Schedule<'p>,
+    usable: Vec<usize>,
+    troubles: &'s [Option<String>],
+    pub(super) budget: &'b mut dyn Budget,
+    pub(super) random: Generator,
+    /// Targets that the next filling leaves out, so that others get their turn.
+    banned: Vec<usize>,
+}
+
+/// The best order found within the budget, over the targets without a trouble of their own: never worse than what is left of the
+/// plan `previous`.
+pub(super) fn run(
+    schedule: &mut Schedule<'_>,
+    troubles: &[Option<String>],
+    previous: Option<&SingleVisitPlan>,
+    environment: &mut Environment<'_>,
+) -> Candidate {
+    let seed = environment.seed;
+    let report = &mut *environment.report;
+    let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
+    let random = Generator::new(seed);
+    let mut search =
+        Search { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
+    let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
+    let mut best = Candidate { order: Vec::new(), judged: idle };
+    search.fill(&mut best, 0.0);
+    search.start_somewhere(&mut best);
+    if let Some(left) = previous.and_then(|plan| search.left_of(plan)).filter(|left| left.judged.beats(&best.judged)) {
+        best = left;
+    }
+    tell(&mut search, &best, report);
+    search.descend(&mut best);
+    tell(&mut search, &best, report);
+    if search.usable.len() <= EXACT_TARGETS_MAX && search.exact(&mut best) {
+        tell(&mut search, &best, report);
+        return best;
+    }
+    let mut current = best.clone();
+    let mut stale = 0;
+    while stale < STALE_ROUNDS_MAX && !search.budget.exhausted() {
+        stale += 1;
+        let mut next = search.ruined(&current);
+        search.fill(&mut next, REFILL_NOISE);
+        search.banned.clear();
+        if next.judged.beats(&best.judged) {
+            // A descent takes as much work as dozens of ruins: only the best plan is worth it.
+            search.descend(&mut next);
+            best = next.clone();
+            stale = 0;
+            tell(&mut search, &best, report);
+        }
+        // Go on from plans a little worse than the best, so that the search does not circle around one summit.
+        let detour = DETOUR_SHARE * search.random.unit() * best.judged.score.abs();
+        if stale % RETURN_ROUNDS == 0 {
+            current = best.clone();
+        } else if next.judged.score >= best.judged.score - detour {
+            current = next;
+        }
+    }
+    best
+}
+
+/// `order` judged; should the judge find something too late after all, without what is last.
+pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>) -> Candidate {
+    let mut free = WorkBudget::new(u64::MAX);
+    loop {
+        match schedule.judge(&order, &mut free) {
+            Ok(judged) => return Candidate { order, judged },
+            Err(_) if order.is_empty() => {
+                let end_s = schedule.problem.start_s;
+                let judged = Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY };
+                return Candidate { order, judged };
+            }
+            Err(_) => drop(order.pop()),
+        }
+    }
+}
+
+fn tell(search: &mut Search<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {
+    if let Some(plan) = super::plan::sketch(search.schedule, "single-visit", best, search.troubles) {
+        report(&Plan::SingleVisit(plan));
+    }
+}
+
+impl Search<'_, '_, '_> {
+    /// Judges `order`, whose first `same` visits are those of `current`.
+    pub(super) fn judge(&mut self, current: &Candidate, same: usize, order: &[Choice]) -> Option<Judged> {
+        if self.budget.exhausted() {
+            return None;
+        }
+        let known = current.judged.visits.get(..same).unwrap_or(&[]);
+        self.schedule.judge_after(known, order, self.budget).ok()
+    }
+
+    /// Takes `order`, whose first `same` visits are those of `current`, when it is better; says whether it was.
+    pub(super) fn try_order(&mut self, current: &mut Candidate, same: usize, order: Vec<Choice>) -> bool {
+        match self.judge(current, same, &order) {
+            Some(judged) if judged.beats(&current.judged) => {
+                *current = Candidate { order, judged };
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Tries every order, cutting off those that cannot beat the best even if all that is missing came at its full worth.
+    /// True where the search came to its end: `best` is then proven best, as far as later departures never arrive earlier.
+    fn exact(&mut self, best: &mut Candidate) -> bool {
+        let end_s = self.schedule.problem.start_s;
+        let root =
+            Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } };
+        let mut open = vec![root];
+        let mut nodes = 0;
+        while let Some(node) = open.pop() {
+            let gained: f64 = node.judged.visits.iter().map(|visit| visit.worth).sum();
+            let missing = self.missing(&node.order);
+            let hoped: f64 = missing.iter().map(|target| self.worth_max(*target)).sum();
+            if gained + hoped < best.judged.score {
+                continue;
+            }
+            let choices: Vec<Choice> = missing.into_iter().flat_map(|target| self.choices(target)).collect();
+            for choice in choices {
+                nodes += 1;
+                if nodes > EXACT_NODES_MAX || self.budget.exhausted() {
+                    return false;
+                }
+                let order = inserted(&node.order, node.order.len(), choice);
+                let Some(judged) = self.judge(&node, node.order.len(), &order) else { continue };
+                let child = Candidate { order, judged };
+                if child.judged.beats(&best.judged) {
+                    *best = child.clone();
+                }
+                open.push(child);
+            }
+        }
+        true
+    }
+
+    /// The most that a target can be worth.
+    fn worth_max(&self, target: usize) -> f64 {
+        let Some(target) = self.schedule.problem.targets.get(target) else { return 0.0 };
+        let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
+        target.value * quality
+    }
+
+    /// However small the budget: a plan has at least one visit.
+    fn start_somewhere(&mut self, current: &mut Candidate) {
+        let choices: Vec<Choice> = self.usable.iter().flat_map(|target| self.choices(*target)).collect();
+        for choice in choices {
+            if !current.order.is_empty() {
+                return;
+            }
+            if let Ok(judged) = self.schedule.judge(&[choice], self.budget) {
+                *current = Candidate { order: vec![choice], judged };
+            }
+        }
+    }
+
+    /// What is left of a plan: its visits in their order, without those that are gone or cannot be made any more.
+    fn left_of(&mut self, plan: &SingleVisitPlan) -> Option<Candidate> {
+        let mut left: Option<Candidate> = None;
+        for visit in &plan.visits {
+            let Some(choice) = self.choice_of(visit) else { continue };
+            let known = left.as_ref().map_or(&[][..], |left| left.judged.visits.as_slice());
+            let order =
+                left.as_ref().map_or_else(|| vec![choice], |left| inserted(&left.order, left.order.len(), choice));
+            if let Ok(judged) = self.schedule.judge_after(known, &order, self.budget) {
+                left = Some(Candidate { order, judged });
+            }
+        }
+        left
+    }
+
+    /// The choice that a visit of a plan stands for, if its target and its manoeuvre are still there.
+    fn choice_of(&self, visit: &PlannedVisit) -> Option<Choice> {
+        let targets = &self.schedule.problem.targets;
+        let target =
+            *self.usable.iter().find(|index| targets.get(**index).is_some_and(|it| it.name == visit.target))?;
+        let data = targets.get(target).filter(|data| visit.manoeuvre < data.manoeuvres.len())?;
+        let corners = data.timing.iter().map(|(time_s, _)| *time_s);
+        // It waits for the corner of its timing at which it begins.
+        let waits = |corner_s: &f64| (corner_s - visit.begin_s).abs() < 1e-6;
+        let not_before_s = corners.rev().find(waits).unwrap_or(f64::NEG_INFINITY);
+        Some(Choice { target, manoeuvre: visit.manoeuvre, not_before_s })
+    }
+
+    pub(super) fn missing(&self, order: &[Choice]) -> Vec<usize> {
+        let usable = self.usable.iter().copied();
+        usable
+            .filter(|target| !self.banned.contains(target) && !order.iter().any(|choice| choice.target == *target))
+            .collect()
+    }
+
+    /// All ways to observe `target`: each manoeuvre at once, or from each corner of its timing on.
+    pub(super) fn choices(&self, target: usize) -> Vec<Choice> {
+        let Some(data) = self.schedule.problem.targets.get(target) else { return Vec::new() };
+        let starts = [f64::NEG_INFINITY].into_iter().chain(data.timing.iter().map(|(time_s, _)| *time_s));
+        let starts: Vec<f64> = starts.collect();
+        (0..data.manoeuvres.len())
+            .flat_map(|manoeuvre| starts.iter().map(move |start| Choice { target, manoeuvre, not_before_s: *start }))
+            .collect()
+    }
+
+    /// `best` without a few visits: a run of neighbours, or some at random; now and then a visit anywhere instead, so that
+    /// every region has a plan grown from it. Half of the time what was taken out stays out of the next filling.
+    fn ruined(&mut self, best: &Candidate) -> Candidate {
+        let count = best.order.len();
+        let take = 1 + self.random.below(count.div_ceil(3).max(1));
+        let mut order = best.order.clone();
+        match self.random.below(5) {
+            0 => {
+                let target = self.usable.get(self.random.below(self.usable.len())).copied().unwrap_or(0);
+                let choices = self.choices(target);
+                order = choices.get(self.random.below(choices.len())).copied().into_iter().collect();
+            }
+            1 | 2 => {
+                let from = self.random.below(count.saturating_sub(take) + 1);
+                order.drain(from..(from + take).min(count));
+            }
+            _ => {
+                for _ in 0..take.min(order.len()) {
+                    order.remove(self.random.below(order.len()));
+                }
+            }
+        }
+        if self.random.below(2) == 0 {
+            let kept = |target: &usize| order.iter().any(|choice| choice.target == *target);
+            self.banned = best.order.iter().map(|choice| choice.target).filter(|target| !kept(target)).collect();
+        }
+        match self.schedule.judge(&order, self.budget) {
+            Ok(judged) if !order.is_empty() => Candidate { order, judged },
+            _ => {
+                let end_s = self.schedule.problem.start_s;
+                Candidate { order: Vec::new(), judged: Judged { visits: Vec::new(), end_s, score: f64::NEG_INFINITY } }
+            }
+        }
+    }
+}
+
+pub(super) fn inserted(order: &[Choice], at: usize, choice: Choice) -> Vec<Choice> {
+    let mut longer = order.to_vec();
+    longer.insert(at.min(order.len()), choice);
+    longer
+}

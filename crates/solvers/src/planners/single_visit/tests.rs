@@ -1,0 +1,159 @@
+//! What the single-visit planner must do.
+
+use super::*;
+use apex_model::problem::{CrewMember, LandingPlace, Light, Position, SingleVisitPlan, SingleVisitProblem, TimeWindow};
+use apex_planning::examples::single_visit as examples;
+use apex_planning::solver::WorkBudget;
+use proptest::prelude::*;
+
+fn solve(problem: &SingleVisitProblem, legs: u64) -> Result<SingleVisitPlan, String> {
+    let mut budget = WorkBudget::new(legs * schedule::UNITS_PER_LEG);
+    let mut environment = Environment { seed: 7, budget: &mut budget, report: &mut |_| {}, previous: None };
+    match SingleVisit.solve(&Problem::SingleVisit(problem.clone()), &mut environment)? {
+        Plan::SingleVisit(plan) => Ok(plan),
+        Plan::Surveillance(_) => panic!("a single-visit problem has a single-visit plan"),
+    }
+}
+
+fn few(count: usize, endurance_s: f64) -> SingleVisitProblem {
+    let mut problem = examples::western_states(endurance_s);
+    problem.targets.truncate(count);
+    problem
+}
+
+fn reason<'a>(plan: &'a SingleVisitPlan, name: &str) -> &'a str {
+    &plan.left_out.iter().find(|left_out| left_out.target == name).unwrap().reason
+}
+
+#[test]
+fn a_day_of_flight_sees_every_fire_and_an_afternoon_the_best() {
+    let long = solve(&examples::western_states(86_400.0), 200_000).unwrap();
+    assert_eq!(long.left_out, Vec::new());
+    assert_eq!(long.visits.len(), 20);
+    let short = solve(&examples::western_states(20_000.0), 100_000).unwrap();
+    assert!(!short.visits.is_empty() && short.visits.len() < 12);
+    assert!(reason(&short, "WH Complex").contains("more than endurance leaves"), "{}", reason(&short, "WH Complex"));
+    assert!(short.benefits <= short.benefits_bound.unwrap());
+}
+
+#[test]
+fn fuel_binds_where_it_is_shorter_than_endurance() {
+    let mut problem = examples::western_states(86_400.0);
+    problem.vehicle.fuel_kg = 500.0;
+    let plan = solve(&problem, 50_000).unwrap();
+    assert!(plan.fuel_used_kg <= 350.0);
+    assert!(reason(&plan, "Domke Lake").contains("fuel"), "{}", reason(&plan, "Domke Lake"));
+}
+
+#[test]
+fn a_target_inside_restricted_airspace_is_named_and_others_are_flown_around() {
+    let mut problem = few(3, 40_000.0);
+    problem.zones = vec![
+        examples::restricted("R-2515", 34.2, 35.2, -120.3, -119.3),
+        examples::restricted("R-WALL", 36.0, 36.4, -121.0, -118.5),
+    ];
+    problem.zone_margin_m = 3000.0;
+    let plan = solve(&problem, 20_000).unwrap();
+    assert_eq!(reason(&plan, "Zaca"), "inside restricted area R-2515");
+    assert!(plan.visits.iter().any(|visit| visit.route.len() > 2), "a detour is flown");
+    let asked = Problem::SingleVisit(problem);
+    assert_eq!(apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)), Vec::<String>::new());
+}
+
+#[test]
+fn windows_order_light_and_timing_are_obeyed() {
+    let mut problem = few(4, 60_000.0);
+    problem.precedence = vec![("Moonlight".into(), "Lick".into())];
+    problem.targets[0].windows = vec![TimeWindow { from_s: 20_000.0, until_s: 22_000.0 }];
+    problem.targets[3].light = Light::Night;
+    problem.targets[2].timing = vec![(0.0, 0.1), (15_000.0, 1.0), (16_000.0, 1.0), (30_000.0, 0.1)];
+    let plan = solve(&problem, 100_000).unwrap();
+    let visit = |name: &str| plan.visits.iter().find(|visit| visit.target == name).unwrap();
+    assert!((20_000.0..22_000.0).contains(&visit("Zaca").begin_s));
+    assert!(visit("Moonlight").begin_s < visit("Lick").begin_s);
+    assert!(visit("Moonlight").timing > 0.9, "waits for the best time: {:?}", visit("Moonlight"));
+    let asked = Problem::SingleVisit(problem);
+    assert_eq!(apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)), Vec::<String>::new());
+}
+
+#[test]
+fn nothing_feasible_names_what_binds() {
+    let message = solve(&few(3, 3_000.0), 1000).unwrap_err();
+    assert!(message.starts_with("No target can be visited.") && message.contains("endurance"), "{message}");
+    let mut far = few(2, 40_000.0);
+    far.landing_distance_m_max = Some(100_000.0);
+    far.landing_places = vec![LandingPlace { name: "Edwards".into(), position: far.start }];
+    let message = solve(&far, 1000).unwrap_err();
+    assert!(message.contains("emergency landing place"), "{message}");
+    let mut closed = few(2, 40_000.0);
+    closed.zones = vec![examples::restricted("R-2515", 34.0, 36.0, -119.0, -117.0)];
+    assert_eq!(solve(&closed, 1000).unwrap_err(), "The start cannot be used: inside restricted area R-2515.");
+    let mut wrong = few(2, 40_000.0);
+    wrong.targets[1].position = Position::new(f64::NAN, 0.0);
+    assert!(solve(&wrong, 1000).unwrap_err().contains("not on the map"));
+}
+
+#[test]
+fn time_that_costs_more_than_it_brings_is_not_flown() {
+    let mut problem = examples::western_states(86_400.0);
+    problem.crew = vec![CrewMember { role: "pilot".into(), wage_per_hour: 6.0, fixed_hours: 1.0, flight_share: 2.0 }];
+    let plan = solve(&problem, 50_000).unwrap();
+    assert!(plan.visits.len() < 20);
+    assert!(plan.left_out.iter().any(|left_out| left_out.reason.contains("costs more than it is worth")));
+}
+
+#[test]
+fn time_for_quality_is_taken_where_there_is_time() {
+    let rich = solve(&few(3, 86_400.0), 30_000).unwrap();
+    assert!(rich.visits.iter().all(|visit| visit.manoeuvre == 1), "the finer manoeuvre everywhere");
+}
+
+#[test]
+fn equal_seed_and_budget_give_an_equal_plan() {
+    let problem = examples::random(9, 3);
+    assert_eq!(solve(&problem, 4_000), solve(&problem, 4_000));
+}
+
+#[test]
+fn even_a_budget_of_nothing_gives_a_plan() {
+    assert_eq!(solve(&few(5, 60_000.0), 0).unwrap().visits.len(), 1);
+}
+
+/// The best score by trying every subset in every order with every manoeuvre.
+fn exhaustive(problem: &SingleVisitProblem) -> f64 {
+    fn extend(schedule: &mut schedule::Schedule<'_>, order: &mut Vec<schedule::Choice>, best: &mut f64) {
+        match schedule.judge(order, &mut WorkBudget::new(u64::MAX)) {
+            Ok(judged) if !order.is_empty() => *best = best.max(judged.score),
+            _ => {}
+        }
+        for target in 0..schedule.problem.targets.len() {
+            if order.iter().any(|choice| choice.target == target) {
+                continue;
+            }
+            for manoeuvre in 0..schedule.problem.targets[target].manoeuvres.len() {
+                order.push(schedule::Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
+                extend(schedule, order, best);
+                order.pop();
+            }
+        }
+    }
+    let mut best = f64::NEG_INFINITY;
+    extend(&mut schedule::Schedule::new(problem).unwrap(), &mut Vec::new(), &mut best);
+    best
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    #[test]
+    fn small_missions_are_solved_to_the_optimum(seed in 0..10_000u64, hours in 2.0..9.0f64) {
+        let mut problem = examples::random(4, seed);
+        problem.vehicle.endurance_s = hours * 3600.0;
+        for target in &mut problem.targets {
+            target.timing.clear();
+        }
+        if let Ok(plan) = solve(&problem, 40_000) {
+            let best = exhaustive(&problem);
+            prop_assert!(plan.score >= best - 1e-6, "{} of {best}", plan.score);
+        }
+    }
+}

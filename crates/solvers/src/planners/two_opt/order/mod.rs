@@ -1,0 +1,49 @@
+//! Bends the order of a cycle to the expected cost itself: where the horizon holds few laps, the shortest tour is not the
+//! cheapest. Moves one target, exchanges two, or turns a part round: one move a file.
+
+mod exchange;
+mod relocate;
+mod turn;
+
+use super::report::Report;
+use super::subset::Search;
+use apex_planning::solver::Budget;
+
+/// Applies the first move that lowers the cost until none does or the budget is exhausted.
+pub(super) fn refine(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) {
+    while !budget.exhausted() && step(search, budget, report) {}
+}
+
+fn step(search: &mut Search<'_, '_>, budget: &mut dyn Budget, report: Report<'_>) -> bool {
+    let count = search.best.len();
+    for from in 0..count {
+        for to in 0..count {
+            search.scenario.spend(count as u64);
+            for neighbour in neighbours(&search.best, from, to) {
+                if budget.exhausted() {
+                    return false;
+                }
+                let cost = search.scenario.cycle_cost(&neighbour, budget);
+                if cost < search.best_cost * (1.0 - 1e-12) {
+                    search.best = neighbour;
+                    search.best_cost = cost;
+                    report(cost, &search.best);
+                    return true;
+                }
+            }
+        }
+    }
+    false
+}
+
+fn neighbours(cycle: &[usize], from: usize, to: usize) -> Vec<Vec<usize>> {
+    let mut all = Vec::new();
+    if from != to {
+        all.push(relocate::relocated(cycle, from, to));
+    }
+    if from < to {
+        all.push(exchange::exchanged(cycle, from, to));
+        all.push(turn::turned(cycle, from, to));
+    }
+    all
+}
