@@ -1,33 +1,39 @@
-//! House rules as a program: `cargo xtask tidy` checks them, `cargo xtask catalogue` writes the list of services.
+//! Rules of the repository as a program: `cargo xtask tidy` checks them; other commands list, lower and generate.
 //!
 //! Every rule that the project prints in its pages and that no lint can see is checked here, so that it stays true
-//! without good will. Each rule is one file with one public function from texts to findings.
+//! without good will. Each rule is one file or folder with one public function from texts to findings.
 
 mod bans;
 mod catalogue;
+mod ceilings;
 mod finding;
+mod git;
 mod headers;
 mod imports;
 mod mask;
+mod phrases;
+mod prose;
 mod readmes;
+mod rings;
 mod sizes;
 mod tidy;
 mod tree;
 mod words;
+mod workspace;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use workspace::Workspace;
 
-const USAGE: &str = "usage: cargo xtask tidy       check the house rules\n       cargo xtask catalogue  write docs/reference/services.md from the services' headers";
+const USAGE: &str = "usage: cargo xtask tidy                check the rules of the repository
+       cargo xtask rings [--update]    list rings of imports; lower their ceilings
+       cargo xtask phrases [--update]  list phrases to avoid in changed lines; lower their ceilings
+       cargo xtask catalogue           write docs/reference/services.md from the services' headers";
 
 fn main() -> ExitCode {
-    let command = std::env::args().nth(1).unwrap_or_default();
-    let result = match command.as_str() {
-        "tidy" => tidy::run(&root()),
-        "catalogue" => catalogue::write(&root()),
-        _ => Err(USAGE.to_string()),
-    };
-    match result {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match run(&root(), &words) {
         Ok(text) => {
             println!("{text}");
             ExitCode::SUCCESS
@@ -36,6 +42,18 @@ fn main() -> ExitCode {
             eprintln!("{text}");
             ExitCode::FAILURE
         }
+    }
+}
+
+fn run(root: &Path, words: &[&str]) -> Result<String, String> {
+    match words {
+        ["tidy"] => tidy::run(root),
+        ["rings"] => rings::report(&Workspace::read(root)?, &tree::read(root)?),
+        ["rings", "--update"] => rings::update(root, &Workspace::read(root)?, &tree::read(root)?),
+        ["phrases"] => phrases::report(&tree::read(root)?, &git::changes(root)?),
+        ["phrases", "--update"] => phrases::update(root, &tree::read(root)?),
+        ["catalogue"] => catalogue::write(root),
+        _ => Err(USAGE.to_string()),
     }
 }
 

@@ -4,20 +4,25 @@
 
 /// `source` with the same lines, where everything that is not code is spaces.
 pub(crate) fn code_only(source: &str) -> String {
+    masked(source, true)
+}
+
+/// `source` with the same lines, where everything that is not a comment, a string or a character literal is spaces.
+pub(crate) fn prose_only(source: &str) -> String {
+    masked(source, false)
+}
+
+fn masked(source: &str, keep_code: bool) -> String {
     let characters: Vec<char> = source.chars().collect();
     let mut masked = String::with_capacity(source.len());
     let mut position = 0;
     while position < characters.len() {
         let length = blank_length(&characters, position);
-        if length == 0 {
-            masked.extend(characters.get(position));
-            position += 1;
-        } else {
-            let end = (position + length).min(characters.len());
-            let blanked = characters.get(position..end).unwrap_or_default();
-            masked.extend(blanked.iter().map(|character| if *character == '\n' { '\n' } else { ' ' }));
-            position = end;
-        }
+        let end = (position + length.max(1)).min(characters.len());
+        let part = characters.get(position..end).unwrap_or_default();
+        let kept = keep_code == (length == 0);
+        masked.extend(part.iter().map(|character| if kept || *character == '\n' { *character } else { ' ' }));
+        position = end;
     }
     masked
 }

@@ -1,22 +1,27 @@
 //! All rules in one run.
 
 use crate::tree;
-use crate::{bans, catalogue, headers, imports, readmes, sizes, words};
+use crate::workspace::Workspace;
+use crate::{bans, catalogue, headers, imports, phrases, readmes, rings, sizes, words};
 use std::path::Path;
 
-/// Checks every rule on the project below `root`; the text says how many files were read.
+/// Checks every rule on the project below `root`; the text says how many files were read and which rings are left.
 ///
 /// # Errors
-/// All findings, one a line.
+/// All findings, one per line.
 pub(crate) fn run(root: &Path) -> Result<String, String> {
     let texts = tree::read(root)?;
-    let rules = [imports::check, sizes::check, headers::check, readmes::check, words::check, bans::check];
+    let workspace = Workspace::read(root)?;
+    let rules = [sizes::check, headers::check, readmes::check, words::check, bans::check, phrases::check];
     let mut findings: Vec<_> = rules.iter().flat_map(|rule| rule(&texts)).collect();
+    findings.extend(imports::check(&workspace, &texts));
+    let (broken, rings) = rings::check(&workspace, &texts);
+    findings.extend(broken);
     findings.extend(catalogue::check(&texts));
     findings.sort();
     if findings.is_empty() {
-        return Ok(format!("tidy: {} texts, nothing to mend", texts.len()));
+        return Ok(format!("{rings}\ntidy: {} texts, nothing to fix", texts.len()));
     }
     let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
-    Err(format!("{}\ntidy: {} to mend", lines.join("\n"), lines.len()))
+    Err(format!("{}\ntidy: {} to fix", lines.join("\n"), lines.len()))
 }

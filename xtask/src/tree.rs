@@ -4,10 +4,19 @@ use std::fs;
 use std::path::Path;
 
 /// Folders that hold nothing written by hand.
-const SKIPPED_FOLDERS: &[&str] =
-    &["target", "node_modules", "dist", ".git", ".venv", "test-results", "playwright-report", "pictures"];
+const SKIPPED_FOLDERS: &[&str] = &[
+    "target",
+    "node_modules",
+    "dist",
+    ".git",
+    ".venv",
+    "test-results",
+    "playwright-report",
+    "pictures",
+    "__pycache__",
+];
 /// Endings of texts that rules look at.
-const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte"];
+const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte", ".mjs", ".py", ".pyi", ".tsv"];
 
 /// One text of the project.
 #[derive(Clone, Debug)]
