@@ -14,6 +14,8 @@ ROUNDS ?= 20
 TRAVEL_WORLDS ?= 100000
 # What has property tests.
 PROPERTIES := $(addprefix --package apex-,model pdl executive geo metrics planning solvers portfolio logs)
+# Newest version that the toolchain of this repository compiles.
+CARGO_DENY := 0.20.2
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 APEX := $(TARGET)/release/apex
 # Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.
@@ -24,7 +26,7 @@ RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test check web python bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties nightly clean
+.PHONY: help build fly test quick check web python bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -37,6 +39,9 @@ fly: build ## Fly MISSION=western-states and record it; OPEN=1 then shows it in 
 	$(APEX) fly missions/$(MISSION) --record $(RECORD)
 	@if [ -n "$(OPEN)" ]; then $(APEX) serve $(RECORD) --open; \
 	else echo "Look at it: $(APEX) serve $(RECORD)   or ask: $(APEX) trace $(RECORD) --type transition"; fi
+
+quick: ## Check and test what the present change needs: format, rules of the repository, lints, tests of changed packages; dev profile.
+	cargo xtask quick
 
 check: rust-lints web-checks python-checks ## Format, lints, house rules; nothing is run.
 
@@ -99,9 +104,16 @@ properties: ## Run the property tests with ROUNDS=20 seeds of their own; a failu
 	  PROPTEST_RNG_SEED=$$seed cargo test --locked --quiet $(CI_PROFILE) $(PROPERTIES); \
 	done
 
+deny: ## Check licences, sources, doubled versions and, where their database can be reached, advisories of third-party packages.
+	cargo install --quiet --locked --root $(TARGET)/tools cargo-deny@$(CARGO_DENY)
+	$(TARGET)/tools/bin/cargo-deny --locked check licenses bans sources
+	if $(TARGET)/tools/bin/cargo-deny --locked fetch db; then $(TARGET)/tools/bin/cargo-deny --locked check --disable-fetch advisories; \
+	else echo "The database of advisories cannot be reached: advisories are not checked."; fi
+
 nightly: test build ## What is too slow for every change: many seeds, replay across builds, properties with new cases, a million random programs, ten million conditions, planted bugs, the planners' profile, measurements.
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
+	$(MAKE) deny
 	$(MAKE) properties
 	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted

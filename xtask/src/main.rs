@@ -11,11 +11,14 @@ mod git;
 mod headers;
 mod imports;
 mod mask;
+mod paths;
 mod phrases;
 mod prose;
+mod quick;
 mod readmes;
 mod rings;
 mod sizes;
+mod third_party;
 mod tidy;
 mod tree;
 mod words;
@@ -26,8 +29,10 @@ use std::process::ExitCode;
 use workspace::Workspace;
 
 const USAGE: &str = "usage: cargo xtask tidy                check the rules of the repository
+       cargo xtask quick               check and test what a change needs
        cargo xtask rings [--update]    list rings of imports; lower their ceilings
        cargo xtask phrases [--update]  list phrases to avoid in changed lines; lower their ceilings
+       cargo xtask pages --update      lower the ceilings of absent pages that code names
        cargo xtask catalogue           write docs/reference/services.md from the services' headers";
 
 fn main() -> ExitCode {
@@ -48,10 +53,12 @@ fn main() -> ExitCode {
 fn run(root: &Path, words: &[&str]) -> Result<String, String> {
     match words {
         ["tidy"] => tidy::run(root),
+        ["quick"] => quick::run(root),
         ["rings"] => rings::report(&Workspace::read(root)?, &tree::read(root)?),
         ["rings", "--update"] => rings::update(root, &Workspace::read(root)?, &tree::read(root)?),
         ["phrases"] => phrases::report(&tree::read(root)?, &git::changes(root)?),
         ["phrases", "--update"] => phrases::update(root, &tree::read(root)?),
+        ["pages", "--update"] => paths::update(root, &paths::Paths::new(&tree::names(root)?), &tree::read(root)?),
         ["catalogue"] => catalogue::write(root),
         _ => Err(USAGE.to_string()),
     }

@@ -2,7 +2,7 @@
 
 use crate::tree;
 use crate::workspace::Workspace;
-use crate::{bans, catalogue, headers, imports, phrases, readmes, rings, sizes, words};
+use crate::{bans, catalogue, headers, imports, paths, phrases, readmes, rings, sizes, third_party, words};
 use std::path::Path;
 
 /// Checks every rule on the project below `root`; the text says how many files were read and which rings are left.
@@ -14,7 +14,8 @@ pub(crate) fn run(root: &Path) -> Result<String, String> {
     let workspace = Workspace::read(root)?;
     let rules = [sizes::check, headers::check, readmes::check, words::check, bans::check, phrases::check];
     let mut findings: Vec<_> = rules.iter().flat_map(|rule| rule(&texts)).collect();
-    findings.extend(imports::check(&workspace, &texts));
+    findings.extend([imports::check, third_party::check].iter().flat_map(|rule| rule(&workspace, &texts)));
+    findings.extend(paths::check(&paths::Paths::new(&tree::names(root)?), &texts));
     let (broken, rings) = rings::check(&workspace, &texts);
     findings.extend(broken);
     findings.extend(catalogue::check(&texts));

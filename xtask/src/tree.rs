@@ -4,17 +4,10 @@ use std::fs;
 use std::path::Path;
 
 /// Folders that hold nothing written by hand.
-const SKIPPED_FOLDERS: &[&str] = &[
-    "target",
-    "node_modules",
-    "dist",
-    ".git",
-    ".venv",
-    "test-results",
-    "playwright-report",
-    "pictures",
-    "__pycache__",
-];
+const SKIPPED_FOLDERS: &[&str] =
+    &["target", "node_modules", "dist", ".git", ".venv", "test-results", "playwright-report", "__pycache__"];
+/// Folders of pictures and the data behind them.
+const PICTURES: &str = "pictures";
 /// Endings of texts that rules look at.
 const ENDINGS: &[&str] = &[".rs", ".toml", ".md", ".pdl", ".ts", ".svelte", ".mjs", ".py", ".pyi", ".tsv"];
 
@@ -40,10 +33,25 @@ impl Text {
 /// # Errors
 /// The file or folder that cannot be read.
 pub(crate) fn read(root: &Path) -> Result<Vec<Text>, String> {
-    let mut texts = Vec::new();
-    collect(root, "", &mut texts)?;
-    texts.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(texts)
+    let chosen = names(root)?.into_iter().filter(|path| {
+        ENDINGS.iter().any(|ending| path.ends_with(ending)) && !path.split('/').any(|folder| folder == PICTURES)
+    });
+    let read = |path: String| match fs::read_to_string(root.join(&path)) {
+        Ok(body) => Ok(Text { path, body }),
+        Err(error) => Err(format!("cannot read {path}: {error}")),
+    };
+    chosen.map(read).collect()
+}
+
+/// Paths of all files below `root`, in order.
+///
+/// # Errors
+/// The folder that cannot be read.
+pub(crate) fn names(root: &Path) -> Result<Vec<String>, String> {
+    let mut names = Vec::new();
+    collect(root, "", &mut names)?;
+    names.sort();
+    Ok(names)
 }
 
 /// The text at `path`, if there is one.
@@ -64,7 +72,7 @@ pub(crate) fn folders_below(texts: &[Text], folder: &str) -> Vec<String> {
     names
 }
 
-fn collect(folder: &Path, prefix: &str, texts: &mut Vec<Text>) -> Result<(), String> {
+fn collect(folder: &Path, prefix: &str, names: &mut Vec<String>) -> Result<(), String> {
     let entries = fs::read_dir(folder).map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
     for entry in entries {
         let entry = entry.map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
@@ -73,11 +81,10 @@ fn collect(folder: &Path, prefix: &str, texts: &mut Vec<Text>) -> Result<(), Str
         let path = format!("{prefix}{name}");
         if kind.is_dir() {
             if !SKIPPED_FOLDERS.contains(&name.as_str()) {
-                collect(&entry.path(), &format!("{path}/"), texts)?;
+                collect(&entry.path(), &format!("{path}/"), names)?;
             }
-        } else if kind.is_file() && ENDINGS.iter().any(|ending| name.ends_with(ending)) {
-            let body = fs::read_to_string(entry.path()).map_err(|error| format!("cannot read {path}: {error}"))?;
-            texts.push(Text { path, body });
+        } else if kind.is_file() {
+            names.push(path);
         }
     }
     Ok(())

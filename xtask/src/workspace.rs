@@ -14,7 +14,7 @@ pub(crate) const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 pub(crate) struct Workspace {
     /// Packages of the project, in order of folder.
     pub(crate) members: Vec<Member>,
-    /// Packages of third parties that the resolved graph contains, in order of name and version.
+    /// Packages of third parties that a build of the workspace compiles, in order of name and version.
     pub(crate) foreign: Vec<Foreign>,
 }
 
@@ -91,16 +91,23 @@ impl Workspace {
     /// # Errors
     /// Cargo's own message, or the field of its answer that cannot be read.
     pub(crate) fn read(root: &Path) -> Result<Workspace, String> {
-        let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
-        let output = Command::new(cargo)
-            .args(["metadata", "--format-version", "1", "--locked", "--filter-platform", PLATFORM])
-            .current_dir(root)
-            .output()
-            .map_err(|error| format!("cannot run cargo metadata: {error}"))?;
-        if !output.status.success() {
-            return Err(format!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr).trim()));
-        }
-        Workspace::parse(&output.stdout)
+        let answer = cargo(root, &["metadata", "--format-version", "1", "--locked", "--filter-platform", PLATFORM])?;
+        let mut workspace = Workspace::parse(&answer)?;
+        // The metadata also resolve optional dependencies that no feature turns on; the tree knows what is compiled.
+        let tree = ["tree", "--locked", "--workspace", "--target", PLATFORM, "--prefix", "none", "--format", "{p}"];
+        let compiled = String::from_utf8_lossy(&cargo(root, &tree)?).into_owned();
+        workspace.keep_compiled(&compiled);
+        Ok(workspace)
+    }
+
+    /// Drops packages of third parties that `tree` does not name; its lines begin with name and version.
+    fn keep_compiled(&mut self, tree: &str) {
+        let compiled: BTreeSet<(&str, &str)> = tree
+            .lines()
+            .filter_map(|line| line.split_once(" v"))
+            .map(|(name, rest)| (name, rest.split(' ').next().unwrap_or_default()))
+            .collect();
+        self.foreign.retain(|package| compiled.contains(&(package.name.as_str(), package.version.as_str())));
     }
 
     /// Reads the answer of `cargo metadata --format-version 1`.
@@ -128,6 +135,27 @@ impl Workspace {
         workspace.foreign.sort();
         Ok(workspace)
     }
+
+    /// The member whose folder holds the file at `path`; the deepest one if folders are nested.
+    pub(crate) fn owner(&self, path: &str) -> Option<&Member> {
+        let holds = |member: &&Member| path.strip_prefix(&member.folder).is_some_and(|rest| rest.starts_with('/'));
+        self.members.iter().filter(holds).max_by_key(|member| member.folder.len())
+    }
+}
+
+/// What cargo prints for `arguments`.
+fn cargo(root: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
+    let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
+    let name = arguments.first().copied().unwrap_or_default();
+    let output = Command::new(program)
+        .args(arguments)
+        .current_dir(root)
+        .output()
+        .map_err(|error| format!("cannot run cargo {name}: {error}"))?;
+    if output.status.success() {
+        return Ok(output.stdout);
+    }
+    Err(format!("cargo {name} failed: {}", String::from_utf8_lossy(&output.stderr).trim()))
 }
 
 fn member(package: &Package, top: &str) -> Member {
@@ -186,5 +214,18 @@ pub(crate) mod tests {
         assert_eq!(read.members[0].roots, ["crates/a/src/lib.rs"]);
         assert!(read.members[0].dependencies.contains("serde") && !read.members[0].dependencies.contains("insta"));
         assert_eq!(read.foreign.len(), 1, "what the graph does not resolve is left out");
+        let mut compiled = read.clone();
+        compiled.keep_compiled("apex-a v0.1.0 (/top/crates/a)\nserde v1.0.0\n");
+        assert_eq!(compiled.foreign.len(), 1);
+        compiled.keep_compiled("serde v1.0.1 (*)\n");
+        assert_eq!(compiled.foreign.len(), 0, "another version is compiled");
+    }
+
+    #[test]
+    fn a_nested_package_owns_its_files() {
+        let read = sample(&[("spec", "apex-spec", &[]), ("spec/random", "apex-random", &[])]);
+        assert_eq!(read.owner("spec/random/src/lib.rs").map(|member| member.name.as_str()), Some("apex-random"));
+        assert_eq!(read.owner("spec/src/lib.rs").map(|member| member.name.as_str()), Some("apex-spec"));
+        assert!(read.owner("specification.md").is_none());
     }
 }

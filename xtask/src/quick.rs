@@ -1,0 +1,112 @@
+//! `cargo xtask quick`: what a change needs before a commit, in the dev profile, so that builds are incremental.
+//!
+//! Formatting and the rules of the repository always; lints of all libraries and binaries, of which cargo checks only
+//! what the change reaches; lints of the tests and the tests themselves of the packages that changed against main.
+//! Changes that decide what the specification pages show run these pages, too.
+
+use crate::git::{self, Changes};
+use crate::workspace::Workspace;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+/// Paths whose changes are tested by further packages.
+const ALSO: &[(&str, &[&str])] = &[
+    ("crates/model/", &["apex-spec"]),
+    ("crates/pdl/", &["apex-spec"]),
+    ("crates/executive/", &["apex-spec"]),
+    ("spec/", &["apex-spec"]),
+    ("library/", &["apex-spec", "apex-mission"]),
+    ("missions/", &["apex-mission"]),
+    ("web/src/record/", &["apex-server"]),
+];
+/// Files that reach every package.
+const EVERYTHING: &[&str] = &["Cargo.lock", "rust-toolchain.toml", ".cargo/config.toml"];
+
+/// Runs all steps and reports how long each took.
+///
+/// # Errors
+/// The first step that fails, or what git or cargo refuse.
+pub(crate) fn run(root: &Path) -> Result<String, String> {
+    let packages = packages(&Workspace::read(root)?, &git::changes(root)?);
+    let begin = Instant::now();
+    for arguments in steps(&packages) {
+        let shown = arguments.join(" ");
+        println!("cargo {shown}");
+        let begin = Instant::now();
+        let status = Command::new("cargo").args(&arguments).current_dir(root).status();
+        let status = status.map_err(|error| format!("cannot run cargo {shown}: {error}"))?;
+        if !status.success() {
+            return Err(format!("quick: `cargo {shown}` failed"));
+        }
+        println!("  {:.1} s", begin.elapsed().as_secs_f64());
+    }
+    let tested: Vec<&str> = packages.iter().map(String::as_str).collect();
+    let tested = if tested.is_empty() { "no package".to_string() } else { tested.join(", ") };
+    Ok(format!("quick: {:.1} s; tested {tested}", begin.elapsed().as_secs_f64()))
+}
+
+/// Packages whose tests a change needs, without `xtask`, which tests itself in `make test`, unless it has changed.
+fn packages(workspace: &Workspace, changes: &Changes) -> BTreeSet<String> {
+    let mut packages = BTreeSet::new();
+    for path in changes.keys() {
+        if EVERYTHING.contains(&path.as_str()) {
+            return workspace.members.iter().map(|member| member.name.clone()).collect();
+        }
+        let owner = workspace.owner(path).filter(|_| !path.ends_with(".md"));
+        packages.extend(owner.map(|member| member.name.clone()));
+        let also = ALSO.iter().filter(|(prefix, _)| path.starts_with(prefix)).flat_map(|(_, packages)| *packages);
+        let known = also.filter(|name| workspace.members.iter().any(|member| member.name == **name));
+        packages.extend(known.map(ToString::to_string));
+    }
+    packages
+}
+
+fn steps(packages: &BTreeSet<String>) -> Vec<Vec<&str>> {
+    let mut steps = vec![
+        vec!["fmt", "--all", "--check"],
+        vec!["xtask", "tidy"],
+        vec!["clippy", "--locked", "--quiet", "--workspace", "--lib", "--bins", "--", "-D", "warnings"],
+    ];
+    if !packages.is_empty() {
+        let chosen: Vec<&str> = packages.iter().flat_map(|name| ["--package", name.as_str()]).collect();
+        let with = |head: &[&'static str], tail: &[&'static str]| [head, &chosen, tail].concat();
+        steps.push(with(&["clippy", "--locked", "--quiet"], &["--all-targets", "--", "-D", "warnings"]));
+        steps.push(with(&["test", "--locked", "--quiet"], &["--lib", "--bins", "--tests"]));
+    }
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::tests::sample;
+
+    fn tested(paths: &[&str]) -> Vec<String> {
+        let workspace = sample(&[
+            ("crates/executive", "apex-executive", &[]),
+            ("crates/geo", "apex-geo", &[]),
+            ("spec", "apex-spec", &[]),
+        ]);
+        let changes = paths.iter().map(|path| (path.to_string(), BTreeSet::new())).collect();
+        packages(&workspace, &changes).into_iter().collect()
+    }
+
+    #[test]
+    fn a_change_is_tested_by_its_package_and_by_the_pages_that_show_it() {
+        assert_eq!(tested(&["crates/geo/src/sun.rs"]), ["apex-geo"]);
+        assert_eq!(tested(&["crates/executive/src/step.rs"]), ["apex-executive", "apex-spec"]);
+        assert_eq!(tested(&["library/camera.pdl"]), ["apex-spec"]);
+        assert_eq!(tested(&["Cargo.lock"]).len(), 3);
+        assert!(tested(&["docs/README.md", "crates/geo/README.md"]).is_empty());
+    }
+
+    #[test]
+    fn without_changed_packages_nothing_is_tested() {
+        assert_eq!(steps(&BTreeSet::new()).len(), 3);
+        let packages = BTreeSet::from(["apex-geo".to_string()]);
+        let steps = steps(&packages);
+        assert_eq!(steps[4].join(" "), "test --locked --quiet --package apex-geo --lib --bins --tests");
+    }
+}
