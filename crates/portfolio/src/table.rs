@@ -59,7 +59,7 @@ pub fn select(problem: &Problem, planners: &Registry) -> Selection {
 }
 
 /// Chooses one of `planners` for `problem` with `budget_units` of work (`apex_planning::solver::WORK_UNIT`): by the table that
-/// ships, or the first that serves a problem that no table tells of.
+/// ships, or the first that serves a problem that no table describes.
 pub fn select_within(problem: &Problem, budget_units: u64, planners: &Registry) -> Selection {
     static TABLE: OnceLock<Result<Vec<Conclusion>, String>> = OnceLock::new();
     let read = || conclusion::read(PROFILE).map_err(|trouble| format!("profile-table.csv:{trouble}"));

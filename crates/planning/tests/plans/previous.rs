@@ -1,4 +1,4 @@
-//! Plans made again from what is left of an earlier one.
+//! Plans made again from the remaining part of an earlier one.
 
 use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem};
 use apex_planning::examples::surveillance as examples;

@@ -1,4 +1,4 @@
-//! The planners, one folder each, and the plans of people (`human`).
+//! The planners, one folder each, and the plans of operators (`human`).
 
 pub mod anytime;
 pub mod human;
