@@ -72,9 +72,8 @@ pub type Outcome<T = ()> = Result<T, Trouble>;
 
 impl From<MissionError> for Trouble {
     fn from(error: MissionError) -> Trouble {
-        let MissionError { kind, message, reason, help, diagnostics: _ } = error;
-        let of_user = !matches!(kind, ErrorKind::Flight | ErrorKind::Record);
-        Trouble { of_user, message, reason, help }
+        let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record);
+        Trouble { of_user, message: error.headline(), reason: error.reason, help: error.help }
     }
 }
 

@@ -29,23 +29,25 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
     }
     let place = &settings.place;
     let agent = load(Arc::clone(library), &program::agent_of(library), program::host_functions())
-        .map_err(|reason| MissionError::setting(format!("{place}: `:costs` cannot be computed")).because(reason))?;
+        .map_err(|reason| MissionError::setting("`:costs` cannot be computed").at(place).because(reason))?;
     for (name, function) in &settings.costs {
         let Some(site) = targets.iter_mut().find(|target| target.id == *name).and_then(site_of) else {
             let structures = targets.iter_mut().filter_map(|target| site_of(target).is_some().then_some(&*target.id));
             let structures: Vec<&str> = structures.take(12).collect();
-            return Err(MissionError::setting(format!("{place}: `:costs` names `{name}`, which is no structure"))
+            return Err(MissionError::setting(format!("`:costs` names `{name}`, which is no structure"))
+                .at(place)
                 .help(format!("structures are: {}", structures.join(", "))));
         };
         if settings.costs.iter().filter(|(other, _)| other == name).count() > 1 {
-            return Err(
-                MissionError::setting(format!("{place}: `:costs` names `{name}` twice")).help("give it one function")
-            );
+            return Err(MissionError::setting(format!("`:costs` names `{name}` twice"))
+                .at(place)
+                .help("give it one function"));
         }
         if !library.functions.contains_key(function) {
             return Err(MissionError::setting(format!(
-                "{place}: `:costs` names `{function}`, which is no function of the program"
+                "`:costs` names `{function}`, which is no function of the program"
             ))
+            .at(place)
             .help(EXAMPLE));
         }
         let response_s = match &site.cost {
@@ -55,7 +57,8 @@ pub(super) fn apply(settings: &Settings, library: &Arc<Library>, targets: &mut [
         let oldest_s = settings.duration.seconds() + site.initial_age_s + response_s;
         let points =
             tabulate(&mut |age_s| cost_at(&agent, function, age_s), oldest_s, RELATIVE_ERROR).map_err(|why| {
-                MissionError::setting(format!("{place}: `{function}` is no cost of `{name}`"))
+                MissionError::setting(format!("`{function}` is no cost of `{name}`"))
+                    .at(place)
                     .because(why)
                     .help(EXAMPLE)
             })?;

@@ -27,7 +27,9 @@ pub enum ErrorKind {
 pub struct MissionError {
     /// What it concerns.
     pub kind: ErrorKind,
-    /// What failed and where, one line.
+    /// File, feature, row or option that is at fault, if it is one.
+    pub place: Option<String>,
+    /// What failed, one line.
     pub message: String,
     /// Why, if known.
     pub reason: Option<String>,
@@ -43,7 +45,7 @@ pub type MissionResult<T = ()> = Result<T, MissionError>;
 impl MissionError {
     /// A failure of this kind.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> MissionError {
-        MissionError { kind, message: message.into(), reason: None, help: None, diagnostics: None }
+        MissionError { kind, place: None, message: message.into(), reason: None, help: None, diagnostics: None }
     }
 
     /// The program is at fault.
@@ -59,6 +61,26 @@ impl MissionError {
     /// An option of the application is at fault.
     pub fn setting(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Setting, message)
+    }
+
+    /// A flight cannot begin, or has broken off.
+    pub fn flight(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Flight, message)
+    }
+
+    /// Adds the place.
+    #[must_use]
+    pub fn at(mut self, place: impl Into<String>) -> MissionError {
+        self.place = Some(place.into());
+        self
+    }
+
+    /// What failed and where, one line.
+    pub fn headline(&self) -> String {
+        match &self.place {
+            Some(place) => format!("{place}: {}", self.message),
+            None => self.message.clone(),
+        }
     }
 
     /// Adds the reason.
@@ -78,7 +100,7 @@ impl MissionError {
 
 impl fmt::Display for MissionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)?;
+        f.write_str(&self.headline())?;
         if let Some(reason) = &self.reason {
             write!(f, "\n  why: {reason}")?;
         }

@@ -1,16 +1,15 @@
 //! GeoJSON files with names, places and properties; every complaint names file, feature and property.
 
 use crate::error::{MissionError, MissionResult};
-use crate::files::read_text;
+use crate::sources::DataFile;
 use apex_geo::geodesy;
 use apex_model::problem::{Position, TimeWindow};
 use geojson::{Feature, FeatureCollection, GeoJson, GeometryValue, JsonValue};
-use std::path::{Path, PathBuf};
 
 /// One feature of a file.
 #[derive(Debug)]
 pub(crate) struct NamedFeature {
-    file: PathBuf,
+    file: String,
     number: usize,
     feature: Feature,
     /// The property `id`, or else `name`.
@@ -23,37 +22,38 @@ pub(crate) struct NamedFeature {
 ///
 /// # Errors
 /// Unreadable file, text that is not GeoJSON, a feature without id and name, an id given twice.
-pub(crate) fn read(path: &Path) -> MissionResult<Vec<NamedFeature>> {
-    let text = read_text(path)?;
-    let parsed: GeoJson = text.parse().map_err(|error| {
-        MissionError::data(format!("{} is not GeoJSON", path.display()))
+pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<NamedFeature>> {
+    let place = &file.place;
+    let parsed: GeoJson = file.text()?.parse().map_err(|error| {
+        MissionError::data(format!("{place} is not GeoJSON"))
             .because(error)
             .help("export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude")
     })?;
     let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {
-        return Err(MissionError::data(format!("{} is not a FeatureCollection", path.display()))
+        return Err(MissionError::data(format!("{place} is not a FeatureCollection"))
             .help("put the feature into {\"type\": \"FeatureCollection\", \"features\": [..]}"));
     };
     let mut found: Vec<NamedFeature> = Vec::new();
     for (index, feature) in features.into_iter().enumerate() {
-        let named = NamedFeature::new(path, index + 1, feature)?;
+        let named = NamedFeature::new(place, index + 1, feature)?;
         if let Some(earlier) = found.iter().find(|earlier| earlier.id == named.id) {
-            return Err(MissionError::data(format!("{}: two features have the id `{}`", path.display(), named.id))
+            return Err(MissionError::data(format!("two features have the id `{}`", named.id))
+                .at(place)
                 .because(format!("features {} and {}", earlier.number, named.number))
                 .help("give each its own id"));
         }
         found.push(named);
     }
     if found.is_empty() {
-        return Err(MissionError::data(format!("{} holds no features", path.display())));
+        return Err(MissionError::data(format!("{place} holds no features")));
     }
     Ok(found)
 }
 
 impl NamedFeature {
-    fn new(file: &Path, number: usize, feature: Feature) -> MissionResult<NamedFeature> {
+    fn new(file: &str, number: usize, feature: Feature) -> MissionResult<NamedFeature> {
         let mut named =
-            NamedFeature { file: file.to_path_buf(), number, feature, id: String::new(), name: String::new() };
+            NamedFeature { file: file.to_string(), number, feature, id: String::new(), name: String::new() };
         let id = named.text("id")?;
         let name = named.text("name")?;
         let Some(id) = id.or_else(|| name.as_deref().map(hyphenated)) else {
@@ -67,7 +67,7 @@ impl NamedFeature {
     /// A complaint about this feature.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
-        MissionError::data(format!("{}: feature {}{which}: {what}", self.file.display(), self.number))
+        MissionError::data(what.to_string()).at(format!("{}: feature {}{which}", self.file, self.number))
     }
 
     /// Is the property there?

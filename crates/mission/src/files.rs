@@ -7,10 +7,14 @@ use crate::error::{MissionError, MissionResult};
 /// # Errors
 /// Says which file, why it cannot be read, and what to do.
 pub fn read_text(path: &std::path::Path) -> MissionResult<String> {
-    let bytes = read_bytes(path)?;
+    text_of(&path.display().to_string(), read_bytes(path)?)
+}
+
+/// The bytes of the file `place` as text.
+pub(crate) fn text_of(place: &str, bytes: Vec<u8>) -> MissionResult<String> {
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        MissionError::data(format!("{} is not text", path.display()))
+        MissionError::data(format!("{place} is not text"))
             .because(format!("byte {valid} is not UTF-8"))
             .help("save the file as UTF-8")
     })

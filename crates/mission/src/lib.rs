@@ -8,6 +8,7 @@ pub mod deliberator;
 pub mod error;
 mod features;
 pub mod files;
+pub mod flight;
 mod flown;
 mod lines;
 mod modems;
@@ -18,6 +19,7 @@ pub mod program;
 pub mod report;
 pub mod scenario;
 mod settings;
+mod sources;
 mod steps;
 mod surroundings;
 mod tables;
@@ -32,11 +34,12 @@ pub use surroundings::Airfield;
 pub use targets::{Fire, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
-use crate::files::{nearby_help, read_bytes};
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
+use apex_model::source::SourceFile;
 use apex_runtime::ports::Input;
-use std::path::{Path, PathBuf};
+use sources::{DataFile, Sources};
+use std::path::Path;
 use std::sync::Arc;
 use vehicle::VehicleModel;
 
@@ -104,15 +107,27 @@ impl Mission {
     /// # Errors
     /// Everything that can be wrong with the settings or the data.
     pub fn of_program(path: &Path, library: Arc<Library>) -> MissionResult<Mission> {
-        let program = program::program_path(path);
+        let folder = program::program_path(path).parent().map(Path::to_path_buf).unwrap_or_default();
+        Mission::read(library, &Sources::Folder(folder))
+    }
+
+    /// Loads a mission from its program and data as a flight record stores them: the texts of the program in the order of
+    /// loading, and data files by name. Nothing else is read.
+    ///
+    /// # Errors
+    /// The program does not check with this version; everything that can be wrong with the settings or the data.
+    pub fn from_sources(program: &[SourceFile], data: Vec<(String, Vec<u8>)>) -> MissionResult<Mission> {
+        let (library, _, _) = program::load_recorded(program)
+            .map_err(|reason| MissionError::program("the recorded mission cannot be loaded").because(reason))?;
+        Mission::read(library, &Sources::Held(data))
+    }
+
+    fn read(library: Arc<Library>, sources: &Sources) -> MissionResult<Mission> {
         let settings = settings::read(&library)?;
-        let mut files = Files {
-            folder: program.parent().map(Path::to_path_buf).unwrap_or_default(),
-            place: settings.place.clone(),
-            data: Vec::new(),
-        };
+        let mut files = Files { sources, place: settings.place.clone(), data: Vec::new() };
         let model = VehicleModel::named(&settings.model).map_err(|error| {
-            MissionError::setting(format!("{}: the mission's vehicle is unknown", settings.place))
+            MissionError::setting("the mission's vehicle is unknown")
+                .at(&settings.place)
                 .because(error)
                 .help("write a known `:model` in :vehicle")
         })?;
@@ -130,7 +145,7 @@ impl Mission {
             agent: program::agent_of(&library),
             zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
             crew: files.read("people", &settings.people, surroundings::people)?.unwrap_or_default(),
-            scenario: files.read("scenario", &settings.scenario, scenario::read)?.unwrap_or_default(),
+            scenario: files.read("scenario", &settings.scenario, scenario::of_mission)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
             forecasts,
@@ -156,7 +171,8 @@ impl Mission {
         self.place(start).ok_or_else(|| {
             let mut names: Vec<&str> = self.place_names().collect();
             names.truncate(12);
-            MissionError::setting(format!("{}: the vehicle's start `:at {start}` is no place", self.settings.place))
+            MissionError::setting(format!("the vehicle's start `:at {start}` is no place"))
+                .at(&self.settings.place)
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })
     }
@@ -207,30 +223,25 @@ fn possible(position: Position) -> bool {
     position.latitude_deg.abs() <= 90.0 && position.longitude_deg.abs() <= 180.0
 }
 
-/// Reads data files beside the program and keeps their bytes for the record.
-struct Files {
-    folder: PathBuf,
+/// Reads the data files that the application names, and keeps their bytes for the record.
+struct Files<'a> {
+    sources: &'a Sources,
     place: String,
     data: Vec<(String, Vec<u8>)>,
 }
 
-impl Files {
+impl Files<'_> {
     fn read<T>(
         &mut self,
         option: &str,
         name: &Option<String>,
-        read: impl Fn(&Path) -> MissionResult<T>,
+        read: impl Fn(&DataFile) -> MissionResult<T>,
     ) -> MissionResult<Option<T>> {
         let Some(name) = name else { return Ok(None) };
-        let path = self.folder.join(name);
-        if !path.is_file() {
-            return Err(MissionError::setting(format!("cannot read {}", path.display()))
-                .because(format!("there is no such file, but {} names it as `:{option} \"{name}\"`", self.place))
-                .help(nearby_help(&path)));
-        }
-        let read = read(&path)?;
+        let file = self.sources.read(name, || format!("{} names it as `:{option} \"{name}\"`", self.place))?;
+        let read = read(&file)?;
         if !self.data.iter().any(|(known, _)| known == name) {
-            self.data.push((name.clone(), read_bytes(&path)?));
+            self.data.push((name.clone(), file.bytes));
         }
         Ok(Some(read))
     }

@@ -33,7 +33,8 @@ pub(crate) fn read(mission: &Mission) -> MissionResult<Vec<Modem>> {
 
 fn modem(mission: &Mission, form: &Value) -> MissionResult<Modem> {
     let wrong = |what: String| {
-        MissionError::setting(format!("{}: in :modems, {form}: {what}", mission.settings.place))
+        MissionError::setting(format!("in :modems, {form}: {what}"))
+            .at(&mission.settings.place)
             .help("write (NAME :station PLACE :full-level 2km), or (NAME) for a satellite link; :dropouts ((6h 6.5h)) is optional")
     };
     let items = form.as_list().unwrap_or_default();

@@ -2,6 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;
+use crate::sources::DataFile;
 use apex_runtime::input_lines::read_inputs;
 use apex_runtime::ports::Input;
 use std::path::Path;
@@ -12,6 +13,11 @@ use std::path::Path;
 /// An unreadable file, lines that are no inputs.
 pub fn read(path: &Path) -> MissionResult<Vec<Input>> {
     parse(&path.display().to_string(), &read_text(path)?)
+}
+
+/// Reads the scripted inputs of a mission.
+pub(crate) fn of_mission(file: &DataFile) -> MissionResult<Vec<Input>> {
+    parse(&file.place, &file.text()?)
 }
 
 /// Reads scripted inputs from a text; `name` says in messages where it is from.

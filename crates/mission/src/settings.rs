@@ -87,7 +87,8 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     let place = library.describe_place(application.place);
     for (key, _) in &application.options {
         if !KNOWN.contains(&key.folded()) {
-            return Err(MissionError::setting(format!("{place}: unknown option :{key} of (defapplication ..)"))
+            return Err(MissionError::setting(format!("unknown option :{key} of (defapplication ..)"))
+                .at(place)
                 .help(format!("known are :{}", KNOWN.join(" :"))));
         }
     }
@@ -123,7 +124,8 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn wrong(&self, option: &str, found: &Value, wanted: &str) -> MissionError {
-        MissionError::setting(format!("{}: `:{option} {found}` cannot be read", self.place))
+        MissionError::setting(format!("`:{option} {found}` cannot be read"))
+            .at(&self.place)
             .help(format!("write {wanted}"))
     }
 
@@ -195,7 +197,8 @@ impl Reader<'_> {
     /// `(sim :model NAME :at PLACE)`
     fn vehicle(&self) -> MissionResult<(String, Value)> {
         let Some(form) = self.application.option("vehicle") else {
-            return Err(MissionError::setting(format!("{}: the mission names no vehicle", self.place))
+            return Err(MissionError::setting("the mission names no vehicle")
+                .at(&self.place)
                 .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
         };
         let items = form.as_list().unwrap_or_default();
@@ -203,7 +206,8 @@ impl Reader<'_> {
         match items.first() {
             Some(Value::Symbol(kind)) if kind.is("sim") => {}
             Some(Value::Symbol(kind)) => {
-                return Err(MissionError::setting(format!("{}: unknown kind of vehicle `{kind}`", self.place))
+                return Err(MissionError::setting(format!("unknown kind of vehicle `{kind}`"))
+                    .at(&self.place)
                     .because("only the built-in simulator `sim` can be flown so far")
                     .help(format!("write {wanted}")));
             }

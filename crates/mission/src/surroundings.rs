@@ -2,12 +2,12 @@
 
 use super::{features, tables};
 use crate::error::MissionResult;
+use crate::sources::DataFile;
 use apex_geo::plane::{Plane, Point};
 use apex_geo::travel::crossing;
 use apex_model::problem::{
     AirspaceZone, Area, CrewMember, FOREVER_S, Position, TimeWindow, WindField, WindLayer, ZoneKind,
 };
-use std::path::Path;
 
 /// A place where the vehicle can land.
 #[derive(Debug, Clone)]
@@ -24,9 +24,9 @@ pub struct Airfield {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn airspace(path: &Path) -> MissionResult<Vec<AirspaceZone>> {
+pub(crate) fn airspace(file: &DataFile) -> MissionResult<Vec<AirspaceZone>> {
     let mut zones = Vec::new();
-    for feature in features::read(path)? {
+    for feature in features::read(file)? {
         let kind = match feature.word("kind", &["restricted", "permitted"])? {
             Some("permitted") => ZoneKind::Permitted,
             _ => ZoneKind::Restricted,
@@ -115,8 +115,8 @@ fn in_order(feature: &features::NamedFeature, corners: &[Position]) -> MissionRe
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn airfields(path: &Path) -> MissionResult<Vec<Airfield>> {
-    features::read(path)?
+pub(crate) fn airfields(file: &DataFile) -> MissionResult<Vec<Airfield>> {
+    features::read(file)?
         .iter()
         .map(|feature| {
             feature.word("kind", &["base", "landing-place"])?;
@@ -137,8 +137,8 @@ const WIND_COLUMNS_OPTIONAL: &[&str] =
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn wind(path: &Path) -> MissionResult<WindField> {
-    let table = tables::read(path, WIND_COLUMNS, WIND_COLUMNS_OPTIONAL)?;
+pub(crate) fn wind(file: &DataFile) -> MissionResult<WindField> {
+    let table = tables::read(file, WIND_COLUMNS, WIND_COLUMNS_OPTIONAL)?;
     let layers = table.rows().map(|row| wind_layer(&row)).collect::<MissionResult<Vec<_>>>()?;
     Ok(WindField { layers, blend: true })
 }
@@ -188,8 +188,8 @@ fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn people(path: &Path) -> MissionResult<Vec<CrewMember>> {
-    let table = tables::read(path, &["role", "wage_per_hour"], &["fixed_hours", "flight_share"])?;
+pub(crate) fn people(file: &DataFile) -> MissionResult<Vec<CrewMember>> {
+    let table = tables::read(file, &["role", "wage_per_hour"], &["fixed_hours", "flight_share"])?;
     table
         .rows()
         .map(|row| {

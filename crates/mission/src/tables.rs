@@ -1,13 +1,12 @@
 //! CSV files with a header; every complaint names file, line and column.
 
 use crate::error::{MissionError, MissionResult};
-use crate::files::read_bytes;
-use std::path::{Path, PathBuf};
+use crate::sources::DataFile;
 
 /// A table whose columns are named by its first line.
 #[derive(Debug)]
 pub(crate) struct Table {
-    file: PathBuf,
+    file: String,
     header: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
 }
@@ -25,21 +24,24 @@ pub(crate) struct Row<'a> {
 ///
 /// # Errors
 /// Unreadable file, rows of unequal length, missing or unknown columns, no rows.
-pub(crate) fn read(path: &Path, columns: &[&str], optional: &[&str]) -> MissionResult<Table> {
-    let bytes = read_bytes(path)?;
-    let broken = |error: csv::Error| MissionError::data(format!("{} is not a table", path.display())).because(error);
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes.as_slice());
+pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> MissionResult<Table> {
+    let place = &file.place;
+    let broken = |error: csv::Error| MissionError::data(format!("{place} is not a table")).because(error);
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
     let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
     let missing: Vec<&str> =
         columns.iter().copied().filter(|column| !header.iter().any(|name| name == column)).collect();
     if !missing.is_empty() {
-        return Err(MissionError::data(format!("{}: missing columns: {}", path.display(), missing.join(", ")))
+        return Err(MissionError::data(format!("missing columns: {}", missing.join(", ")))
+            .at(place)
             .because(format!("the first line names {}", header.join(", ")))
             .help("add the columns; docs/reference/mission-data.md lists all of them"));
     }
     let known = |name: &&String| !columns.contains(&name.as_str()) && !optional.contains(&name.as_str());
     if let Some(unknown) = header.iter().find(known) {
-        return Err(MissionError::data(format!("{}: unknown column `{unknown}`", path.display()))
+        return Err(MissionError::data(format!("unknown column `{unknown}`"))
+            .at(place)
             .help(format!("known are {}", [columns, optional].concat().join(", "))));
     }
     let mut rows = Vec::new();
@@ -49,9 +51,9 @@ pub(crate) fn read(path: &Path, columns: &[&str], optional: &[&str]) -> MissionR
         rows.push((line, record.iter().map(str::to_string).collect()));
     }
     if rows.is_empty() {
-        return Err(MissionError::data(format!("{} has a header but no rows", path.display())));
+        return Err(MissionError::data(format!("{place} has a header but no rows")));
     }
-    Ok(Table { file: path.to_path_buf(), header, rows })
+    Ok(Table { file: place.clone(), header, rows })
 }
 
 impl Table {
@@ -64,7 +66,7 @@ impl Table {
 impl Row<'_> {
     /// A complaint about this row.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
-        MissionError::data(format!("{}:{}: {what}", self.table.file.display(), self.line))
+        MissionError::data(what.to_string()).at(format!("{}:{}", self.table.file, self.line))
     }
 
     /// The cell, if the column exists and the cell is not empty.

@@ -2,9 +2,9 @@
 
 use super::features::{self, NamedFeature};
 use crate::error::MissionResult;
+use crate::sources::DataFile;
 use apex_metrics::tabulate::POINTS_MAX;
 use apex_model::problem::{CostFunction, EventRate, Light, Position, TimeWindow};
-use std::path::Path;
 
 const SQUARE_METRES_PER_ACRE: f64 = 4_046.856_422_4;
 
@@ -111,8 +111,8 @@ fn maximum(cost: &CostFunction) -> f64 {
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
-pub(crate) fn read(path: &Path) -> MissionResult<Vec<Target>> {
-    let features = features::read(path)?;
+pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<Target>> {
+    let features = features::read(file)?;
     let targets = features.iter().map(target).collect::<MissionResult<Vec<_>>>()?;
     for (feature, target) in features.iter().zip(&targets) {
         let TargetKind::Fire(fire) = &target.kind else { continue };

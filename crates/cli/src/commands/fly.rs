@@ -6,19 +6,15 @@ use crate::trouble::{Outcome, Trouble};
 use crate::world::world;
 use crate::{commands, output, recording, sources};
 use apex_mission::Mission;
-use apex_mission::bookkeeping::{Bookkeeping, BookkeepingObserver, SharedBookkeeping, lock};
-use apex_mission::deliberator::{Means, MissionDeliberator};
-use apex_mission::report::{Report, report};
+use apex_mission::deliberator::Means;
+use apex_mission::flight::{self, FlightOutcome, MissionFlight, SharedRecorder};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
-use apex_runtime::contained::Contained;
-use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::{RecordOptions, Recorder, TargetRow, TargetState};
-use apex_runtime::{Control, EndReason, RunEnd};
-use apex_sim::SimulatedWorld;
+use apex_runtime::record::{RecordOptions, Recorder};
+use apex_runtime::{Control, EndReason};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -29,19 +25,15 @@ use std::thread::JoinHandle;
 /// Faster than this is as fast as possible.
 const PACE_MAX: f64 = 1e9;
 
-type SharedRecorder = Arc<Mutex<Recorder>>;
-type TargetChange = (String, Time, TargetState, String);
-
 /// Flies a mission.
 pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let mission = Arc::new(Mission::load(&options.mission)?);
+    let library = sources::load_program(&options.mission)?;
+    let mission = Arc::new(Mission::of_program(&options.mission, library)?);
     let pace = pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
-    let limit = Time::ZERO + mission.settings.duration;
-    let until = until.map_or(limit, |until| until.min(limit));
     let mut vehicle = world(&mission, options.seed)?;
     if options.serve {
         check_port(options.port)?;
@@ -50,18 +42,15 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
     let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
-    let settings = apex_runtime::FlyOptions {
-        until,
-        pace,
-        inputs: mission.scenario.clone(),
-        controls,
-        ..apex_runtime::FlyOptions::default()
-    };
-    let hidden = options.no_progress || options.json;
+    let terms = apex_runtime::FlyOptions { pace, controls, ..MissionFlight::terms(&mission, until) };
     let means = means(options, planners)?;
-    let flight = fly((&mission, means), &mut vehicle, settings, &recorder, hidden)?;
+    let mut progress = Progress::new(terms.until, options.no_progress || options.json);
+    let flight = MissionFlight::new(mission, means);
+    let flown = flight.fly(&mut vehicle, terms, &mut [&mut progress], Some(&recorder));
+    progress.bar.finish_and_clear();
+    let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();
-    finish(&recorder, &flight)?;
+    flight.store(&mut recorder.lock().unwrap_or_else(PoisonError::into_inner)).map_err(recording::written)?;
     print_flight(&flight, seconds, &path, options.json)?;
     match sherpa {
         Some(sherpa) if flight.end.reason != EndReason::Stopped => {
@@ -74,7 +63,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     }
 }
 
-fn print_flight(flight: &Flight, seconds: f64, path: &Path, json: bool) -> Outcome {
+fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> Outcome {
     if json {
         let sections: serde_json::Map<String, serde_json::Value> =
             flight.report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect();
@@ -154,72 +143,11 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome<Means> {
     Ok(means)
 }
 
-/// Everything that a flight came to.
-struct Flight {
-    end: RunEnd,
-    report: Report,
-}
-
-fn fly(
-    (mission, means): (&Arc<Mission>, Means),
-    vehicle: &mut SimulatedWorld,
-    settings: apex_runtime::FlyOptions,
-    recorder: &SharedRecorder,
-    hidden: bool,
-) -> Outcome<Flight> {
-    let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
-    // Solvers are given up before whoever asks them.
-    let patience = means.patience + 10 * SOLVER_GRACE;
-    let deliberator = MissionDeliberator::new(Arc::clone(mission), Arc::clone(&books), means);
-    let mut deliberator = Contained::new(Box::new(deliberator), patience)
-        .map_err(|reason| Trouble::failure("no thread for the solvers").because(reason))?;
-    let mut agents = sources::crew_of(&mission.library)?;
-    let mut bookkeeper = BookkeepingObserver::new(Arc::clone(&books));
-    let mut targets = TargetRecorder { recorder: Arc::clone(recorder), books: Arc::clone(&books), changes: Vec::new() };
-    let mut progress = Progress::new(settings.until, hidden);
-    let mut shared_recorder = Arc::clone(recorder);
-    let mut observers: Vec<&mut dyn Observer> =
-        vec![&mut shared_recorder, &mut bookkeeper, &mut targets, &mut progress];
-    let flown = apex_runtime::fly_all(&mut agents, vehicle, &mut deliberator, &mut observers, settings);
-    progress.bar.finish_and_clear();
-    let end = flown.map_err(|error| Trouble::failure(error.to_string()))?;
-    let report = report(mission, &lock(&books), &targets.changes, (end.at, end.reason.text()));
-    Ok(Flight { end, report })
-}
-
 /// A record with the mission's program, data and targets inside.
 fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
     let vehicle = mission.agent.name.printed().to_string();
     let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
-    recording::create(path, &mission.library, options, |recorder| {
-        for (name, bytes) in mission.data.iter() {
-            recorder.source(name, "data", bytes)?;
-        }
-        recorder.meta("mission", &mission.settings.name)?;
-        recorder.meta("agent", mission.agent.name.printed())?;
-        recorder.meta("vehicle", &mission.model.name)?;
-        if let Some(epoch) = &mission.settings.epoch_text {
-            recorder.meta("epoch_utc", epoch)?;
-        }
-        mission.targets.iter().filter(|target| target.is_observable()).try_for_each(|target| {
-            recorder.target(&TargetRow {
-                id: target.id.clone(),
-                name: target.name.clone(),
-                latitude_deg: target.position.latitude_deg,
-                longitude_deg: target.position.longitude_deg,
-                value: target.worth(),
-                geometry: target.geometry.clone(),
-            })
-        })
-    })
-}
-
-fn finish(recorder: &SharedRecorder, flight: &Flight) -> Outcome {
-    let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
-    for (section, body) in flight.report.sections() {
-        recorder.report(section, &body.to_string()).map_err(recording::written)?;
-    }
-    recorder.finish(flight.end.at, &flight.end.reason.text()).map_err(recording::written)
+    recording::create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
 /// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.
@@ -239,28 +167,6 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
         }
     });
     (thread, controls)
-}
-
-/// Moves changes of targets' states from the books into the record.
-struct TargetRecorder {
-    recorder: SharedRecorder,
-    books: SharedBookkeeping,
-    changes: Vec<TargetChange>,
-}
-
-impl Observer for TargetRecorder {
-    fn observe(&mut self, _: &Batch, _: &[Effect]) -> Result<(), String> {
-        let new = std::mem::take(&mut lock(&self.books).target_changes);
-        if new.is_empty() {
-            return Ok(());
-        }
-        let mut recorder = self.recorder.lock().unwrap_or_else(PoisonError::into_inner);
-        for (target, at, state, detail) in &new {
-            recorder.target_state(target, *at, *state, detail).map_err(|error| error.to_string())?;
-        }
-        self.changes.extend(new);
-        Ok(())
-    }
 }
 
 /// A bar over mission time.

@@ -1,0 +1,56 @@
+//! A mission is the same from its folder and from the sources that a flight record stores.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
+use apex_mission::Mission;
+use apex_mission::error::ErrorKind;
+use std::path::{Path, PathBuf};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name)
+}
+
+fn data(mission: &Mission) -> Vec<(String, Vec<u8>)> {
+    mission.data.iter().cloned().collect()
+}
+
+#[test]
+fn recorded_sources_load_as_the_folder_does() {
+    for name in ["first-picture", "structure-watch", "western-states"] {
+        let of_folder = Mission::load(&folder(name)).unwrap();
+        let of_record = Mission::from_sources(&of_folder.library.sources, data(&of_folder)).unwrap();
+        assert!(!of_folder.data.is_empty(), "{name}");
+        assert_eq!(of_record.data, of_folder.data, "{name}");
+        let told =
+            |mission: &Mission| format!("{:?}", (&mission.targets, &mission.zones, &mission.forecasts, mission.start));
+        assert_eq!(told(&of_record), told(&of_folder), "{name}");
+        assert_eq!(of_record.scenario, of_folder.scenario, "{name}");
+    }
+}
+
+#[test]
+fn an_error_names_kind_and_place() {
+    let mission = Mission::load(&folder("structure-watch")).unwrap();
+    let mut broken = data(&mission);
+    let winds = broken.iter_mut().find(|(name, _)| name == "winds.csv").unwrap();
+    winds.1 = b"altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,100,west,3\n".to_vec();
+    let error = Mission::from_sources(&mission.library.sources, broken).unwrap_err();
+    assert_eq!(error.kind, ErrorKind::Data);
+    assert_eq!(error.place.as_deref(), Some("winds.csv:2"));
+    assert_eq!(error.message, "`wind_from_deg` is `west`, not a number");
+
+    let without: Vec<_> = data(&mission).into_iter().filter(|(name, _)| name != "winds.csv").collect();
+    let error = Mission::from_sources(&mission.library.sources, without).unwrap_err();
+    assert_eq!(error.message, "cannot read winds.csv");
+    assert!(error.help.unwrap().contains("sites.geojson"));
+}
+
+#[test]
+fn errors_of_the_program_are_values() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let program = folder.path().join("mission.pdl");
+    std::fs::write(&program, "(procedure (index (a)) (step b (c) (waitfor (end ?d))))").unwrap();
+    let error = Mission::load(&program).unwrap_err();
+    assert_eq!(error.kind, ErrorKind::Program);
+    assert!(error.diagnostics.unwrap().has_errors());
+}
