@@ -10,10 +10,10 @@
 
 mod commands;
 mod console;
+mod external_simulator;
 mod monitor;
 mod options;
 mod output;
-mod outside;
 mod plan_output;
 mod recording;
 mod replacing;
@@ -75,7 +75,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Check(options) => commands::check::run(&options),
         Command::Explain(options) => commands::explain::run(&options),
         Command::Fmt(options) => commands::format::run(&options),
-        Command::Run(options) => commands::run::run(&options),
+        Command::Run(options) => commands::run::run(&options, planners),
         Command::Fly(options) => commands::fly::run(&options, planners),
         Command::Replay(options) => commands::replay::run(&options),
         Command::Why(options) => commands::why::run(&options),

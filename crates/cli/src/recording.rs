@@ -2,6 +2,7 @@
 
 use crate::output;
 use crate::trouble::{Outcome, Trouble, nearby_help, unreadable};
+use apex_mission::{Mission, flight};
 use apex_model::library::Library;
 use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
@@ -41,6 +42,16 @@ pub fn create(
     }
     hold(path);
     Ok(recorder)
+}
+
+/// Starts a record of a flight of `mission`, with its program, data and targets inside.
+///
+/// # Errors
+/// As [`create`].
+pub fn of_mission(path: &Path, mission: &Mission) -> Outcome<Recorder> {
+    let vehicle = mission.agent.name.printed().to_string();
+    let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
+    create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
 /// The record of this run, held until the program ends: closing the file earlier would release SQLite's own locks on it.

@@ -1,4 +1,4 @@
-//! Words for people and for their shells.
+//! Words for reports and for shells.
 
 pub use apex_mission::text::{name_width, named, plain_duration, wrapped, wrapped_line};
 

@@ -28,7 +28,7 @@ fn flown(desk: &Desk, more: &[&str]) -> String {
     report
 }
 
-/// The line of the report that tells of `what`, and those after it.
+/// The line of the report that names `what`, and those after it.
 fn after<'r>(report: &'r str, what: &str) -> &'r str {
     report.split_once(what).map_or_else(|| panic!("no {what:?} in {report}"), |(_, after)| after)
 }

@@ -63,7 +63,7 @@ impl MissionError {
         MissionError::new(ErrorKind::Setting, message)
     }
 
-    /// A flight cannot begin, or has broken off.
+    /// A flight cannot begin, or was aborted.
     pub fn flight(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Flight, message)
     }

@@ -82,7 +82,7 @@ impl MissionFlight {
         ) -> Result<RunEnd, RunError>,
     ) -> MissionResult<FlightOutcome> {
         let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
-        // Solvers are given up before the thread that asks them.
+        // A solver times out before the thread that calls it.
         let patience = self.means.patience + 10 * SOLVER_GRACE;
         let deliberator = MissionDeliberator::new(Arc::clone(&self.mission), Arc::clone(&books), self.means.clone());
         let mut deliberator = Contained::new(Box::new(deliberator), patience)
@@ -119,7 +119,7 @@ impl FlightOutcome {
     }
 }
 
-/// Writes what a record must hold of a mission besides its program: data files, names, targets.
+/// Writes what a record must hold of a mission other than its program: data files, names, targets.
 ///
 /// # Errors
 /// The record cannot be written.

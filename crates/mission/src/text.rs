@@ -1,4 +1,4 @@
-//! Words and columns for people.
+//! Words and columns of reports.
 
 use apex_model::time::Duration;
 
@@ -9,7 +9,7 @@ const TIME_INDENT: &str = "                ";
 /// The narrowest column of names.
 const NAME_WIDTH_MIN: usize = 10;
 
-/// A duration as people say it: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
+/// A duration as text: `22 h 4 min 56 s`, `4 min 3 s`, `13.5 s`.
 pub fn plain_duration(duration: Duration) -> String {
     let seconds = duration.seconds();
     if seconds < 60.0 {

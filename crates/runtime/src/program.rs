@@ -61,6 +61,11 @@ impl NoVehicle {
         let silent = inputs.iter().any(|input| matches!(input.kind, EventKind::CommandAcknowledged(..)));
         NoVehicle { silent, ..NoVehicle::default() }
     }
+
+    /// Acknowledges nothing: a vehicle does, whose reports come in like other inputs.
+    pub fn silent() -> NoVehicle {
+        NoVehicle { silent: true, ..NoVehicle::default() }
+    }
 }
 
 impl Vehicle for NoVehicle {

@@ -7,13 +7,12 @@ use crate::world::world;
 use crate::{commands, output, recording, sources};
 use apex_mission::Mission;
 use apex_mission::deliberator::Means;
-use apex_mission::flight::{self, FlightOutcome, MissionFlight, SharedRecorder};
+use apex_mission::flight::{FlightOutcome, MissionFlight, SharedRecorder};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_runtime::ports::Observer;
-use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::{Control, EndReason};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, TcpListener};
@@ -38,7 +37,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     if options.serve {
         check_port(options.port)?;
     }
-    let recorder: SharedRecorder = Arc::new(Mutex::new(recorder(&path, &mission)?));
+    let recorder: SharedRecorder = Arc::new(Mutex::new(recording::of_mission(&path, &mission)?));
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
     let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
@@ -141,13 +140,6 @@ fn means(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome<Means> {
         means.memory_bytes = u64::from(mebibytes) << 20;
     }
     Ok(means)
-}
-
-/// A record with the mission's program, data and targets inside.
-fn recorder(path: &Path, mission: &Mission) -> Outcome<Recorder> {
-    let vehicle = mission.agent.name.printed().to_string();
-    let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
-    recording::create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
 /// Serves the growing record on a thread of its own. Ctrl-C, which the server hears, ends the flight in good order.

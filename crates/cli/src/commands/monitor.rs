@@ -151,7 +151,7 @@ impl Watching {
         Ok(())
     }
 
-    /// Tells what is left, the verdicts, and what was never heard of.
+    /// Prints the remaining results, the verdicts, and what was never heard of.
     fn end(&mut self) -> Outcome<Vec<String>> {
         if !self.heard {
             self.begin(self.created.unwrap_or(Time::ZERO))?;

@@ -5,76 +5,176 @@ use crate::console::{self, Asker, OpenQuestions};
 use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
-use crate::{output, outside, recording, sources};
-use apex_mission::scenario;
-use apex_model::library::Library;
+use crate::{external_simulator, output, recording, sources};
+use apex_mission::deliberator::Means;
+use apex_mission::flight::{FlightOutcome, MissionFlight, SharedRecorder};
+use apex_mission::report::Report;
+use apex_mission::{Mission, scenario};
+use apex_model::library::{Application, Library};
 use apex_model::time::Time;
+use apex_planning::Registry;
 use apex_runtime::answer_lines::read_answers;
+use apex_runtime::foreign::{self, ForeignEnd};
 use apex_runtime::ports::{Input, Observer};
+use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
 use std::io::Read;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Runs a program to its end.
-pub fn run(options: &RunOptions) -> Outcome {
+/// Runs a program to its end. A mission that lives at the clock of the wall or of an outside simulator is flown: it plans,
+/// books its visits, and reports.
+pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
     let library = sources::load_program(&options.program)?;
-    let way = Way::of(&library, options)?;
+    let clock = ClockSource::of(&library, options)?;
     let inputs = options.inputs.as_deref().map(inputs_of).transpose()?.unwrap_or_default();
     let answers = options.answers.as_deref().map(answers_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let terms = || FlyOptions {
-        until: until.unwrap_or(Time::END),
-        inputs: inputs.clone(),
-        answers: answers.clone(),
-        ..FlyOptions::default()
+    let mission = live_mission(&library, options)?;
+    let terms = || {
+        let mut terms = match &mission {
+            Some(mission) => MissionFlight::terms(mission, until),
+            None => FlyOptions { until: until.unwrap_or(Time::END), ..FlyOptions::default() },
+        };
+        terms.inputs.extend(inputs.iter().cloned());
+        FlyOptions { answers: answers.clone(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
-    let mut recorder = options.record.as_deref().map(|path| recorder(path, &library)).transpose()?;
-    let out = trace_output(options.trace.as_deref(), way.owns_output(options))?;
+    let recorder = options.record.as_deref().map(|path| recorder(path, &library, mission.as_deref())).transpose()?;
+    let recorder: Option<SharedRecorder> = recorder.map(|recorder| Arc::new(Mutex::new(recorder)));
+    let out = trace_output(options.trace.as_deref(), clock.owns_output(options))?;
     let gone = out.gone();
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
     let mut tracer = Tracer::new(out, format, TraceFilter::default(), &library);
     let open = OpenQuestions::default();
     let mut asker = Asker::new(open.clone(), library.crew().into_iter().map(|agent| agent.name).collect());
 
-    let mut observers: Vec<&mut dyn Observer> = Vec::new();
-    if let Some(recorder) = &mut recorder {
-        observers.push(recorder);
-    }
-    observers.push(&mut tracer);
-    let ended = match way {
-        Way::Simulated => program::run_all(&mut sources::crew_of(&library)?, &mut observers, terms()),
-        Way::Live(pace) => {
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut tracer];
+    let controls = match clock {
+        ClockSource::Wall(_) => {
             let stdin = options.inputs.as_deref().is_none_or(|path| path.as_os_str() != "-");
-            let controls = Some(console::listen(&open, stdin, options.listen)?);
             observers.push(&mut asker);
-            let terms = FlyOptions { pace: Some(pace), controls, ..terms() };
-            program::run_all(&mut sources::crew_of(&library)?, &mut observers, terms)
+            Some(console::listen(&open, stdin, options.listen)?)
         }
-        Way::Foreign => {
-            let recorded = options.record.is_some();
-            Ok(outside::run(&library, options.listen, recorded, &mut observers, &terms)?)
+        ClockSource::Simulated | ClockSource::Simulator => None,
+    };
+    let flight = mission.clone().map(|mission| MissionFlight::new(mission, Means::of(planners)));
+    let run = Run { library: &library, flight, recorder: recorder.as_ref(), terms: &terms };
+    let ended = match clock {
+        ClockSource::Simulated => run.with_inputs(&mut observers, terms()),
+        ClockSource::Wall(pace) => {
+            run.tell_who_acknowledges();
+            run.with_inputs(&mut observers, FlyOptions { pace: Some(pace), controls, ..terms() })
         }
+        ClockSource::Simulator => run.with_simulator(&mut observers, options.listen),
     };
     let flushed = tracer.into_inner();
     // A reader such as `head` that has seen enough ends the run; a record then says that it is incomplete.
     if gone.get() {
         return Ok(());
     }
-    let end = ended.map_err(|error| Trouble::failure(error.to_string()))?;
+    let (end, report) = ended?;
     flushed.map_err(|error| {
         Trouble::failure("cannot write the trace")
             .because(error)
             .help("the trace is incomplete; look at where it goes, and at the space there")
     })?;
     tell_end(&end);
-    match recorder {
-        Some(mut recorder) => recorder.finish(end.at, &end.reason.text()).map_err(recording::written),
-        None => Ok(()),
+    finish(end, report, recorder.as_ref())
+}
+
+/// The mission of an application that names a vehicle and does not live in simulated time.
+fn live_mission(library: &Arc<Library>, options: &RunOptions) -> Outcome<Option<Arc<Mission>>> {
+    let is_live = |application: &Application| {
+        (application.kind.is("realtime") || application.kind.is("foreign-sim"))
+            && application.option("vehicle").is_some()
+    };
+    if !library.application.as_ref().is_some_and(is_live) {
+        return Ok(None);
     }
+    Ok(Some(Arc::new(Mission::of_program(&options.program, Arc::clone(library))?)))
+}
+
+/// Prints the report of a flight, and closes the record.
+fn finish(end: RunEnd, report: Option<Report>, recorder: Option<&SharedRecorder>) -> Outcome {
+    let mut recorder = recorder.map(|recorder| recorder.lock().unwrap_or_else(PoisonError::into_inner));
+    let Some(report) = report else {
+        let Some(recorder) = &mut recorder else { return Ok(()) };
+        return recorder.finish(end.at, &end.reason.text()).map_err(recording::written);
+    };
+    // Standard output belongs to the trace, or to the simulator.
+    output::complain(report.text().trim());
+    let Some(recorder) = &mut recorder else { return Ok(()) };
+    FlightOutcome { end, report }.store(recorder).map_err(recording::written)
+}
+
+/// A program that is ready to run, with the flight of its mission and its recorder.
+struct Run<'a> {
+    library: &'a Arc<Library>,
+    /// The flight of a mission; none for a program without one.
+    flight: Option<MissionFlight>,
+    recorder: Option<&'a SharedRecorder>,
+    terms: &'a dyn Fn() -> FlyOptions,
+}
+
+/// The end of a run, with the report of a mission.
+type Ended = (RunEnd, Option<Report>);
+
+impl Run<'_> {
+    /// Tells the user that no built-in vehicle acknowledges commands.
+    fn tell_who_acknowledges(&self) {
+        if self.flight.is_some() {
+            output::complain(
+                "note: no vehicle is built in: a vehicle reads commands in the trace and acknowledges them by lines such \
+                 as {\"acknowledge\": 3}; `apex fly` flies the mission with the built-in simulator",
+            );
+        }
+    }
+
+    fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: FlyOptions) -> Outcome<Ended> {
+        if let Some(flight) = &self.flight {
+            let flown = flight.fly(&mut NoVehicle::silent(), terms, observers, self.recorder)?;
+            return Ok((flown.end, Some(flown.report)));
+        }
+        let mut recorder = self.recorder.cloned();
+        let mut all = recorded(&mut recorder, observers);
+        let end = program::run_all(&mut sources::crew_of(self.library)?, &mut all, terms);
+        Ok((end.map_err(|error| Trouble::failure(error.to_string()))?, None))
+    }
+
+    fn with_simulator(&self, observers: &mut Vec<&mut dyn Observer>, port: Option<u16>) -> Outcome<Ended> {
+        let mut report = None;
+        let end = external_simulator::run(self.library, port, self.recorder.is_some(), &mut |link| {
+            let Some(flight) = &self.flight else {
+                let mut recorder = self.recorder.cloned();
+                let mut all = recorded(&mut recorder, observers);
+                let mut agents = sources::crew_of(self.library)?;
+                return foreign::run(&mut agents, link, &mut NoDeliberator, &mut all, (self.terms)())
+                    .map_err(|error| Trouble::failure(error.to_string()));
+            };
+            let mut reset = false;
+            let flown = flight.run(observers, self.recorder, |agents, deliberator, observers| {
+                let ended = foreign::run(agents, link, deliberator, observers, (self.terms)())?;
+                reset = ended.reset;
+                Ok(ended.end)
+            })?;
+            report = Some(flown.report);
+            Ok(ForeignEnd { end: flown.end, reset })
+        })?;
+        Ok((end, report))
+    }
+}
+
+/// The recorder, which sees each step first, and the others.
+fn recorded<'o>(
+    recorder: &'o mut Option<SharedRecorder>,
+    observers: &'o mut [&mut dyn Observer],
+) -> Vec<&'o mut dyn Observer> {
+    let recorder = recorder.as_mut().map(|recorder| recorder as &mut dyn Observer);
+    recorder.into_iter().chain(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer)).collect()
 }
 
 fn tell_end(end: &RunEnd) {
@@ -91,37 +191,37 @@ fn tell_end(end: &RunEnd) {
     }
 }
 
-/// Whose clock counts.
-enum Way {
+/// The clock that counts.
+enum ClockSource {
     /// Simulated time, as fast as possible.
     Simulated,
     /// The clock on the wall, at this pace.
-    Live(f64),
+    Wall(f64),
     /// The clock of an outside simulator.
-    Foreign,
+    Simulator,
 }
 
-impl Way {
-    fn of(library: &Library, options: &RunOptions) -> Outcome<Way> {
+impl ClockSource {
+    fn of(library: &Library, options: &RunOptions) -> Outcome<ClockSource> {
         let kind = library.application.as_ref().map(|application| application.kind.clone());
         let is = |name: &str| kind.as_ref().is_some_and(|kind| kind.is(name));
         let paced = options.pace.map(crate::commands::fly::checked_pace).transpose()?;
         if is("foreign-sim") {
             let stray = if options.interactive { Some("--interactive") } else { options.pace.map(|_| "--pace") };
             return match stray {
-                None => Ok(Way::Foreign),
+                None => Ok(ClockSource::Simulator),
                 Some(option) => Err(Trouble::user(format!("`{option}` has no meaning for this application"))
                     .because("it is of type foreign-sim: an outside simulator owns the clock")
                     .help("leave the option out")),
             };
         }
         let live = is("realtime") || options.interactive || options.listen.is_some() || paced.is_some();
-        Ok(if live { Way::Live(paced.unwrap_or(1.0)) } else { Way::Simulated })
+        Ok(if live { ClockSource::Wall(paced.unwrap_or(1.0)) } else { ClockSource::Simulated })
     }
 
     /// True when standard output belongs to the simulator.
     fn owns_output(&self, options: &RunOptions) -> bool {
-        matches!(self, Way::Foreign) && options.listen.is_none()
+        matches!(self, ClockSource::Simulator) && options.listen.is_none()
     }
 }
 
@@ -143,8 +243,11 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> Outcome {
         .help("give `--trace` another file"))
 }
 
-/// A record with the program's sources inside.
-fn recorder(path: &Path, library: &Library) -> Outcome<Recorder> {
+/// A record with the program's sources inside, and of a mission all that belongs to it.
+fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> Outcome<Recorder> {
+    if let Some(mission) = mission {
+        return recording::of_mission(path, mission);
+    }
     recording::create(path, library, RecordOptions::default(), |recorder| {
         recorder.meta("agent", sources::agent_of(library).name.printed())
     })

@@ -1,25 +1,23 @@
 //! `apex run` of a `:type foreign-sim` application: an outside simulator owns the clock, over standard input and output or
 //! over a port of this machine.
 
+use crate::console;
 use crate::trouble::{Outcome, Trouble};
-use crate::{console, sources};
 use apex_model::library::Library;
 use apex_model::value::Value;
-use apex_runtime::foreign::{self, Cues, SimulatorLink};
-use apex_runtime::ports::Observer;
-use apex_runtime::program::NoDeliberator;
-use apex_runtime::{FlyOptions, RunEnd};
+use apex_runtime::RunEnd;
+use apex_runtime::foreign::{Cues, ForeignEnd, SimulatorLink};
 use std::io::{BufRead, BufReader, Write};
-use std::sync::Arc;
 
-/// Runs until the simulator stops or the application ends; a reset begins again where nothing is recorded.
-pub fn run(
-    library: &Arc<Library>,
-    port: Option<u16>,
-    recorded: bool,
-    observers: &mut [&mut dyn Observer],
-    options: &dyn Fn() -> FlyOptions,
-) -> Outcome<RunEnd> {
+/// Runs one episode over the link, from its greeting to its end or reset.
+pub type Episode<'a> = dyn FnMut(&mut SimulatorLink<'_>) -> Outcome<ForeignEnd> + 'a;
+
+/// Runs episodes until the simulator stops or the application ends; after a reset the next one begins. A recorded
+/// run cannot be reset.
+///
+/// # Errors
+/// The simulator could not connect; as `episode`.
+pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut Episode<'_>) -> Outcome<RunEnd> {
     let (mut input, mut output): (Box<dyn BufRead>, Box<dyn Write>) = match port {
         None => (Box::new(std::io::stdin().lock()), Box::new(std::io::stdout())),
         Some(port) => {
@@ -30,7 +28,6 @@ pub fn run(
     };
     let mut cues = cues(library);
     loop {
-        let mut agents = sources::crew_of(library)?;
         let mut link = SimulatorLink {
             input: &mut *input,
             output: &mut *output,
@@ -38,8 +35,7 @@ pub fn run(
             cues: cues.clone(),
             may_reset: !recorded,
         };
-        let ended = foreign::run(&mut agents, &mut link, &mut NoDeliberator, observers, options())
-            .map_err(|error| Trouble::failure(error.to_string()))?;
+        let ended = episode(&mut link)?;
         if !ended.reset {
             return Ok(ended.end);
         }
