@@ -3,13 +3,13 @@
 use crate::late::take_due;
 use crate::scenario::read_time;
 use apex_model::effect::{CommandId, SolveRequest};
-use apex_model::event::{EventKind, PlannedProcedure};
-use apex_model::expression::Template;
+use apex_model::event::EventKind;
+use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_runtime::ports::{Deliberator, Input, SolverAnswer, Vehicle, Withdrawal};
+use apex_runtime::ports::{Deliberator, Input, Posed, SolverAnswer, Vehicle};
 
 /// How the vehicle answers commands.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -124,32 +124,34 @@ impl Vehicle for PageVehicle {
 pub struct PagePlanner(pub PlannerManner);
 
 impl Deliberator for PagePlanner {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
-        match &self.0 {
-            PlannerManner::Absent => {
-                let reason = format!("no planner is at hand for {}", request.goal);
-                SolverAnswer { result: Err(reason), charged: Duration::ZERO }
-            }
+    fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
+        let answer = match &self.0 {
+            PlannerManner::Absent => return Posed::failed(format!("no planner is at hand for {}", request.goal)),
             PlannerManner::Plans(charged, activities) => {
                 SolverAnswer { result: Ok(plan(request, activities)), charged: *charged }
             }
             PlannerManner::Fails(charged, reason) => SolverAnswer { result: Err(reason.clone()), charged: *charged },
-        }
+        };
+        Posed::new("{}".into(), move |_| answer)
     }
 }
 
 fn plan(request: &SolveRequest, activities: &[Value]) -> PlannedProcedure {
     let tag = |number: usize| Symbol::new(&format!("p{}", number + 1));
-    let steps: Vec<(Symbol, Template)> =
-        activities.iter().enumerate().map(|(number, goal)| (tag(number), Template::Constant(goal.clone()))).collect();
+    let step = |(number, goal): (usize, &Value)| PlannedStep {
+        tag: tag(number),
+        activity: PlannedActivity::Goal(goal.clone()),
+        line: number as u32 + 2,
+    };
     let lines: String =
         activities.iter().enumerate().map(|(n, goal)| format!("\n  (step {} {goal})", tag(n))).collect();
     let text = format!("(procedure :sequential (index {}){lines})\n", request.goal);
     PlannedProcedure {
         solver: request.solver.clone(),
         summary: format!("{} activities", activities.len()),
-        steps,
+        steps: activities.iter().enumerate().map(step).collect(),
         repeat: false,
+        plan: None,
         source: SourceFile { name: "<plan>".into(), text: text.into() },
     }
 }

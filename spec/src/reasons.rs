@@ -9,7 +9,9 @@ use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::task::{Task, TaskId, TaskState};
 use apex_model::time::Time;
-use apex_runtime::ports::Observer;
+use apex_runtime::ports::{Deliberator, Observer};
+#[cfg(test)]
+use apex_runtime::program::NoDeliberator;
 
 /// Asks every living task what it waits for; keeps the answers that are empty or not complete.
 #[derive(Debug, Default)]
@@ -101,7 +103,7 @@ impl Observer for Asker {
         Ok(())
     }
 
-    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
+    fn inspect(&mut self, agent: &Agent, _: &dyn Deliberator, now: Time) -> Result<(), String> {
         if agent.is_finished() {
             return Ok(());
         }
@@ -124,11 +126,11 @@ mod tests {
         let mut agent = apex_executive::load(library, &declaration, host).expect("it can be loaded");
         apex_executive::step(&mut agent, &Batch { now: Time::ZERO, events: Vec::new() });
         let mut asker = Asker::default();
-        asker.inspect(&agent, Time::ZERO).expect("inspection always goes on");
+        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always goes on");
         assert!(asker.missing().is_empty(), "{:?}", asker.missing());
         let waiting = agent.tasks.iter().map(|(_, task)| task.id).last().expect("there is a task");
         agent.task_mut(waiting).expect("it lives").monitors.clear();
-        asker.inspect(&agent, Time::ZERO).expect("inspection always goes on");
+        asker.inspect(&agent, &NoDeliberator, Time::ZERO).expect("inspection always goes on");
         assert!(
             asker.missing().iter().any(|line| line.contains("no reason of kind Condition")),
             "{:?}",

@@ -12,7 +12,7 @@ use apex_model::value::Value;
 use apex_runtime::Control;
 use apex_runtime::input_lines::read_live;
 use apex_runtime::limits::INPUT_LINE_BYTES_MAX;
-use apex_runtime::ports::Observer;
+use apex_runtime::ports::{Deliberator, Observer};
 use std::io::{BufRead, BufReader, Read};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -102,7 +102,7 @@ impl Observer for Asker {
         Ok(())
     }
 
-    fn inspect(&mut self, agent: &Agent, _: Time) -> Result<(), String> {
+    fn inspect(&mut self, agent: &Agent, _: &dyn Deliberator, _: Time) -> Result<(), String> {
         self.open.with(|open| {
             open.retain(|each| each.agent != agent.name || agent.questions.contains_key(&each.question));
         });

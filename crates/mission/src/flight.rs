@@ -1,27 +1,17 @@
 //! One flight of a mission, with whatever moves the vehicle: plan, book, score, report.
 
 use crate::Mission;
-use crate::bookkeeping::{Bookkeeping, BookkeepingObserver, SharedBookkeeping, lock};
-use crate::deliberator::{Means, MissionDeliberator};
+use crate::deliberation::{Means, MissionDeliberator};
 use crate::error::{ErrorKind, MissionError, MissionResult};
 use crate::program;
 use crate::report::{Report, report};
 use apex_executive::Agent;
-use apex_model::effect::Effect;
-use apex_model::event::Batch;
 use apex_model::time::Time;
-use apex_runtime::contained::Contained;
 use apex_runtime::limits::SOLVER_GRACE;
 use apex_runtime::ports::{Deliberator, Observer, Vehicle};
-use apex_runtime::record::{Recorder, TargetRow, TargetState};
+use apex_runtime::record::{Recorder, TargetRow};
 use apex_runtime::{FlyOptions, RecordError, RunEnd, RunError};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// The recorder of a flight, which the mission shares with the run.
-pub type SharedRecorder = Arc<Mutex<Recorder>>;
-
-/// A change of a target's state: target, time, state, detail.
-type TargetChange = (String, Time, TargetState, String);
+use std::sync::Arc;
 
 /// A mission that is ready to be flown.
 pub struct MissionFlight {
@@ -51,18 +41,17 @@ impl MissionFlight {
         FlyOptions { until, inputs: mission.scenario.clone(), ..FlyOptions::default() }
     }
 
-    /// Flies with `vehicle`. The recorder sees each step first; `observers` see it after the mission's own bookkeeping.
+    /// Flies with `vehicle`. A recorder comes first among the `observers`: nothing is used before it is stored.
     ///
     /// # Errors
-    /// A program that cannot be executed, a link or a record that breaks, a machine that gives no thread.
+    /// A program that cannot be executed, a link or a record that breaks.
     pub fn fly(
         &self,
         vehicle: &mut dyn Vehicle,
         terms: FlyOptions,
         observers: &mut [&mut dyn Observer],
-        recorder: Option<&SharedRecorder>,
     ) -> MissionResult<FlightOutcome> {
-        self.run(observers, recorder, |agents, deliberator, observers| {
+        self.run(terms, |agents, deliberator, terms| {
             apex_runtime::fly_all(agents, vehicle, deliberator, observers, terms)
         })
     }
@@ -73,35 +62,16 @@ impl MissionFlight {
     /// As [`MissionFlight::fly`].
     pub fn run(
         &self,
-        observers: &mut [&mut dyn Observer],
-        recorder: Option<&SharedRecorder>,
-        drive: impl FnOnce(
-            &mut [Agent],
-            &mut (dyn Deliberator + Send),
-            &mut [&mut dyn Observer],
-        ) -> Result<RunEnd, RunError>,
+        terms: FlyOptions,
+        drive: impl FnOnce(&mut [Agent], &mut dyn Deliberator, FlyOptions) -> Result<RunEnd, RunError>,
     ) -> MissionResult<FlightOutcome> {
-        let books: SharedBookkeeping = Arc::new(Mutex::new(Bookkeeping::default()));
-        // A solver times out before the thread that calls it.
-        let patience = self.means.patience + 10 * SOLVER_GRACE;
-        let deliberator = MissionDeliberator::new(Arc::clone(&self.mission), Arc::clone(&books), self.means.clone());
-        let mut deliberator = Contained::new(Box::new(deliberator), patience)
-            .map_err(|reason| MissionError::flight("no thread for the solvers").because(reason))?;
+        // A solver times out before the thread that runs its job.
+        let terms = FlyOptions { solver_timeout: self.means.patience + 10 * SOLVER_GRACE, ..terms };
+        let mut deliberator = MissionDeliberator::new(Arc::clone(&self.mission), self.means.clone());
         let mut agents = program::crew_of(&self.mission.library)?;
-        let mut bookkeeper = BookkeepingObserver::new(Arc::clone(&books));
-        let mut targets =
-            TargetObserver { recorder: recorder.cloned(), books: Arc::clone(&books), changes: Vec::new() };
-        let mut shared_recorder = recorder.cloned();
-        let mut all: Vec<&mut dyn Observer> = Vec::new();
-        if let Some(recorder) = &mut shared_recorder {
-            all.push(recorder);
-        }
-        all.push(&mut bookkeeper);
-        all.push(&mut targets);
-        all.extend(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         let end =
-            drive(&mut agents, &mut deliberator, &mut all).map_err(|error| MissionError::flight(error.to_string()))?;
-        let report = report(&self.mission, &lock(&books), &targets.changes, (end.at, end.reason.text()));
+            drive(&mut agents, &mut deliberator, terms).map_err(|error| MissionError::flight(error.to_string()))?;
+        let report = report(&self.mission, deliberator.situation(), (end.at, end.reason.text()));
         Ok(FlightOutcome { end, report })
     }
 }
@@ -148,29 +118,5 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
 impl From<RecordError> for MissionError {
     fn from(error: RecordError) -> MissionError {
         MissionError::new(ErrorKind::Record, error.to_string())
-    }
-}
-
-/// Moves changes of targets' states from the books into the record.
-struct TargetObserver {
-    recorder: Option<SharedRecorder>,
-    books: SharedBookkeeping,
-    changes: Vec<TargetChange>,
-}
-
-impl Observer for TargetObserver {
-    fn observe(&mut self, _: &Batch, _: &[Effect]) -> Result<(), String> {
-        let new = std::mem::take(&mut lock(&self.books).target_changes);
-        if new.is_empty() {
-            return Ok(());
-        }
-        if let Some(recorder) = &self.recorder {
-            let mut recorder = recorder.lock().unwrap_or_else(PoisonError::into_inner);
-            for (target, at, state, detail) in &new {
-                recorder.target_state(target, *at, *state, detail).map_err(|error| error.to_string())?;
-            }
-        }
-        self.changes.extend(new);
-        Ok(())
     }
 }

@@ -1,26 +1,19 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
-#[cfg(test)]
-mod believed_tests;
-pub mod bookkeeping;
 mod costs;
-pub mod deliberator;
+pub mod deliberation;
 pub mod error;
 mod features;
 pub mod files;
 pub mod flight;
-mod flown;
-mod lines;
 mod modems;
-mod news;
-mod people;
 pub mod problem;
 pub mod program;
 pub mod report;
 pub mod scenario;
 mod settings;
+pub mod situation;
 mod sources;
-mod steps;
 mod surroundings;
 mod tables;
 mod targets;
@@ -35,6 +28,7 @@ pub use targets::{Fire, Site, Target, TargetKind};
 
 use crate::error::{MissionError, MissionResult};
 use apex_model::library::{AgentDeclaration, Library};
+use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
 use apex_model::source::SourceFile;
 use apex_runtime::ports::Input;
@@ -184,8 +178,8 @@ impl Mission {
 
     /// Where a location value or the name of an airfield or target is, with its altitude above mean sea level.
     pub fn place(&self, value: &apex_model::value::Value) -> Option<(Position, f64)> {
-        if let Some(location) = bookkeeping::location(value) {
-            return possible(location.0).then_some(location);
+        if let Some(Location { position, altitude_m }) = Location::from_value(value) {
+            return possible(position).then_some((position, altitude_m));
         }
         let name = value.as_symbol()?.folded();
         let airfield = self.airfields.iter().find(|airfield| airfield.id == name);

@@ -1,6 +1,6 @@
 //! From a mission and its state now to a planning problem.
 
-use super::bookkeeping::Bookkeeping;
+use super::situation::Situation;
 use super::{Fire, Mission, Site, TargetKind};
 use crate::vehicle::{Airframe, VehicleModel};
 use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
@@ -59,27 +59,27 @@ impl std::fmt::Display for NoPlan {
 ///
 /// # Errors
 /// Nothing is left to plan for, or the data make no sense.
-pub fn pose(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Problem, NoPlan> {
+pub fn pose(mission: &Mission, situation: &Situation, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        single_visit(mission, books, at).map(Problem::SingleVisit)
+        single_visit(mission, situation, at).map(Problem::SingleVisit)
     } else {
-        surveillance(mission, books, at).map(Problem::Surveillance)
+        surveillance(mission, situation, at).map(Problem::Surveillance)
     }
 }
 
 /// Where the vehicle is, as far as is known.
-pub(super) fn here(mission: &Mission, books: &Bookkeeping) -> Position {
-    books.vehicle.position.unwrap_or(mission.start)
+pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
+    situation.vehicle.position.unwrap_or(mission.start)
 }
 
-fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SingleVisitProblem, NoPlan> {
+fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<SingleVisitProblem, NoPlan> {
     let model = &mission.model;
     let now_s = at.seconds();
-    let fuel_kg = books.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
-    let endurance_s = books.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
-    let start = here(mission, books);
+    let fuel_kg = situation.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
+    let endurance_s = situation.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
+    let start = here(mission, situation);
     let open: Vec<&super::Target> =
-        mission.targets.iter().filter(|target| !books.observed().any(|visit| visit.target == target.id)).collect();
+        mission.targets.iter().filter(|target| !situation.observed().any(|visit| visit.target == target.id)).collect();
     if open.is_empty() {
         return Err(NoPlan::NothingLeft("no known target is left to observe".to_string()));
     }
@@ -115,7 +115,7 @@ fn single_visit(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<Sing
             turn_radius_m: turn_radius_m(model),
         },
         start,
-        start_altitude_m: books.vehicle.altitude_m.max(mission.start_altitude_m),
+        start_altitude_m: situation.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
         end_s: Some(mission.settings.duration.seconds() - END_MARGIN_S),
@@ -232,17 +232,17 @@ fn sweep(
     Ok(whole)
 }
 
-fn surveillance(mission: &Mission, books: &Bookkeeping, at: Time) -> Result<SurveillanceProblem, NoPlan> {
+fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<SurveillanceProblem, NoPlan> {
     let now_s = at.seconds();
     let mut targets = Vec::new();
     let mut positions = Vec::new();
     for target in &mission.targets {
         let TargetKind::Site(site) = &target.kind else { continue };
         positions.push(target.position);
-        targets.push(site_target(target, site, books, now_s));
+        targets.push(site_target(target, site, situation, now_s));
     }
-    let travel = survey(mission, &positions, here(mission, books), now_s).map_err(NoPlan::Fault)?.times;
-    let endurance_s = books.vehicle.endurance_s.map(|left| left * (1.0 - RESERVE_SHARE));
+    let travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
+    let endurance_s = situation.vehicle.endurance_s.map(|left| left * (1.0 - RESERVE_SHARE));
     Ok(SurveillanceProblem {
         targets,
         travel,
@@ -289,8 +289,8 @@ pub fn survey(mission: &Mission, positions: &[Position], start: Position, now_s:
     Ways::new(start, positions, mission.start, &transit)
 }
 
-fn site_target(target: &super::Target, site: &Site, books: &Bookkeeping, now_s: f64) -> SurveillanceTarget {
-    let seen = books.observed().filter(|visit| visit.target == target.id).filter_map(|visit| visit.end).max();
+fn site_target(target: &super::Target, site: &Site, situation: &Situation, now_s: f64) -> SurveillanceTarget {
+    let seen = situation.observed().filter(|visit| visit.target == target.id).filter_map(|visit| visit.end).max();
     SurveillanceTarget {
         name: target.id.clone(),
         position: target.position,

@@ -1,14 +1,14 @@
 //! What a flight achieved, for people and as JSON: score by factor, visits, what was left out and why, decisions of note.
 
-use super::bookkeeping::{Bookkeeping, Note, Visit};
 use super::problem::pose;
+use super::situation::{Note, Situation, Visit};
 use super::{Mission, Target, TargetKind};
 use apex_geo::coverage::LineScanner;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
 use apex_metrics::mission_score::{MissionScore, Observation, crew_hours, mission_score};
 use apex_model::problem::{Problem, QualityFactor, QualityFactors, SurveillanceVisit};
 use apex_model::time::Time;
-use apex_runtime::record::TargetState;
+use apex_runtime::target_state::{TargetChange, TargetState};
 
 /// The report of one flight.
 pub struct Report {
@@ -36,53 +36,50 @@ pub enum MissionValue {
     None,
 }
 
-/// Makes the report. `changes` are all changes of targets' states in order.
-pub fn report(
-    mission: &Mission,
-    books: &Bookkeeping,
-    changes: &[(String, Time, TargetState, String)],
-    end: (Time, String),
-) -> Report {
+/// Makes the report of a flight that ended in this situation, at this time and for this reason.
+pub fn report(mission: &Mission, situation: &Situation, end: (Time, String)) -> Report {
     let left_out = mission
         .targets
         .iter()
         .filter(|target| matches!(target.kind, TargetKind::Fire(_) | TargetKind::Site(_)))
-        .filter(|target| !books.observed().any(|visit| visit.target == target.id))
-        .map(|target| (target.id.clone(), reason_left_out(target, books, changes)))
+        .filter(|target| !situation.observed().any(|visit| visit.target == target.id))
+        .map(|target| (target.id.clone(), reason_left_out(target, situation)))
         .collect();
     Report {
         mission: mission.settings.name.clone(),
-        value: value(mission, books, end.0),
+        value: value(mission, situation, end.0),
         end,
-        visits: books.visits.clone(),
+        visits: situation.visits.clone(),
         left_out,
-        notes: books.notes.clone(),
+        notes: situation.notes.clone(),
     }
 }
 
-fn reason_left_out(target: &Target, books: &Bookkeeping, changes: &[(String, Time, TargetState, String)]) -> String {
-    if target.announced_late && !books.news.is_announced(&target.id) {
+fn reason_left_out(target: &Target, situation: &Situation) -> String {
+    if target.announced_late && !situation.updates.is_announced(&target.id) {
         return "never announced".to_string();
     }
-    match changes.iter().rev().find(|(id, ..)| *id == target.id) {
-        Some((_, _, TargetState::Skipped, detail)) => detail.clone(),
-        Some((_, _, TargetState::Planned, detail)) => format!("{detail}, but the flight ended before"),
-        Some((_, at, TargetState::Observing, _)) => format!("begun at {at} and broken off"),
-        Some((_, at, TargetState::Observed, _)) => format!("observed at {at}"),
-        None => "no plan ever reached it".to_string(),
+    let last = situation.target_changes.iter().rev().find(|change| change.target == target.id);
+    let Some(TargetChange { at, state, detail, .. }) = last else { return "no plan ever reached it".to_string() };
+    match state {
+        TargetState::Skipped => detail.clone(),
+        TargetState::Planned => format!("{detail}, but the flight ended before"),
+        TargetState::Observing => format!("begun at {at} and broken off"),
+        TargetState::Observed => format!("observed at {at}"),
     }
 }
 
-fn value(mission: &Mission, books: &Bookkeeping, end: Time) -> MissionValue {
+fn value(mission: &Mission, situation: &Situation, end: Time) -> MissionValue {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        let mission = &books.news.valued(mission);
-        let observations: Vec<Observation> = books.observed().filter_map(|visit| observation(mission, visit)).collect();
+        let mission = &situation.updates.valued(mission);
+        let observations: Vec<Observation> =
+            situation.observed().filter_map(|visit| observation(mission, visit)).collect();
         let hours = end.seconds() / 3600.0;
         let crew = crew_hours(&mission.crew, hours);
         return MissionValue::Score(mission_score(&observations, &crew, &mission.failure, hours));
     }
-    let mission = &books.news.believed(mission);
-    let Ok(Problem::Surveillance(problem)) = pose(mission, &Bookkeeping::default(), Time::ZERO) else {
+    let mission = &situation.updates.believed(mission);
+    let Ok(Problem::Surveillance(problem)) = pose(mission, &Situation::default(), Time::ZERO) else {
         return MissionValue::None;
     };
     if problem.targets.is_empty() {
@@ -92,7 +89,7 @@ fn value(mission: &Mission, books: &Bookkeeping, end: Time) -> MissionValue {
         let end_s = visit.end?.seconds();
         Some(SurveillanceVisit { target: visit.target.clone(), arrive_s: visit.begin.seconds(), end_s })
     };
-    let visits: Vec<SurveillanceVisit> = books.observed().filter_map(flown).collect();
+    let visits: Vec<SurveillanceVisit> = situation.observed().filter_map(flown).collect();
     MissionValue::Ignorance(expected_cost(&problem, &visits))
 }
 
@@ -100,7 +97,7 @@ fn value(mission: &Mission, books: &Bookkeeping, end: Time) -> MissionValue {
 fn observation(mission: &Mission, visit: &Visit) -> Option<Observation> {
     let target = mission.targets.iter().find(|target| target.id == visit.target)?;
     let TargetKind::Fire(fire) = &target.kind else { return None };
-    let count = |(all, seen, level): (usize, usize, usize), line: &super::lines::ScanLine| {
+    let count = |(all, seen, level): (usize, usize, usize), line: &super::situation::ScanLine| {
         let (more, more_seen, more_level) = line.count();
         (all + more, seen + more_seen, level + more_level)
     };

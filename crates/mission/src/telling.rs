@@ -1,7 +1,7 @@
 //! The report as text for the terminal and as JSON for the record and for programs.
 
-use super::bookkeeping::Visit;
 use super::report::{MissionValue, Report};
+use super::situation::Visit;
 use crate::text::{name_width, named, wrapped};
 use apex_metrics::eci::ExpectedCost;
 use apex_metrics::mission_score::MissionScore;

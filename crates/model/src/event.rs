@@ -1,8 +1,7 @@
 //! Events: the one door in. Telemetry, messages, acknowledgements, solver answers and wakes all enter here.
 
 use crate::effect::{CommandId, QuestionId, SolveRequestId};
-use crate::expression::Template;
-use crate::source::SourceFile;
+use crate::planned::PlannedProcedure;
 use crate::symbol::Symbol;
 use crate::time::Time;
 use crate::value::Value;
@@ -126,19 +125,4 @@ pub enum SolverReport {
     Plan(PlannedProcedure),
     /// No plan, with the reason.
     Failed(String),
-}
-
-/// A solver's plan in the executive's terms. It becomes a sequential procedure indexed by the request's goal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PlannedProcedure {
-    /// The solver that made it.
-    pub solver: Symbol,
-    /// One line for people: value, bound, what was left out.
-    pub summary: String,
-    /// Step activities in order, ground (no holes), each with its tag.
-    pub steps: Vec<(Symbol, Template)>,
-    /// True: a repeatable cycle, begun again when it ends.
-    pub repeat: bool,
-    /// The same plan as PDL text, so that places in it can be shown.
-    pub source: SourceFile,
 }

@@ -42,6 +42,7 @@ pub mod ordered_numbers;
 mod pairs;
 pub mod pattern;
 pub mod plain_episode;
+pub mod planned;
 pub mod planted;
 pub mod probing;
 pub mod problem;

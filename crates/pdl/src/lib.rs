@@ -35,6 +35,6 @@ pub use diagnostic::{Diagnostic, Label, Severity, Span};
 pub use fix::{Applicability, Fix, TextEdit};
 pub use format::format;
 pub use host::HostSignature;
-pub use print::{print_condition, print_expression, print_plan, print_primitive, print_procedure};
+pub use print::{PrintedPlan, print_condition, print_expression, print_plan, print_primitive, print_procedure};
 pub use render::render;
 pub use vocabulary::{VOCABULARY, Words};

@@ -11,8 +11,8 @@ use apex_model::library::Library;
 use apex_model::procedure::{Primitive, Procedure};
 use apex_model::value::Value;
 use apex_pdl::{
-    CheckOptions, Checked, SourceText, check, format, parse_condition, print_condition, print_plan, print_primitive,
-    print_procedure, read_value, render,
+    CheckOptions, Checked, PrintedPlan, SourceText, check, format, parse_condition, print_condition, print_plan,
+    print_primitive, print_procedure, read_value, render,
 };
 use proptest::prelude::*;
 
@@ -113,13 +113,16 @@ fn plans_are_procedures() {
     let step = |tag: &str, text: &str| (tag.into(), read_value(text).unwrap());
     let steps = [step("go", "(fly-to (34.7 -119.8 7010))"), step("look", "(scan zaca 400ft '?x)")];
     for repeat in [false, true] {
-        let text = print_plan(&goal, &steps, repeat);
+        let PrintedPlan { text, step_lines } = print_plan(&goal, &steps, repeat);
         let checked = checked(
             &format!("{text}\n(primitive (index (fly-to ?place)) (duration 1s))\n(primitive (index (scan ? ? ?)))"),
             false,
         );
         assert!(!checked.has_errors(), "{}\n{text}", render(&checked.diagnostics, &checked.library.sources, false));
         assert_eq!(checked.library.procedures.len(), if repeat { 2 } else { 1 });
+        // The checker adds the end of a sequential procedure as a step.
+        let steps = checked.library.procedures.last().unwrap().steps.iter().take(2);
+        assert_eq!(step_lines, steps.map(|step| step.place.line).collect::<Vec<u32>>(), "{text}");
     }
 }
 

@@ -53,6 +53,13 @@ impl<'a> Crew<'a> {
         Crew { agents, inboxes, post: Vec::new(), rounds: 0 }
     }
 
+    /// Continues the numbering of events after the last one of each agent.
+    pub(crate) fn resume(&mut self, last_sequences: &[u64]) {
+        for (inbox, last) in self.inboxes.iter_mut().zip(last_sequences) {
+            inbox.resume(*last);
+        }
+    }
+
     /// How many agents there are.
     pub(crate) fn len(&self) -> usize {
         self.agents.len()

@@ -6,12 +6,13 @@ use crate::error::RunError;
 use crate::limits::{LATENESS_TOLD_MIN, SOLVER_LOOK, STEPS_PER_INSTANT_MAX};
 use crate::outbox;
 use crate::pacing::{Pacer, Wait};
-use crate::pool::SolverPool;
-use crate::ports::{Deliberator, Input, Observer, Vehicle};
+use crate::pool::{Arrival, SolverPool};
+use crate::ports::{Deliberator, Input, Observer, SolverJob, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
 use apex_executive::Agent;
-use apex_model::effect::Effect;
-use apex_model::event::{Batch, EventKind};
+use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, EventKind, SolverReport};
+use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 
@@ -23,7 +24,7 @@ pub(crate) struct Flight<'a, 'o> {
     step: Step,
     crew: Crew<'a>,
     vehicle: &'a mut dyn Vehicle,
-    deliberator: &'a mut (dyn Deliberator + Send),
+    deliberator: &'a mut dyn Deliberator,
     observers: &'a mut [&'o mut dyn Observer],
     pacer: Pacer,
     /// Latest first, so that the next one is popped off the end.
@@ -37,7 +38,22 @@ pub(crate) struct Flight<'a, 'o> {
     pool: SolverPool,
     now: Time,
     steps_at_now: u64,
+    /// The first instant is still to come.
+    is_new: bool,
     end: RunEnd,
+}
+
+/// An answer to a request that is open when a recorded flight is continued.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OpenAnswer {
+    /// Who made it.
+    pub(crate) solver: Symbol,
+    /// The request, numbered as outside of the agents.
+    pub(crate) request: SolveRequestId,
+    /// When it takes effect.
+    pub(crate) due: Time,
+    /// The answer.
+    pub(crate) report: SolverReport,
 }
 
 /// What waiting for an instant came to.
@@ -55,8 +71,9 @@ impl<'a, 'o> Flight<'a, 'o> {
         step: Step,
         agents: &'a mut [Agent],
         vehicle: &'a mut dyn Vehicle,
-        deliberator: &'a mut (dyn Deliberator + Send),
+        deliberator: &'a mut dyn Deliberator,
         observers: &'a mut [&'o mut dyn Observer],
+        queue: Box<dyn SolverQueue>,
         options: FlyOptions,
     ) -> Result<Flight<'a, 'o>, RunError> {
         let pacer = Pacer::new(options.pace, Time::ZERO, options.clock).map_err(RunError::Options)?;
@@ -80,16 +97,41 @@ impl<'a, 'o> Flight<'a, 'o> {
             expecting: true,
             until: options.until,
             poll: options.poll,
-            pool: SolverPool::new(),
+            pool: SolverPool::new(queue),
             now: Time::ZERO,
             steps_at_now: 0,
+            is_new: true,
             end: RunEnd { at: Time::ZERO, reason: EndReason::Quiescent, steps: 0, events: 0, effects: 0, late },
         })
     }
 
+    /// Continues a flight whose agents (with these numbers of their last events), vehicle and deliberator have lived until `at`. Of the options' inputs, those later
+    /// than `at` come; `answers` to open requests come when they are due.
+    pub(crate) fn resume(&mut self, at: Time, last_sequences: &[u64], answers: Vec<OpenAnswer>) {
+        self.scheduled.retain(|input| input.at > at);
+        self.crew.resume(last_sequences);
+        (self.now, self.is_new) = (at, false);
+        for OpenAnswer { solver, request, due, report } in answers {
+            self.pool.expect(solver, request, due, report);
+        }
+    }
+
+    /// Poses and queues a request again that was open when the recorded flight ended.
+    pub(crate) fn ask_again(
+        &mut self,
+        request: &SolveRequest,
+        job: Box<dyn SolverJob>,
+        at: Time,
+    ) -> Result<(), RunError> {
+        self.pool.request(request, at, job, !self.pacer.is_paced());
+        self.show_answers(at)
+    }
+
     /// Lives until it ends.
     pub(crate) fn run(&mut self) -> Result<EndReason, RunError> {
-        if let Some(reason) = self.live_instant(Time::ZERO, true)? {
+        if std::mem::take(&mut self.is_new)
+            && let Some(reason) = self.live_instant(Time::ZERO, true)?
+        {
             return Ok(reason);
         }
         loop {
@@ -121,7 +163,7 @@ impl<'a, 'o> Flight<'a, 'o> {
 
     /// Everything that happens up to `to`, with these inputs: for a clock outside. Some: the run is over.
     pub(crate) fn advance(&mut self, to: Time, inputs: Vec<Input>) -> Result<Option<EndReason>, RunError> {
-        if self.end.steps == 0
+        if std::mem::take(&mut self.is_new)
             && let Some(reason) = self.live_instant(Time::ZERO, true)?
         {
             return Ok(Some(reason));
@@ -191,7 +233,8 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Fetches what solvers have answered; true when that was something. Without a pace they are waited for.
     fn fetch_answers(&mut self, instant: Time) -> Result<bool, RunError> {
         let now = self.pacer.now(self.now, instant);
-        let Some(notes) = self.pool.collect(self.deliberator, now, !self.pacer.is_paced()) else { return Ok(false) };
+        let Some(notes) = self.pool.collect(now, !self.pacer.is_paced()) else { return Ok(false) };
+        self.show_answers(now)?;
         for text in notes {
             self.each_observer(now, |observer| observer.note(now, &text))?;
         }
@@ -358,9 +401,12 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.end.events += batch.events.len() as u64;
         self.end.effects += effects.len() as u64;
         self.each_observer(now, |observer| observer.observe(batch, &effects))?;
+        self.deliberator.observe(index, batch, &effects);
         let numbering = Numbering::new(index, self.crew.len());
-        let pool = (&mut self.pool, !self.pacer.is_paced());
-        let sent = outbox::send(&effects, numbering, now, self.vehicle, pool, self.deliberator);
+        let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool);
+        for request in &sent.requests {
+            self.pose(request, now)?;
+        }
         let undelivered = self.crew.post(index, sent.told);
         self.answer(index, &effects, now);
         for text in sent.notes.iter().chain(&undelivered) {
@@ -368,10 +414,27 @@ impl<'a, 'o> Flight<'a, 'o> {
         }
         if let Some(agent) = self.crew.agent(index) {
             for observer in self.observers.iter_mut() {
-                observer.inspect(agent, now).map_err(|message| RunError::Observer { at: now, message })?;
+                let inspected = observer.inspect(agent, &*self.deliberator, now);
+                inspected.map_err(|message| RunError::Observer { at: now, message })?;
             }
         }
         Ok(sent.end)
+    }
+
+    /// Poses a request's problem from what is believed now, and queues the job.
+    fn pose(&mut self, request: &SolveRequest, now: Time) -> Result<(), RunError> {
+        let posed = self.deliberator.pose(request, now);
+        self.each_observer(now, |observer| observer.posed(request, now, &posed.problem))?;
+        self.pool.request(request, now, posed.job, !self.pacer.is_paced());
+        self.show_answers(now)
+    }
+
+    /// Shows the answers that have arrived to the observers.
+    fn show_answers(&mut self, now: Time) -> Result<(), RunError> {
+        for Arrival { request, due, answer } in self.pool.take_fresh() {
+            self.each_observer(now, |observer| observer.answered(request, due, &answer))?;
+        }
+        Ok(())
     }
 
     /// Answers the questions among the effects by the script.
@@ -408,7 +471,7 @@ impl<'a, 'o> Flight<'a, 'o> {
     /// Closes the books: tells what did not happen any more.
     pub(crate) fn close(mut self, reason: EndReason) -> Result<RunEnd, RunError> {
         let now = self.now;
-        for text in self.pool.close(self.deliberator, now) {
+        for text in self.pool.close(now) {
             self.each_observer(now, |observer| observer.note(now, &text))?;
         }
         self.each_observer(now, |observer| observer.flush())?;

@@ -9,6 +9,7 @@ use crate::flight::Flight;
 use crate::input_lines::{ReadValue, read_fields};
 use crate::limits::INPUT_LINE_BYTES_MAX;
 use crate::ports::{Deliberator, Input, Observer, Vehicle};
+use crate::solver_thread::SolverThread;
 use crate::terms::{EndReason, FlyOptions, RunEnd};
 use crate::trace::seconds_text;
 use apex_executive::{Agent, step};
@@ -64,7 +65,7 @@ pub struct ForeignEnd {
 pub fn run(
     agents: &mut [Agent],
     link: &mut SimulatorLink<'_>,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<ForeignEnd, RunError> {
@@ -75,7 +76,8 @@ pub fn run(
     let mut all: Vec<&mut dyn Observer> = observers.iter_mut().map(|observer| &mut **observer as _).collect();
     all.push(&mut listener);
     let until = options.until;
-    let mut flight = Flight::new(step, agents, &mut vehicle, deliberator, &mut all, options)?;
+    let queue = Box::new(SolverThread::new(options.solver_timeout));
+    let mut flight = Flight::new(step, agents, &mut vehicle, deliberator, &mut all, queue, options)?;
     let greeting =
         json!({"apex": env!("CARGO_PKG_VERSION"), "agents": flight.names(), "wake": 0, "say": texts(&link.cues.init)});
     write_line(link, &greeting, Time::ZERO)?;

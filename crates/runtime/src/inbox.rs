@@ -25,6 +25,11 @@ impl Inbox {
         Inbox { queue: VecDeque::new(), ordered: true, last_sequence: 0 }
     }
 
+    /// Continues the numbering after event `last_sequence`.
+    pub fn resume(&mut self, last_sequence: u64) {
+        self.last_sequence = last_sequence;
+    }
+
     /// How many inputs wait.
     pub fn len(&self) -> usize {
         self.queue.len()

@@ -8,7 +8,7 @@
 //! recorded with the answer. A thread that calls neither `charge` nor `report` cannot be stopped, only left behind.
 
 use crate::limits::{SOLVER_GRACE, SOLVER_LOOK, SOLVER_OVERRUN_UNITS, SOLVER_STACK_BYTES, SOLVERS_LEFT_BEHIND_MAX};
-use crate::ports::Withdrawal;
+use crate::ports::CancelToken;
 use apex_model::problem::{Plan, Problem};
 use apex_planning::solver::{Budget, Environment, Solver};
 use std::any::Any;
@@ -245,7 +245,7 @@ impl Invocation {
     }
 
     /// Waits for the answer, within patience, or until it is told to stop because nobody wants it any more.
-    pub fn finish(self, withdrawal: &Withdrawal) -> Answer {
+    pub fn finish(self, cancel: &CancelToken) -> Answer {
         let mut stopped_at: Option<Instant> = None;
         let (ended, cpu_s) = loop {
             match self.answers.recv_timeout(SOLVER_LOOK) {
@@ -253,7 +253,7 @@ impl Invocation {
                 Err(RecvTimeoutError::Disconnected) => break (Ended::BrokeDown("its thread ended".into()), None),
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            self.watch(withdrawal);
+            self.watch(cancel);
             if self.shared.stopped.load(Ordering::Relaxed) {
                 let since = *stopped_at.get_or_insert_with(Instant::now);
                 if since.elapsed() > SOLVER_GRACE {
@@ -265,8 +265,8 @@ impl Invocation {
     }
 
     /// Stops what takes too long or too much, or is not wanted.
-    fn watch(&self, withdrawal: &Withdrawal) {
-        if withdrawal.is_withdrawn() {
+    fn watch(&self, cancel: &CancelToken) {
+        if cancel.is_cancelled() {
             self.cancel();
         }
         let paused_for = self.shared.state().paused_for;
@@ -357,7 +357,7 @@ impl Invocations {
         previous: Option<Plan>,
         seed: u64,
         limits: Limits,
-        withdrawal: &Withdrawal,
+        cancel: &CancelToken,
     ) -> Answer {
         let refused = |why: String| Answer { plan: Err(why), used: 0, cpu_s: None, misconduct: None };
         let name = solver.name();
@@ -377,7 +377,7 @@ impl Invocations {
             Err(why) => refused(why),
             Ok(invocation) => {
                 let shared = Arc::clone(&invocation.shared);
-                let answer = invocation.finish(withdrawal);
+                let answer = invocation.finish(cancel);
                 if !shared.ended.load(Ordering::Acquire) {
                     self.left_behind.insert(name.to_string(), shared);
                 }

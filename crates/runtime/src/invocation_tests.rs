@@ -99,7 +99,7 @@ const LIMITS: Limits = Limits { units: 1_000, patience: Duration::from_secs(60),
 
 fn solve_with(name: &'static str, limits: Limits) -> Answer {
     let solver: Arc<dyn Solver> = Arc::new(Bad(name));
-    Invocations::new().solve(&solver, &problem(0.0), None, 1, limits, &Withdrawal::new())
+    Invocations::new().solve(&solver, &problem(0.0), None, 1, limits, &CancelToken::new())
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn who_hangs_is_left_behind_and_others_are_served() {
     let gate = Arc::new(AtomicBool::new(false));
     let sleeper: Arc<dyn Solver> = Arc::new(Sleeper(Arc::clone(&gate)));
     let mut solve =
-        |solver: &Arc<dyn Solver>| invocations.solve(solver, &problem(0.0), None, 1, limits, &Withdrawal::new());
+        |solver: &Arc<dyn Solver>| invocations.solve(solver, &problem(0.0), None, 1, limits, &CancelToken::new());
     let first = solve(&sleeper);
     assert_eq!(first.misconduct.as_deref(), Some("the solver sleeps gave no answer within 0.05 s and was given up"));
     assert_eq!(first.plan.map(|plan| score(&plan)), Ok(1.0), "its report counts");
@@ -177,7 +177,7 @@ fn a_solver_is_polled_paused_cancelled_and_set_on_another_problem() {
     }
     let other = begun.redirect(problem(10.0)).unwrap();
     other.cancel();
-    let answer = other.finish(&Withdrawal::new());
+    let answer = other.finish(&CancelToken::new());
     assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(11.0), "the other problem, from the best plan of the first");
     assert_eq!(answer.misconduct, None);
 }
@@ -186,9 +186,9 @@ fn a_solver_is_polled_paused_cancelled_and_set_on_another_problem() {
 fn who_is_not_wanted_any_more_stops_with_what_it_has() {
     let endless = Limits { units: u64::MAX / 4, ..LIMITS };
     let begun = Invocation::begin(Arc::new(Bad("patient")), problem(4.0), None, 1, endless).unwrap();
-    let withdrawal = Withdrawal::new();
-    withdrawal.clone().withdraw();
-    let answer = begun.finish(&withdrawal);
+    let cancel = CancelToken::new();
+    cancel.clone().cancel();
+    let answer = begun.finish(&cancel);
     assert_eq!((answer.plan.map(|plan| score(&plan)), answer.misconduct), (Ok(4.0), None));
 }
 
@@ -214,14 +214,14 @@ fn not_more_than_a_few_are_left_behind() {
     let gate = Arc::new(AtomicBool::new(false));
     for number in 0..SOLVERS_LEFT_BEHIND_MAX {
         let sleeper: Arc<dyn Solver> = Arc::new(Named(format!("sleeper-{number}"), Arc::clone(&gate)));
-        assert!(invocations.solve(&sleeper, &problem(0.0), None, 1, limits, &Withdrawal::new()).plan.is_ok());
+        assert!(invocations.solve(&sleeper, &problem(0.0), None, 1, limits, &CancelToken::new()).plan.is_ok());
     }
     let honest: Arc<dyn Solver> = Arc::new(Bad("honest"));
-    let refusal = invocations.solve(&honest, &problem(0.0), None, 1, limits, &Withdrawal::new()).plan.unwrap_err();
+    let refusal = invocations.solve(&honest, &problem(0.0), None, 1, limits, &CancelToken::new()).plan.unwrap_err();
     assert!(refusal.starts_with("4 solvers hang and were left behind (sleeper-0, sleeper-1,"), "{refusal}");
     gate.store(true, Ordering::Relaxed);
     while invocations.left_behind.values().any(|shared| !shared.ended.load(Ordering::Acquire)) {
         thread::yield_now();
     }
-    assert!(invocations.solve(&honest, &problem(0.0), None, 1, LIMITS, &Withdrawal::new()).plan.is_ok());
+    assert!(invocations.solve(&honest, &problem(0.0), None, 1, LIMITS, &CancelToken::new()).plan.is_ok());
 }

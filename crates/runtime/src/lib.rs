@@ -4,12 +4,12 @@
 //! called in one place only (`mission_loop.rs`; `replay.rs` and `record/restore.rs` call it again with recorded input).
 
 pub mod answer_lines;
-pub mod contained;
 pub mod crew;
 pub mod error;
 pub mod explain;
 mod flight;
 pub mod foreign;
+pub mod fork;
 pub mod inbox;
 pub mod input_lines;
 pub mod invocation;
@@ -25,6 +25,8 @@ pub mod record;
 pub mod replay;
 #[cfg(test)]
 mod samples;
+pub mod solver_thread;
+pub mod target_state;
 pub mod terms;
 pub mod trace;
 

@@ -6,7 +6,8 @@
 
 use crate::error::RunError;
 use crate::flight::{Flight, Step};
-use crate::ports::{Deliberator, Observer, Vehicle};
+use crate::ports::{Deliberator, Observer, SolverQueue, Vehicle};
+use crate::solver_thread::SolverThread;
 use apex_executive::{Agent, step};
 
 pub use crate::terms::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer};
@@ -20,11 +21,11 @@ pub use crate::terms::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer};
 pub fn fly(
     agent: &mut Agent,
     vehicle: &mut dyn Vehicle,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_by(step, std::slice::from_mut(agent), vehicle, deliberator, observers, options)
+    fly_all(std::slice::from_mut(agent), vehicle, deliberator, observers, options)
 }
 
 /// As [`fly`], with all agents of an application at one clock, in the order of their declarations: see
@@ -35,22 +36,23 @@ pub fn fly(
 pub fn fly_all(
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    fly_by(step, agents, vehicle, deliberator, observers, options)
+    let queue = Box::new(SolverThread::new(options.solver_timeout));
+    fly_by((step, queue), agents, vehicle, deliberator, observers, options)
 }
 
 fn fly_by(
-    step: Step,
+    (step, queue): (Step, Box<dyn SolverQueue>),
     agents: &mut [Agent],
     vehicle: &mut dyn Vehicle,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
-    let mut flight = Flight::new(step, agents, vehicle, deliberator, observers, options)?;
+    let mut flight = Flight::new(step, agents, vehicle, deliberator, observers, queue, options)?;
     let reason = flight.run()?;
     flight.close(reason)
 }

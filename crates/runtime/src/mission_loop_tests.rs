@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::pacing::{Clock, ManualClock};
-use crate::ports::{Input, SolverAnswer, SolverDesk, Withdrawal};
+use crate::ports::{CancelToken, Input, Posed, SolverAnswer, SolverJob};
 use crate::samples;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
@@ -12,6 +12,7 @@ use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
 /// Stands in for the executive: does what messages say, `(go)`, `(plan)`, `(forget)`, `(loop)`, `(stop)`.
@@ -93,9 +94,13 @@ impl Vehicle for Balloon {
 struct Slow;
 
 impl Deliberator for Slow {
-    fn deliberate(&mut self, _: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
-        SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) }
+    fn pose(&mut self, _: &SolveRequest, _: Time) -> Posed {
+        Posed::new("{}".into(), |_: &CancelToken| slow_answer())
     }
+}
+
+fn slow_answer() -> SolverAnswer {
+    SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) }
 }
 
 /// Writes down what it sees: `0s Woken, Measurement(..)`.
@@ -131,7 +136,11 @@ fn said(seconds: f64, form: &str) -> Input {
 fn fly_balloon(reports: u32, options: FlyOptions) -> (Result<RunEnd, RunError>, Vec<String>) {
     let (mut agent, mut scribe) = (Agent::default(), Scribe::default());
     let mut balloon = Balloon { reports, ..Balloon::default() };
-    let end = fly_by(obey, std::slice::from_mut(&mut agent), &mut balloon, &mut Slow, &mut [&mut scribe], options);
+    let end = {
+        let queue = Box::new(SolverThread::new(options.solver_timeout));
+        let agents = std::slice::from_mut(&mut agent);
+        fly_by((obey, queue), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options)
+    };
     (end, scribe.0)
 }
 
@@ -234,37 +243,27 @@ fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
     assert_eq!(fly_balloon(0, options).0.unwrap().reason, EndReason::Quiescent);
 }
 
-/// Charges 33 s for a plan as [`Slow`] does, and has it at its desk after a time of its own.
-struct Office {
+/// Answers as [`Slow`] does, after a wall time of its own.
+struct FakeQueue {
     clock: Arc<ManualClock>,
     takes_s: f64,
     open: Vec<(SolveRequestId, f64)>,
-    withdrawn: bool,
+    is_cancelled: Arc<AtomicBool>,
 }
 
-impl Deliberator for Office {
-    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer {
-        Slow.deliberate(request, at, withdrawal)
-    }
-    fn desk(&mut self) -> Option<&mut dyn SolverDesk> {
-        Some(self)
-    }
-}
-
-impl SolverDesk for Office {
-    fn hand_over(&mut self, request: &SolveRequest, _: Time) -> Result<(), String> {
-        self.open.push((request.request, self.clock.elapsed().as_secs_f64() + self.takes_s));
+impl SolverQueue for FakeQueue {
+    fn submit(&mut self, request: SolveRequestId, _: &Symbol, _: Box<dyn SolverJob>) -> Result<(), String> {
+        self.open.push((request, self.clock.elapsed().as_secs_f64() + self.takes_s));
         Ok(())
     }
-    fn withdraw(&mut self, _: SolveRequestId) {
-        self.withdrawn = true;
+    fn cancel(&mut self, _: SolveRequestId) {
+        self.is_cancelled.store(true, Ordering::SeqCst);
     }
-    fn take(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+    fn try_recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
         let ready = self.open.iter().position(|(_, ready_s)| *ready_s <= self.clock.elapsed().as_secs_f64())?;
-        let answer = SolverAnswer { result: Ok(samples::plan()), charged: Duration::from_seconds(33.0) };
-        Some((self.open.remove(ready).0, answer))
+        Some((self.open.remove(ready).0, slow_answer()))
     }
-    fn wait(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
+    fn recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)> {
         panic!("a paced flight does not wait")
     }
 }
@@ -273,11 +272,13 @@ impl SolverDesk for Office {
 fn fly_paced(takes_s: f64, reports: u32, options: FlyOptions) -> (RunEnd, Vec<String>, bool) {
     let (mut agent, mut scribe, clock) = (Agent::default(), Scribe::default(), Arc::new(ManualClock::default()));
     let mut balloon = Balloon { reports, ..Balloon::default() };
-    let mut office = Office { clock: Arc::clone(&clock), takes_s, open: Vec::new(), withdrawn: false };
+    let is_cancelled = Arc::new(AtomicBool::new(false));
+    let open = Vec::new();
+    let queue = FakeQueue { clock: Arc::clone(&clock), takes_s, open, is_cancelled: Arc::clone(&is_cancelled) };
     let options = FlyOptions { pace: Some(1.0), clock, ..options };
     let agents = std::slice::from_mut(&mut agent);
-    let end = fly_by(obey, agents, &mut balloon, &mut office, &mut [&mut scribe], options);
-    (end.unwrap(), scribe.0, office.withdrawn)
+    let end = fly_by((obey, Box::new(queue)), agents, &mut balloon, &mut Slow, &mut [&mut scribe], options);
+    (end.unwrap(), scribe.0, is_cancelled.load(Ordering::SeqCst))
 }
 
 #[test]

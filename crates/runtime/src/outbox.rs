@@ -5,7 +5,7 @@
 
 use crate::crew::Numbering;
 use crate::pool::SolverPool;
-use crate::ports::{Deliberator, Vehicle};
+use crate::ports::Vehicle;
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
 use apex_model::event::Message;
 use apex_model::symbol::Symbol;
@@ -18,35 +18,33 @@ pub struct Sent {
     pub end: Option<String>,
     /// What other agents are told, in order.
     pub told: Vec<(Symbol, Message)>,
+    /// Requests to solvers, in order, numbered as outside of the agents.
+    pub requests: Vec<SolveRequest>,
     /// What the shell decided meanwhile (a dropped answer, say), for [`crate::ports::Observer::note`].
     pub notes: Vec<String>,
 }
 
-/// Sends `effects` of the step at `now`; `numbering` is that of the agent that stepped. With `waits`, solvers are waited for.
+/// Sends `effects` of the step at `now` to vehicle and pool; `numbering` is that of the agent that stepped. Requests to
+/// solvers are returned: they are posed and recorded first.
 pub fn send(
     effects: &[Effect],
     numbering: Numbering,
     now: Time,
     vehicle: &mut dyn Vehicle,
-    (pool, waits): (&mut SolverPool, bool),
-    deliberator: &mut (dyn Deliberator + Send),
+    pool: &mut SolverPool,
 ) -> Sent {
-    let mut sent = Sent::default();
+    let mut sent = Sent { requests: requests(effects, numbering), ..Sent::default() };
     for effect in effects {
         match effect {
             Effect::Command { command, form, .. } => vehicle.command(CommandId(numbering.outer(command.0)), form, now),
             Effect::WithdrawCommand { command, .. } => vehicle.withdraw(CommandId(numbering.outer(command.0)), now),
-            Effect::Solve(request) => {
-                let outer = SolveRequestId(numbering.outer(request.request.0));
-                pool.request(deliberator, &SolveRequest { request: outer, ..request.clone() }, now, waits);
-            }
             Effect::CancelSolve(request) => {
-                let outer = SolveRequestId(numbering.outer(request.0));
-                sent.notes.extend(pool.cancel(deliberator, outer, now));
+                sent.notes.extend(pool.cancel(SolveRequestId(numbering.outer(request.0)), now));
             }
             Effect::EndApplication { reason } => sent.end = Some(reason.clone()),
             Effect::Tell { to, message, .. } => sent.told.extend(to.iter().map(|name| (name.clone(), message.clone()))),
-            Effect::WithdrawQuestion { .. }
+            Effect::Solve(_)
+            | Effect::WithdrawQuestion { .. }
             | Effect::AgentEnded { .. }
             | Effect::Decided(_)
             | Effect::Inform { .. }
@@ -55,4 +53,19 @@ pub fn send(
         }
     }
     sent
+}
+
+/// The requests to solvers among the effects of one step, in order, numbered as outside of the agents. A request that
+/// the same step cancels is never posed.
+pub fn requests(effects: &[Effect], numbering: Numbering) -> Vec<SolveRequest> {
+    let is_cancelled =
+        |request| effects.iter().any(|effect| matches!(effect, Effect::CancelSolve(id) if *id == request));
+    let wanted = |effect: &Effect| match effect {
+        Effect::Solve(request) if !is_cancelled(request.request) => {
+            let outer = SolveRequestId(numbering.outer(request.request.0));
+            Some(SolveRequest { request: outer, ..request.clone() })
+        }
+        _ => None,
+    };
+    effects.iter().filter_map(wanted).collect()
 }

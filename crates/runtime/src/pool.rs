@@ -1,14 +1,14 @@
-//! The solver pool: requests that are open, and answers until their time.
+//! The solver pool: requests that are open, and answers until they are due.
 //!
-//! In simulation a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever the clock on
-//! the wall says: the pool asks and waits, and the order of answers is the same in every run. A flight by the clock on the wall
-//! does not wait: it leaves the request at the deliberator's desk and goes on. Its answer counts from the same instant, or, where it
-//! comes later, from when it came, so a paced run in which no solver is late writes the record of a fast one. What comes after a
-//! cancellation, or not at all, is told. A panic of a deliberator ends as an answer, "failed".
+//! In simulation a request made at `t` is answered at `t` plus the simulated time that the solver charges, whatever the wall clock
+//! says: the pool queues the job and waits, and the order of answers is the same in every run. A paced flight does not wait: it
+//! queues the job and continues. Its answer takes effect at the same instant, or, if it arrives later, when it arrives, so a paced
+//! run in which no solver is late writes the record of a fast one. An answer that arrives after a cancellation, or never, is
+//! reported.
 
-use crate::contained::{answer_on_thread, failed};
 use crate::limits::ANSWER_LATE_TOLD_MIN;
-use crate::ports::{Deliberator, Input, SolverAnswer};
+use crate::ports::{Input, SolverAnswer, SolverJob, SolverQueue};
+use crate::solver_thread::failed;
 use apex_model::effect::{SolveRequest, SolveRequestId};
 use apex_model::event::{EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
@@ -17,10 +17,12 @@ use apex_model::time::{Duration, Time};
 use std::collections::BTreeMap;
 
 /// Open requests, and answers that are not due yet.
-#[derive(Debug, Default)]
 pub struct SolverPool {
+    queue: Box<dyn SolverQueue>,
     answered: BTreeMap<(Time, SolveRequestId), Answered>,
-    handed_over: BTreeMap<SolveRequestId, HandedOver>,
+    submitted: BTreeMap<SolveRequestId, Submitted>,
+    /// Answers that the observers have not seen.
+    fresh: Vec<Arrival>,
 }
 
 #[derive(Debug)]
@@ -29,46 +31,66 @@ struct Answered {
     report: SolverReport,
 }
 
-/// A request at the desk.
+/// A request in the queue.
 #[derive(Debug)]
-struct HandedOver {
+struct Submitted {
     solver: Symbol,
     at: Time,
     cancelled: Option<Time>,
 }
 
+/// An answer as it arrived.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arrival {
+    /// The request that it answers.
+    pub request: SolveRequestId,
+    /// The instant at which it takes effect, unless the request was cancelled.
+    pub due: Time,
+    /// The answer.
+    pub answer: SolverAnswer,
+}
+
 impl SolverPool {
-    /// A pool without requests.
-    pub fn new() -> SolverPool {
-        SolverPool::default()
+    /// A pool whose jobs run in `queue`.
+    pub fn new(queue: Box<dyn SolverQueue>) -> SolverPool {
+        SolverPool { queue, answered: BTreeMap::new(), submitted: BTreeMap::new(), fresh: Vec::new() }
     }
 
-    /// Has `request`, made at `at`, answered: waits for that, or leaves it at the deliberator's desk if it has one.
-    pub fn request(
-        &mut self,
-        deliberator: &mut (dyn Deliberator + Send),
-        request: &SolveRequest,
-        at: Time,
-        waits: bool,
-    ) {
-        let solver = request.solver.clone();
-        if self.answered.len() + self.handed_over.len() >= SOLVE_REQUESTS_MAX {
+    /// Queues the job that answers `request`, made at `at`. With `waits`, returns after it is answered.
+    pub fn request(&mut self, request: &SolveRequest, at: Time, job: Box<dyn SolverJob>, waits: bool) {
+        let (id, solver) = (request.request, &request.solver);
+        if self.answered.len() + self.submitted.len() >= SOLVE_REQUESTS_MAX {
             let full = failed(format!("{SOLVE_REQUESTS_MAX} requests are open already; no more are taken"));
-            return self.keep(solver, request.request, at, full);
+            return self.keep(solver.clone(), id, at, full);
         }
-        let answer = match deliberator.desk().filter(|_| !waits).map(|desk| desk.hand_over(request, at)) {
-            Some(Ok(())) => {
-                self.handed_over.insert(request.request, HandedOver { solver, at, cancelled: None });
-                return;
+        if let Err(reason) = self.queue.submit(id, solver, job) {
+            return self.keep(solver.clone(), id, at, failed(reason));
+        }
+        self.submitted.insert(id, Submitted { solver: solver.clone(), at, cancelled: None });
+        while waits && self.submitted.contains_key(&id) {
+            match self.queue.recv() {
+                Some((answered, answer)) => {
+                    self.arrived(answered, answer, at);
+                }
+                None => {
+                    self.arrived(id, failed("deliberation has ended".into()), at);
+                }
             }
-            Some(Err(reason)) => failed(reason),
-            None => answer_on_thread(deliberator, request, at),
-        };
-        let due = at + answer.charged.max(Duration::ZERO);
-        self.keep(solver, request.request, due, answer);
+        }
+    }
+
+    /// Takes the answers that arrived since the last call, in order of arrival.
+    pub fn take_fresh(&mut self) -> Vec<Arrival> {
+        std::mem::take(&mut self.fresh)
+    }
+
+    /// Keeps an answer that was made in an earlier run until it is due.
+    pub fn expect(&mut self, solver: Symbol, request: SolveRequestId, due: Time, report: SolverReport) {
+        self.answered.insert((due, request), Answered { solver, report });
     }
 
     fn keep(&mut self, solver: Symbol, request: SolveRequestId, due: Time, answer: SolverAnswer) {
+        self.fresh.push(Arrival { request, due, answer: answer.clone() });
         let report = match answer.result {
             Ok(plan) => SolverReport::Plan(plan),
             Err(reason) => SolverReport::Failed(reason),
@@ -76,48 +98,43 @@ impl SolverPool {
         self.answered.insert((due, request), Answered { solver, report });
     }
 
-    /// True when somebody is still at work on a request.
+    /// True while a job runs or is queued.
     pub fn is_waiting(&self) -> bool {
-        !self.handed_over.is_empty()
+        !self.submitted.is_empty()
     }
 
-    /// True when an answer may still come that somebody wants.
+    /// True if an answer may still arrive whose request is not cancelled.
     pub fn is_expecting(&self) -> bool {
-        self.handed_over.values().any(|open| open.cancelled.is_none())
+        self.submitted.values().any(|open| open.cancelled.is_none())
     }
 
-    /// Takes the answers that have come by now, or, with `wait`, all. Nothing when none came, else what there is to tell of them.
-    pub fn collect(
-        &mut self,
-        deliberator: &mut (dyn Deliberator + Send),
-        now: Time,
-        wait: bool,
-    ) -> Option<Vec<String>> {
-        let mut told = None;
-        while !self.handed_over.is_empty() {
-            let desk = deliberator.desk()?;
-            let Some((request, answer)) = (if wait { desk.wait() } else { desk.take() }) else { break };
-            let notes = told.get_or_insert_with(Vec::new);
-            notes.extend(self.arrived(request, answer, now));
+    /// Takes the answers that have arrived by now, or, with `wait`, all. `None` if none arrived, else notes about them.
+    pub fn collect(&mut self, now: Time, wait: bool) -> Option<Vec<String>> {
+        let mut notes: Option<Vec<String>> = None;
+        while !self.submitted.is_empty() {
+            let Some((request, answer)) = (if wait { self.queue.recv() } else { self.queue.try_recv() }) else { break };
+            let note = self.arrived(request, answer, now);
+            notes.get_or_insert_with(Vec::new).extend(note);
         }
-        told
+        notes
     }
 
-    /// An answer has come at `now`.
+    /// An answer has arrived at `now`.
     fn arrived(&mut self, request: SolveRequestId, answer: SolverAnswer, now: Time) -> Option<String> {
-        let HandedOver { solver, at, cancelled } = self.handed_over.remove(&request)?;
+        let Submitted { solver, at, cancelled } = self.submitted.remove(&request)?;
+        let due = at + answer.charged.max(Duration::ZERO);
         if let Some(cancelled) = cancelled {
             let what = match &answer.result {
                 Ok(plan) => format!("a plan, {}", plan.summary),
                 Err(reason) => format!("no plan, because {reason}"),
             };
+            self.fresh.push(Arrival { request, due: due.max(now), answer });
             return Some(format!(
                 "the answer of {solver} to request {} came at {now} and is not used, because the request was cancelled at \
                  {cancelled}: {what}",
                 request.0
             ));
         }
-        let due = at + answer.charged.max(Duration::ZERO);
         let late = now - due;
         self.keep(solver.clone(), request, due.max(now), answer);
         (late >= ANSWER_LATE_TOLD_MIN).then(|| {
@@ -129,17 +146,12 @@ impl SolverPool {
         })
     }
 
-    /// Forgets a request; says so when there was an answer to drop.
-    pub fn cancel(
-        &mut self,
-        deliberator: &mut (dyn Deliberator + Send),
-        request: SolveRequestId,
-        now: Time,
-    ) -> Option<String> {
-        if let Some(open) = self.handed_over.get_mut(&request) {
+    /// Cancels a request; returns a note if an answer is dropped.
+    pub fn cancel(&mut self, request: SolveRequestId, now: Time) -> Option<String> {
+        if let Some(open) = self.submitted.get_mut(&request) {
             open.cancelled.get_or_insert(now);
-            // Its answer is told when it comes.
-            deliberator.desk()?.withdraw(request);
+            // Its answer is reported when it arrives.
+            self.queue.cancel(request);
             return None;
         }
         let key = self.answered.keys().find(|(_, answered)| *answered == request).copied()?;
@@ -166,27 +178,25 @@ impl SolverPool {
         }
     }
 
-    /// Drops all answers that did not become due, or did not come, before the end of the run, and names them.
-    pub fn close(&mut self, deliberator: &mut (dyn Deliberator + Send), now: Time) -> Vec<String> {
+    /// Drops all answers that did not become due, or did not arrive, before the end of the run, and names them.
+    pub fn close(&mut self, now: Time) -> Vec<String> {
         let late = |((due, request), answered): ((Time, SolveRequestId), Answered)| {
             format!(
                 "the answer of {} to request {}, due at {due}, came too late: the run ended at {now}",
                 answered.solver, request.0
             )
         };
-        let mut told: Vec<String> = std::mem::take(&mut self.answered).into_iter().map(late).collect();
-        for (request, open) in std::mem::take(&mut self.handed_over) {
-            if let Some(desk) = deliberator.desk() {
-                desk.withdraw(request);
-            }
-            let HandedOver { solver, at, cancelled } = open;
+        let mut notes: Vec<String> = std::mem::take(&mut self.answered).into_iter().map(late).collect();
+        for (request, open) in std::mem::take(&mut self.submitted) {
+            self.queue.cancel(request);
+            let Submitted { solver, at, cancelled } = open;
             let cancelled = cancelled.map(|cancelled| format!(" and cancelled at {cancelled}")).unwrap_or_default();
-            told.push(format!(
+            notes.push(format!(
                 "the answer of {solver} to request {}, made at {at}{cancelled}, had not come when the run ended at {now}",
                 request.0
             ));
         }
-        told
+        notes
     }
 }
 

@@ -2,9 +2,11 @@
 //!
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
+use crate::target_state::TargetChange;
 use apex_model::agent::Agent;
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
-use apex_model::event::{Batch, EventKind, PlannedProcedure};
+use apex_model::event::{Batch, EventKind};
+use apex_model::planned::PlannedProcedure;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -48,7 +50,7 @@ pub trait Vehicle {
     fn withdraw(&mut self, command: CommandId, at: Time);
 }
 
-/// What the pool brings back for one request.
+/// A solver's answer to one request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolverAnswer {
     /// The plan as a procedure, or the reason why there is none.
@@ -57,54 +59,101 @@ pub struct SolverAnswer {
     pub charged: Duration,
 }
 
-/// Turns a request's goal into a planning problem, solves and translates. The mission knows targets, weather and
-/// vehicle; the runtime only knows when to ask and when the answer counts.
+/// The mission beside the executive: poses planning problems from what is believed at an instant.
+///
+/// All calls come from the thread of the flight, in the order of the steps, so that a problem depends on the recorded
+/// inputs and effects only. Solving is a [`SolverJob`] of its own, on any thread.
 pub trait Deliberator {
-    /// Answers `request`, made at `at`. Must not touch the clock in simulation: `charged` counts work units.
-    /// Once withdrawn, nobody uses the answer: it should come soon, and change nothing.
-    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer;
+    /// Observes one step of the agent with this number, before its effects are sent. What is believed afterwards is a
+    /// function of the steps observed.
+    fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
+        let _ = (agent, batch, effects);
+    }
 
-    /// Where requests can be left without waiting for their answers; none where there is only [`Deliberator::deliberate`].
-    fn desk(&mut self) -> Option<&mut dyn SolverDesk> {
+    /// Poses the problem that answers `request`, made at `at`. Must not change what is believed.
+    fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed;
+
+    /// What is believed now, encoded for a snapshot; `None` if nothing is believed.
+    fn snapshot(&self) -> Option<Vec<u8>> {
         None
     }
+
+    /// All changes of targets' states so far, in order.
+    fn target_changes(&self) -> &[TargetChange] {
+        &[]
+    }
 }
 
-/// Takes requests of a flight that does not wait for its solvers. No call but [`SolverDesk::wait`] waits.
-pub trait SolverDesk {
-    /// Leaves `request`, made at `at`, to be answered.
-    ///
-    /// # Errors
-    /// A sentence when nobody is there to answer it.
-    fn hand_over(&mut self, request: &SolveRequest, at: Time) -> Result<(), String>;
-
-    /// Says that the answer is not wanted any more; it comes all the same, sooner.
-    fn withdraw(&mut self, request: SolveRequestId);
-
-    /// An answer that has come.
-    fn take(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
-
-    /// Waits for the next answer, as long as solvers are waited for. None when nothing is open, or nobody answers any more.
-    fn wait(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
+/// A problem that has been posed, and the job that solves it.
+pub struct Posed {
+    /// The problem as JSON, for the record: everything on which the answer depends. Replay poses it again and compares.
+    pub problem: String,
+    /// The job.
+    pub job: Box<dyn SolverJob>,
 }
 
-/// Tells whoever deliberates that the answer is not wanted any more. Copies tell each other.
-#[derive(Clone, Debug, Default)]
-pub struct Withdrawal(Arc<AtomicBool>);
-
-impl Withdrawal {
-    /// Of a request that is wanted.
-    pub fn new() -> Withdrawal {
-        Withdrawal::default()
+impl Posed {
+    /// A problem with the job that solves it.
+    pub fn new(problem: String, job: impl FnOnce(&CancelToken) -> SolverAnswer + Send + 'static) -> Posed {
+        Posed { problem, job: Box::new(job) }
     }
 
-    /// The answer is not wanted any more.
-    pub fn withdraw(&self) {
+    /// No problem can be posed for this reason: the request fails at once.
+    pub fn failed(reason: String) -> Posed {
+        let problem = serde_json::json!({ "no_problem": reason }).to_string();
+        Posed::new(problem, |_| SolverAnswer { result: Err(reason), charged: Duration::ZERO })
+    }
+}
+
+/// Solves one posed problem. Must not read the clock in simulation: [`SolverAnswer::charged`] counts work units.
+///
+/// Once cancelled, the answer is not used: the job should end soon.
+pub trait SolverJob: Send {
+    /// Does the work.
+    fn run(self: Box<Self>, cancel: &CancelToken) -> SolverAnswer;
+}
+
+impl<F: FnOnce(&CancelToken) -> SolverAnswer + Send> SolverJob for F {
+    fn run(self: Box<Self>, cancel: &CancelToken) -> SolverAnswer {
+        self(cancel)
+    }
+}
+
+/// Works on jobs beside the flight. Only [`SolverQueue::recv`] waits.
+pub trait SolverQueue {
+    /// Queues the job that answers `request`; `solver` names it in messages.
+    ///
+    /// # Errors
+    /// An error message if no worker accepts jobs.
+    fn submit(&mut self, request: SolveRequestId, solver: &Symbol, job: Box<dyn SolverJob>) -> Result<(), String>;
+
+    /// Cancels a request. Its answer comes all the same, sooner.
+    fn cancel(&mut self, request: SolveRequestId);
+
+    /// Returns an answer that has arrived.
+    fn try_recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
+
+    /// Waits for the next answer, at most for the queue's timeout. `None` if no request is open.
+    fn recv(&mut self) -> Option<(SolveRequestId, SolverAnswer)>;
+}
+
+/// Cancellation token of one solver request. Clones share one flag.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// A token that is not cancelled.
+    pub fn new() -> CancelToken {
+        CancelToken::default()
+    }
+
+    /// Cancels.
+    pub fn cancel(&self) {
         self.0.store(true, Ordering::Release);
     }
 
-    /// True when the answer is not wanted any more.
-    pub fn is_withdrawn(&self) -> bool {
+    /// True after [`CancelToken::cancel`].
+    pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Acquire)
     }
 }
@@ -139,12 +188,31 @@ pub trait Observer {
     /// A sentence when going on would lose data (an unwritable record); the run stops.
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String>;
 
-    /// The agent after the step, for snapshots.
+    /// The agent after the step, for snapshots; `deliberator` has observed the same step.
     ///
     /// # Errors
-    /// A sentence; the run stops.
-    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
-        let _ = (agent, now);
+    /// An error message; the run stops.
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        let _ = (agent, deliberator, now);
+        Ok(())
+    }
+
+    /// A planning problem was posed at `at` for `request`, before a solver works on it. The request has its number
+    /// outside of the agents.
+    ///
+    /// # Errors
+    /// An error message; the run stops.
+    fn posed(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), String> {
+        let _ = (request, at, problem);
+        Ok(())
+    }
+
+    /// A solver answered `request`; the answer takes effect at `due`. It is stored even if it comes too late to be used.
+    ///
+    /// # Errors
+    /// An error message; the run stops.
+    fn answered(&mut self, request: SolveRequestId, due: Time, answer: &SolverAnswer) -> Result<(), String> {
+        let _ = (request, due, answer);
         Ok(())
     }
 
@@ -177,8 +245,14 @@ impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
     fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
         self.lock().unwrap_or_else(PoisonError::into_inner).observe(batch, effects)
     }
-    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
-        self.lock().unwrap_or_else(PoisonError::into_inner).inspect(agent, now)
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).inspect(agent, deliberator, now)
+    }
+    fn posed(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).posed(request, at, problem)
+    }
+    fn answered(&mut self, request: SolveRequestId, due: Time, answer: &SolverAnswer) -> Result<(), String> {
+        self.lock().unwrap_or_else(PoisonError::into_inner).answered(request, due, answer)
     }
     fn note(&mut self, at: Time, text: &str) -> Result<(), String> {
         self.lock().unwrap_or_else(PoisonError::into_inner).note(at, text)

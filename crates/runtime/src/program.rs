@@ -3,11 +3,11 @@
 
 use crate::error::RunError;
 use crate::mission_loop::{FlyOptions, RunEnd, fly, fly_all};
-use crate::ports::{Deliberator, Input, Observer, SolverAnswer, Vehicle, Withdrawal};
+use crate::ports::{Deliberator, Input, Observer, Posed, Vehicle};
 use apex_executive::Agent;
 use apex_model::effect::{CommandId, SolveRequest};
 use apex_model::event::EventKind;
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
 
 /// Runs `agent` without a vehicle until its application ends, `options.until`, or nothing can happen any more.
@@ -28,7 +28,7 @@ pub fn run(agent: &mut Agent, observers: &mut [&mut dyn Observer], options: FlyO
 /// As [`fly`].
 pub fn run_with(
     agent: &mut Agent,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     observers: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Result<RunEnd, RunError> {
@@ -96,8 +96,7 @@ impl Vehicle for NoVehicle {
 pub struct NoDeliberator;
 
 impl Deliberator for NoDeliberator {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
-        let reason = format!("no planner is at hand for {} without a mission", request.goal);
-        SolverAnswer { result: Err(reason), charged: Duration::ZERO }
+    fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
+        Posed::failed(format!("no planner is at hand for {} without a mission", request.goal))
     }
 }

@@ -1,12 +1,16 @@
-//! Replay: executes the recorded inputs again and compares every effect byte for byte. Solvers never run again; their
-//! answers are inputs.
+//! Replay: executes the recorded inputs again and compares every effect byte for byte. With the mission's deliberator it also
+//! poses every planning problem again. Solvers never run again; their answers are inputs.
 
+use crate::crew::Numbering;
 use crate::error::RecordError;
 use crate::narrator::{Narrator, Told};
-use crate::record::{LoadProgram, RecordReader, RecordedStep};
+use crate::outbox;
+use crate::ports::Deliberator;
+use crate::record::{LoadProgram, ProblemRow, RecordReader, RecordedStep};
 use apex_executive::step;
-use apex_model::effect::Effect;
+use apex_model::effect::{Effect, SolveRequestId};
 use apex_model::time::Time;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// What replay found.
@@ -16,41 +20,69 @@ pub struct ReplayReport {
     pub batches: u64,
     /// Effects compared.
     pub effects: u64,
+    /// Planning problems posed again and compared; 0 without a mission.
+    pub problems: u64,
     /// The last instant that was executed.
     pub end: Time,
     /// The first difference; none when the record is confirmed.
     pub difference: Option<Difference>,
 }
 
-/// The first effect that differs.
+/// The first difference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// When.
     pub at: Time,
     /// In which batch.
     pub batch: i64,
-    /// Its position among the step's effects, from 1.
-    pub position: usize,
-    /// The recorded effect in words; none when the record has no more.
+    /// What differs.
+    pub what: Differing,
+    /// The recorded side as text; `None` if the record has nothing there.
     pub recorded: Option<String>,
-    /// The effect of the replay in words; none when it made no more.
+    /// The side of the replay as text; `None` if it made nothing there.
     pub replayed: Option<String>,
+}
+
+/// What a replay compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Differing {
+    /// The effect at this position among the step's effects, from 1.
+    Effect(usize),
+    /// The planning problem of this request.
+    Problem(SolveRequestId),
+    /// What the mission believed after the step.
+    Situation,
+}
+
+impl fmt::Display for Differing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Differing::Effect(position) => write!(f, "effect {position}"),
+            Differing::Problem(request) => write!(f, "planning problem of request {}", request.0),
+            Differing::Situation => f.write_str("situation of the mission"),
+        }
+    }
 }
 
 impl fmt::Display for ReplayReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(difference) = &self.difference else {
-            return write!(
+            write!(
                 f,
-                "The record is confirmed: {} steps up to {} gave the same {} effects.",
+                "The record is confirmed: {} steps up to {} gave the same {} effects",
                 self.batches, self.end, self.effects
-            );
+            )?;
+            return match self.problems {
+                0 => f.write_str("."),
+                1 => f.write_str(" and posed the same planning problem."),
+                count => write!(f, " and posed the same {count} planning problems."),
+            };
         };
-        let Difference { at, batch, position, recorded, replayed } = difference;
+        let Difference { at, batch, what, recorded, replayed } = difference;
         let words = |side: &Option<String>| side.clone().unwrap_or_else(|| "nothing".into());
         write!(
             f,
-            "The replay differs at {at}, batch {batch}, effect {position}:\n  recorded: {}\n  replayed: {}",
+            "The replay differs at {at}, batch {batch}, {what}:\n  recorded: {}\n  replayed: {}",
             words(recorded),
             words(replayed)
         )
@@ -62,12 +94,35 @@ impl fmt::Display for ReplayReport {
 /// # Errors
 /// [`RecordError`] when the record cannot be read or its mission not loaded.
 pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayReport, RecordError> {
+    replay_steps(reader, load, None)
+}
+
+/// As [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must believe what was
+/// believed at each snapshot.
+///
+/// # Errors
+/// As [`replay`].
+pub fn replay_with(
+    reader: &RecordReader,
+    load: LoadProgram<'_>,
+    deliberator: &mut dyn Deliberator,
+) -> Result<ReplayReport, RecordError> {
+    let witness = Witness::new(reader, deliberator)?;
+    replay_steps(reader, load, Some(witness))
+}
+
+fn replay_steps(
+    reader: &RecordReader,
+    load: LoadProgram<'_>,
+    mut witness: Option<Witness<'_>>,
+) -> Result<ReplayReport, RecordError> {
     let program = reader.load(load)?;
     let mut agents = Vec::new();
     for agent in 0..reader.agents().len().max(1) {
         agents.push((reader.fresh_agent_number(&program, agent)?, Narrator::new(&program.0)));
     }
-    let mut report = ReplayReport { batches: 0, effects: 0, end: Time::ZERO, difference: None };
+    let count = agents.len();
+    let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None };
     for recorded in reader.steps_of_all(Time::END)? {
         let recorded = recorded?;
         let Some((agent, narrator)) = agents.get_mut(recorded.agent) else {
@@ -79,11 +134,67 @@ pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayRepo
         report.effects += effects.len() as u64;
         report.end = recorded.batch.now;
         report.difference = compare(&recorded, &effects, narrator);
+        if let (None, Some(witness)) = (&report.difference, &mut witness) {
+            report.difference = witness.check(&recorded, &effects, Numbering::new(recorded.agent, count));
+            report.problems = witness.posed;
+        }
         if report.difference.is_some() {
-            break;
+            return Ok(report);
         }
     }
+    report.difference = witness.and_then(Witness::left_over);
     Ok(report)
+}
+
+/// Poses recorded problems again.
+struct Witness<'a> {
+    deliberator: &'a mut dyn Deliberator,
+    problems: BTreeMap<SolveRequestId, ProblemRow>,
+    situations: BTreeMap<i64, Vec<u8>>,
+    posed: u64,
+}
+
+impl<'a> Witness<'a> {
+    fn new(reader: &RecordReader, deliberator: &'a mut dyn Deliberator) -> Result<Witness<'a>, RecordError> {
+        let problems = reader.problems()?.into_iter().map(|row| (row.request, row)).collect();
+        // Another version may encode the same belief in other bytes.
+        let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+        let situations = if ours { reader.situations()? } else { Vec::new() };
+        let situations = situations.into_iter().map(|row| (row.batch_number, row.body)).collect();
+        Ok(Witness { deliberator, problems, situations, posed: 0 })
+    }
+
+    fn check(&mut self, recorded: &RecordedStep, effects: &[Effect], numbering: Numbering) -> Option<Difference> {
+        let (now, batch) = (recorded.batch.now, recorded.batch_number);
+        self.deliberator.observe(recorded.agent, &recorded.batch, effects);
+        let difference = |what, recorded: Option<String>, replayed: Option<String>| {
+            Some(Difference { at: now, batch, what, recorded, replayed })
+        };
+        for request in outbox::requests(effects, numbering) {
+            let posed = self.deliberator.pose(&request, now).problem;
+            let what = Differing::Problem(request.request);
+            match self.problems.remove(&request.request) {
+                Some(row) if row.problem == posed && row.at == now => self.posed += 1,
+                row => return difference(what, row.map(|row| row.problem), Some(posed)),
+            }
+        }
+        let stored = self.situations.remove(&batch)?;
+        match self.deliberator.snapshot() {
+            Some(believed) if believed == stored => None,
+            believed => {
+                let size = |bytes: usize| Some(format!("{bytes} bytes"));
+                let replayed = believed.and_then(|bytes| size(bytes.len()));
+                difference(Differing::Situation, size(stored.len()), replayed)
+            }
+        }
+    }
+
+    /// A recorded problem that no step of the replay posed.
+    fn left_over(self) -> Option<Difference> {
+        let (request, row) = self.problems.into_iter().next()?;
+        let what = Differing::Problem(request);
+        Some(Difference { at: row.at, batch: 0, what, recorded: Some(row.problem), replayed: None })
+    }
 }
 
 fn compare(recorded: &RecordedStep, effects: &[Effect], narrator: &mut Narrator) -> Option<Difference> {
@@ -111,7 +222,7 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], narrator: &mut Narrator)
             return Some(Difference {
                 at: recorded.batch.now,
                 batch: recorded.batch_number,
-                position: index + 1,
+                what: Differing::Effect(index + 1),
                 recorded: recorded_words,
                 replayed: replayed_words,
             });

@@ -2,9 +2,9 @@
 
 use apex_model::because::{Because, Cause, ConflictRule, Evidence, Share, Strength};
 use apex_model::effect::{CommandId, Decision, DecisionKind, Effect, Method, QuestionId, SolveRequest, SolveRequestId};
-use apex_model::event::{Batch, Event, EventKind, PlannedProcedure, SolverReport, StateVariable};
-use apex_model::expression::Template;
+use apex_model::event::{Batch, Event, EventKind, SolverReport, StateVariable};
 use apex_model::library::Library;
+use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::quantity::{Quantity, unit_named};
 use apex_model::source::{Place, SourceFile};
 use apex_model::symbol::Symbol;
@@ -47,12 +47,17 @@ pub(crate) fn batch(seconds: f64, first: u64, kinds: Vec<EventKind>) -> Batch {
     Batch { now, events }
 }
 
+pub(crate) fn step(tag: &str, goal: Value, line: u32) -> PlannedStep {
+    PlannedStep { tag: Symbol::new(tag), activity: PlannedActivity::Goal(goal), line }
+}
+
 pub(crate) fn plan() -> PlannedProcedure {
     PlannedProcedure {
         solver: Symbol::new("two-opt"),
         summary: "3 targets, value 12".into(),
-        steps: vec![(Symbol::new("s1"), Template::Constant(goal(&["visit", "a"])))],
+        steps: vec![step("s1", goal(&["visit", "a"]), 1)],
         repeat: false,
+        plan: None,
         source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from("(procedure (patrol))") },
     }
 }

@@ -1,5 +1,6 @@
 //! The terms of a run: what it is told beforehand, what people may say while it goes on, how it ends.
 
+use crate::limits::{SOLVER_GRACE, SOLVER_PATIENCE};
 use crate::pacing::{Clock, WallClock};
 use crate::ports::Input;
 use apex_model::event::EventKind;
@@ -26,6 +27,8 @@ pub struct FlyOptions {
     pub controls: Option<Receiver<Control>>,
     /// Largest step of time for a vehicle that does not know when it reports next; none trusts the other instants.
     pub poll: Option<Duration>,
+    /// Wall time after which a solver that does not answer is abandoned, where the run waits for it.
+    pub solver_timeout: std::time::Duration,
 }
 
 impl Default for FlyOptions {
@@ -38,6 +41,7 @@ impl Default for FlyOptions {
             answers: Vec::new(),
             controls: None,
             poll: None,
+            solver_timeout: SOLVER_PATIENCE + 10 * SOLVER_GRACE,
         }
     }
 }

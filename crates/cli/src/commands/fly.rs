@@ -6,8 +6,8 @@ use crate::trouble::{Outcome, Trouble};
 use crate::world::world;
 use crate::{commands, output, recording, sources};
 use apex_mission::Mission;
-use apex_mission::deliberator::Means;
-use apex_mission::flight::{FlightOutcome, MissionFlight, SharedRecorder};
+use apex_mission::deliberation::Means;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
 use apex_model::time::{Duration, Time};
@@ -17,8 +17,8 @@ use apex_runtime::{Control, EndReason};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::net::{IpAddr, Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 /// Faster than this is as fast as possible.
@@ -37,7 +37,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     if options.serve {
         check_port(options.port)?;
     }
-    let recorder: SharedRecorder = Arc::new(Mutex::new(recording::of_mission(&path, &mission)?));
+    let mut recorder = recording::of_mission(&path, &mission)?;
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
     let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
@@ -45,11 +45,11 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let means = means(options, planners)?;
     let mut progress = Progress::new(terms.until, options.no_progress || options.json);
     let flight = MissionFlight::new(mission, means);
-    let flown = flight.fly(&mut vehicle, terms, &mut [&mut progress], Some(&recorder));
+    let flown = flight.fly(&mut vehicle, terms, &mut [&mut recorder, &mut progress]);
     progress.bar.finish_and_clear();
     let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();
-    flight.store(&mut recorder.lock().unwrap_or_else(PoisonError::into_inner)).map_err(recording::written)?;
+    flight.store(&mut recorder).map_err(recording::written)?;
     print_flight(&flight, seconds, &path, options.json)?;
     match sherpa {
         Some(sherpa) if flight.end.reason != EndReason::Stopped => {

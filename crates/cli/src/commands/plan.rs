@@ -11,14 +11,14 @@ use crate::plan_output::{geojson, json, kml, qgc, table, turns};
 use crate::sources::parse_length_m;
 use crate::trouble::{Outcome, Trouble};
 use apex_metrics::survival;
-use apex_mission::deliberator::{Deliberation, Means, Wish, name_obstacles, solve, translate};
+use apex_mission::deliberation::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use apex_planning::Registry;
 use apex_portfolio::formats;
 use apex_runtime::invocation::Invocations;
-use apex_runtime::ports::Withdrawal;
+use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::Human;
 use std::path::Path;
 use std::sync::Arc;
@@ -92,7 +92,7 @@ fn planned(options: &PlanOptions, question: &Question, planners: &Arc<Registry>)
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
+    solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))
 }
 
@@ -110,7 +110,7 @@ pub fn answer(
     let question = plan_question::of_text(problem, "the problem")?;
     let means = Means::of(planners);
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &Withdrawal::new())
+    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
     let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
     Ok(json(&question, &solved, &proven, None))

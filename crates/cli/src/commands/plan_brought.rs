@@ -3,7 +3,7 @@
 use super::plan_question::Question;
 use crate::options::PlanOptions;
 use crate::trouble::{Outcome, Trouble, read_text};
-use apex_mission::deliberator::{Deliberation, PLAN_VISITS_MAX};
+use apex_mission::deliberation::{Deliberation, PLAN_VISITS_MAX};
 use apex_model::problem::Plan;
 use apex_planning::checker;
 use apex_planning::solver::{Environment, WorkBudget, units_in};

@@ -6,9 +6,9 @@ use crate::plan_output::proof;
 use crate::sources::parse_time;
 use crate::trouble::{Outcome, Trouble, nearby_help, read_text};
 use apex_mission::Mission;
-use apex_mission::bookkeeping::Bookkeeping;
-use apex_mission::deliberator::validate;
+use apex_mission::deliberation::validate;
 use apex_mission::problem::pose;
+use apex_mission::situation::Situation;
 use apex_model::problem::{Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -204,8 +204,8 @@ fn refuse_fleets(vehicles: Option<usize>, question: &Question) -> Outcome {
 fn of_mission(path: &Path) -> Outcome<Question> {
     let mission = Mission::load(path)?;
     let (goal, budget) = goal_and_budget(&mission);
-    let books = Bookkeeping::default();
-    let problem = pose(&books.news.believed(&mission), &books, Time::ZERO)
+    let situation = Situation::default();
+    let problem = pose(&situation.updates.believed(&mission), &situation, Time::ZERO)
         .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
     let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
     Ok(Question { budget, seed, mission: Some((mission, goal)), ..Question::new(name, problem) })

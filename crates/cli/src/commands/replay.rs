@@ -3,7 +3,7 @@
 use crate::options::ReplayOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
-use apex_runtime::replay::replay;
+use apex_runtime::replay::{Differing, replay};
 
 /// Re-executes a record and compares.
 pub fn run(options: &ReplayOptions) -> Outcome {
@@ -21,7 +21,11 @@ pub fn run(options: &ReplayOptions) -> Outcome {
             serde_json::json!({
                 "t": difference.at.seconds(),
                 "batch": difference.batch,
-                "effect": difference.position,
+                "effect": match difference.what {
+                    Differing::Effect(position) => Some(position),
+                    Differing::Problem(_) | Differing::Situation => None,
+                },
+                "what": difference.what.to_string(),
                 "recorded": difference.recorded,
                 "replayed": difference.replayed,
             })
@@ -30,6 +34,7 @@ pub fn run(options: &ReplayOptions) -> Outcome {
             "equal": report.difference.is_none(),
             "batches": report.batches,
             "effects": report.effects,
+            "problems": report.problems,
             "end_s": report.end.seconds(),
             "difference": difference,
         }))?;

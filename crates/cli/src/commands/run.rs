@@ -6,8 +6,8 @@ use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{external_simulator, output, recording, sources};
-use apex_mission::deliberator::Means;
-use apex_mission::flight::{FlightOutcome, MissionFlight, SharedRecorder};
+use apex_mission::deliberation::Means;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::Report;
 use apex_mission::{Mission, scenario};
 use apex_model::library::{Application, Library};
@@ -23,7 +23,7 @@ use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
 use std::io::Read;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Runs a program to its end. A mission that lives at the clock of the wall or of an outside simulator is flown: it plans,
 /// books its visits, and reports.
@@ -43,8 +43,8 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
         FlyOptions { answers: answers.clone(), ..terms }
     };
     refuse_to_overwrite_inputs(options)?;
-    let recorder = options.record.as_deref().map(|path| recorder(path, &library, mission.as_deref())).transpose()?;
-    let recorder: Option<SharedRecorder> = recorder.map(|recorder| Arc::new(Mutex::new(recorder)));
+    let mut recorder =
+        options.record.as_deref().map(|path| recorder(path, &library, mission.as_deref())).transpose()?;
     let out = trace_output(options.trace.as_deref(), clock.owns_output(options))?;
     let gone = out.gone();
     let format = if options.text { TraceFormat::Text } else { TraceFormat::JsonLines };
@@ -52,7 +52,10 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
     let open = OpenQuestions::default();
     let mut asker = Asker::new(open.clone(), library.crew().into_iter().map(|agent| agent.name).collect());
 
-    let mut observers: Vec<&mut dyn Observer> = vec![&mut tracer];
+    // The recorder comes first: nothing is used before it is stored.
+    let is_recorded = recorder.is_some();
+    let mut observers: Vec<&mut dyn Observer> = recorder.iter_mut().map(|recorder| recorder as _).collect();
+    observers.push(&mut tracer);
     let controls = match clock {
         ClockSource::Wall(_) => {
             let stdin = options.inputs.as_deref().is_none_or(|path| path.as_os_str() != "-");
@@ -62,7 +65,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
         ClockSource::Simulated | ClockSource::Simulator => None,
     };
     let flight = mission.clone().map(|mission| MissionFlight::new(mission, Means::of(planners)));
-    let run = Run { library: &library, flight, recorder: recorder.as_ref(), terms: &terms };
+    let run = Run { library: &library, flight, is_recorded, terms: &terms };
     let ended = match clock {
         ClockSource::Simulated => run.with_inputs(&mut observers, terms()),
         ClockSource::Wall(pace) => {
@@ -83,7 +86,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
             .help("the trace is incomplete; look at where it goes, and at the space there")
     })?;
     tell_end(&end);
-    finish(end, report, recorder.as_ref())
+    finish(end, report, recorder)
 }
 
 /// The mission of an application that names a vehicle and does not live in simulated time.
@@ -99,24 +102,25 @@ fn live_mission(library: &Arc<Library>, options: &RunOptions) -> Outcome<Option<
 }
 
 /// Prints the report of a flight, and closes the record.
-fn finish(end: RunEnd, report: Option<Report>, recorder: Option<&SharedRecorder>) -> Outcome {
-    let mut recorder = recorder.map(|recorder| recorder.lock().unwrap_or_else(PoisonError::into_inner));
-    let Some(report) = report else {
-        let Some(recorder) = &mut recorder else { return Ok(()) };
-        return recorder.finish(end.at, &end.reason.text()).map_err(recording::written);
-    };
-    // Standard output belongs to the trace, or to the simulator.
-    output::complain(report.text().trim());
-    let Some(recorder) = &mut recorder else { return Ok(()) };
-    FlightOutcome { end, report }.store(recorder).map_err(recording::written)
+fn finish(end: RunEnd, report: Option<Report>, recorder: Option<Recorder>) -> Outcome {
+    if let Some(report) = &report {
+        // Standard output belongs to the trace, or to the simulator.
+        output::complain(report.text().trim());
+    }
+    let Some(mut recorder) = recorder else { return Ok(()) };
+    match report {
+        Some(report) => FlightOutcome { end, report }.store(&mut recorder),
+        None => recorder.finish(end.at, &end.reason.text()),
+    }
+    .map_err(recording::written)
 }
 
-/// A program that is ready to run, with the flight of its mission and its recorder.
+/// A program that is ready to run, with the flight of its mission.
 struct Run<'a> {
     library: &'a Arc<Library>,
     /// The flight of a mission; none for a program without one.
     flight: Option<MissionFlight>,
-    recorder: Option<&'a SharedRecorder>,
+    is_recorded: bool,
     terms: &'a dyn Fn() -> FlyOptions,
 }
 
@@ -136,28 +140,24 @@ impl Run<'_> {
 
     fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: FlyOptions) -> Outcome<Ended> {
         if let Some(flight) = &self.flight {
-            let flown = flight.fly(&mut NoVehicle::silent(), terms, observers, self.recorder)?;
+            let flown = flight.fly(&mut NoVehicle::silent(), terms, observers)?;
             return Ok((flown.end, Some(flown.report)));
         }
-        let mut recorder = self.recorder.cloned();
-        let mut all = recorded(&mut recorder, observers);
-        let end = program::run_all(&mut sources::crew_of(self.library)?, &mut all, terms);
+        let end = program::run_all(&mut sources::crew_of(self.library)?, observers, terms);
         Ok((end.map_err(|error| Trouble::failure(error.to_string()))?, None))
     }
 
     fn with_simulator(&self, observers: &mut Vec<&mut dyn Observer>, port: Option<u16>) -> Outcome<Ended> {
         let mut report = None;
-        let end = external_simulator::run(self.library, port, self.recorder.is_some(), &mut |link| {
+        let end = external_simulator::run(self.library, port, self.is_recorded, &mut |link| {
             let Some(flight) = &self.flight else {
-                let mut recorder = self.recorder.cloned();
-                let mut all = recorded(&mut recorder, observers);
                 let mut agents = sources::crew_of(self.library)?;
-                return foreign::run(&mut agents, link, &mut NoDeliberator, &mut all, (self.terms)())
+                return foreign::run(&mut agents, link, &mut NoDeliberator, observers, (self.terms)())
                     .map_err(|error| Trouble::failure(error.to_string()));
             };
             let mut reset = false;
-            let flown = flight.run(observers, self.recorder, |agents, deliberator, observers| {
-                let ended = foreign::run(agents, link, deliberator, observers, (self.terms)())?;
+            let flown = flight.run((self.terms)(), |agents, deliberator, terms| {
+                let ended = foreign::run(agents, link, deliberator, observers, terms)?;
                 reset = ended.reset;
                 Ok(ended.end)
             })?;
@@ -166,15 +166,6 @@ impl Run<'_> {
         })?;
         Ok((end, report))
     }
-}
-
-/// The recorder, which sees each step first, and the others.
-fn recorded<'o>(
-    recorder: &'o mut Option<SharedRecorder>,
-    observers: &'o mut [&mut dyn Observer],
-) -> Vec<&'o mut dyn Observer> {
-    let recorder = recorder.as_mut().map(|recorder| recorder as &mut dyn Observer);
-    recorder.into_iter().chain(observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer)).collect()
 }
 
 fn tell_end(end: &RunEnd) {

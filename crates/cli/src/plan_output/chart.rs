@@ -268,7 +268,7 @@ fn of_surveillance(
     let altitude_m = |name: &str| {
         let mission = mission?;
         let site = mission.targets.iter().find(|target| target.id == name)?;
-        matches!(site.kind, TargetKind::Site(_)).then(|| apex_mission::deliberator::visit_altitude_m(mission, site))
+        matches!(site.kind, TargetKind::Site(_)).then(|| apex_mission::problem::visit_altitude_m(mission, site))
     };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {

@@ -3,7 +3,7 @@
 use crate::commands::plan_question::Benchmark;
 use crate::plan_output::proof::Proof;
 use crate::plan_output::table::Beside;
-use apex_mission::deliberator::Deliberation;
+use apex_mission::deliberation::Deliberation;
 use apex_solvers::bounds::ages::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.

@@ -4,7 +4,7 @@ use crate::commands::plan_question::Benchmark;
 use crate::plan_output::proof::{Proof, Proven};
 use crate::plan_output::turns::Turns;
 use crate::telling::{name_width, named, wrapped};
-use apex_mission::deliberator::Deliberation;
+use apex_mission::deliberation::Deliberation;
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
 use apex_portfolio::formats;

@@ -10,12 +10,13 @@ use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::controller::{Controller, Way};
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
-use apex_model::event::{PlannedProcedure, SolverReport};
+use apex_model::event::SolverReport;
+use apex_model::expression::Template;
 use apex_model::index::{Candidate, ProcedureIndex};
 use apex_model::pattern::Pattern;
+use apex_model::planned::PlannedProcedure;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::source::Place;
-use apex_model::symbol::Symbol;
 use apex_model::task::{Outcome, ProcedureRef, TaskId, TaskState};
 use apex_model::value::Value;
 use std::sync::Arc;
@@ -131,10 +132,9 @@ fn retire(cycle: &mut Cycle<'_>, goal: &Value) {
 
 /// The plan as a sequential procedure indexed by its goal.
 fn translate(goal: &Value, plan: &PlannedProcedure, file: u32) -> Procedure {
-    let mut lines = plan.source.text.lines().zip(1_u32..);
-    let steps = plan.steps.iter().map(|(tag, activity)| {
-        let line = lines.by_ref().find(|(text, _)| names_step(text, tag)).map_or(1, |(_, line)| line);
-        Step::plain(tag.clone(), Activity::Goal(activity.clone()), Place { file, line, column: 1 })
+    let steps = plan.steps.iter().map(|step| {
+        let activity = Activity::Goal(Template::Constant(step.activity.goal()));
+        Step::plain(step.tag.clone(), activity, Place { file, line: step.line, column: 1 })
     });
     let steps = steps.collect();
     Procedure {
@@ -150,10 +150,4 @@ fn translate(goal: &Value, plan: &PlannedProcedure, file: u32) -> Procedure {
         bundle: None,
         place: Place { file, line: 1, column: 1 },
     }
-}
-
-/// Does this line of the plan's text begin the step called `tag`?
-fn names_step(line: &str, tag: &Symbol) -> bool {
-    let rest = line.trim_start().strip_prefix("(step ").and_then(|rest| rest.strip_prefix(tag.printed()));
-    rest.is_some_and(|rest| rest.starts_with(|character: char| character.is_whitespace() || character == '('))
 }

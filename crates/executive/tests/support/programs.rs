@@ -2,8 +2,8 @@
 
 use super::{answer, message, sample, seconds, value};
 use apex_model::effect::SolveRequestId;
-use apex_model::event::{Event, EventKind, PlannedProcedure, SolverReport};
-use apex_model::expression::Template;
+use apex_model::event::{Event, EventKind, SolverReport};
+use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 
@@ -90,12 +90,17 @@ pub const PLANNED: &str = "
 /// An answer to solver request `request` that visits `places`.
 pub fn plan(at: f64, request: u64, places: &[&str], repeat: bool) -> Event {
     let text: String = places.iter().map(|place| format!("\n  (step {place} (go {place}))")).collect();
-    let step = |place: &&str| (Symbol::new(place), Template::Constant(value(&format!("(go {place})"))));
+    let step = |(place, line): (&&str, u32)| PlannedStep {
+        tag: Symbol::new(place),
+        activity: PlannedActivity::Goal(value(&format!("(go {place})"))),
+        line,
+    };
     let planned = PlannedProcedure {
         solver: Symbol::new("two-opt"),
         summary: format!("{} visits", places.len()),
-        steps: places.iter().map(step).collect(),
+        steps: places.iter().zip(3..).map(step).collect(),
         repeat,
+        plan: None,
         source: SourceFile {
             name: "<plan>".into(),
             text: format!("(procedure :sequential\n  (index (visit all)){text})").into(),

@@ -3,9 +3,9 @@
 use super::LINE_CHARACTERS_MAX;
 use super::items::{Entry, Node, Piece};
 
-/// The laid-out text of top-level entries.
-pub(super) fn lay_out(entries: &[Entry]) -> String {
-    let mut page = Page { text: String::new(), column: 0, line_ended: false };
+/// The laid-out text of top-level entries, and the line of each step in it, from 1.
+pub(super) fn lay_out(entries: &[Entry]) -> (String, Vec<u32>) {
+    let mut page = Page { text: String::new(), column: 0, line: 1, line_ended: false, steps: Vec::new() };
     for (index, entry) in entries.iter().enumerate() {
         let trailing_comment = index > 0 && !entry.own_line && entry.node().is_none() && !page.line_ended;
         if trailing_comment {
@@ -18,20 +18,29 @@ pub(super) fn lay_out(entries: &[Entry]) -> String {
     if !entries.is_empty() {
         page.text.push('\n');
     }
-    page.text
+    (page.text, page.steps)
+}
+
+fn line_breaks(text: &str) -> u32 {
+    text.bytes().filter(|byte| *byte == b'\n').fold(0, |count, _| count + 1)
 }
 
 struct Page {
     text: String,
     /// Characters on the current line.
     column: usize,
+    /// Number of the current line, from 1.
+    line: u32,
     /// A `;` comment has been written: nothing may follow on this line.
     line_ended: bool,
+    /// Lines on which steps begin.
+    steps: Vec<u32>,
 }
 
 impl Page {
     fn put(&mut self, text: &str) {
         self.text.push_str(text);
+        self.line += line_breaks(text);
         match text.rsplit_once('\n') {
             Some((_, last)) => self.column = last.chars().count(),
             None => self.column += text.chars().count(),
@@ -40,6 +49,7 @@ impl Page {
 
     fn new_line(&mut self, indent: usize, blank: bool) {
         self.text.push_str(if blank { "\n\n" } else { "\n" });
+        self.line += 1 + u32::from(blank);
         self.text.extend(std::iter::repeat_n(' ', indent));
         self.column = indent;
         self.line_ended = false;
@@ -69,6 +79,9 @@ impl Page {
                 self.node(inner, trailing);
             }
             Node::List(entries, width) => {
+                if node.head().is_some_and(|head| head == "step") {
+                    self.steps.push(self.line);
+                }
                 if self.fits(*width, trailing) && !always_broken(node, entries) {
                     self.flat(entries);
                 } else {

@@ -16,6 +16,12 @@ pub(crate) const LINE_CHARACTERS_MAX: usize = 100;
 /// The first flaw of a text that is not well formed: such text is not touched.
 #[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
 pub fn format(text: &str) -> Result<String, Diagnostic> {
+    format_steps(text).map(|(text, _)| text)
+}
+
+/// As [`format`], with the line of each step of a broken form, from 1, in order.
+#[expect(clippy::result_large_err, reason = "the message is made once and shown at once")]
+pub(crate) fn format_steps(text: &str) -> Result<(String, Vec<u32>), Diagnostic> {
     let flaws = read_file(0, text).diagnostics;
     match flaws.into_iter().find(|each| each.severity == Severity::Error) {
         Some(flaw) => Err(flaw),

@@ -6,7 +6,7 @@ mod procedure;
 mod value;
 
 pub(crate) use expression::{pattern_text, template_text};
-pub use procedure::{print_plan, print_primitive, print_procedure};
+pub use procedure::{PrintedPlan, print_plan, print_primitive, print_procedure};
 
 use apex_model::condition::Condition;
 use apex_model::expression::Expr;
@@ -23,9 +23,14 @@ pub fn print_expression(expr: &Expr) -> String {
 
 /// Lays `text` out. Printed text is always well formed; if it were not, it would still be better than nothing.
 fn laid_out(text: String) -> String {
-    match crate::format::format(&text) {
-        Ok(formatted) => formatted.trim_end().to_string(),
-        Err(_) => text,
+    laid_out_steps(text).0
+}
+
+/// As [`laid_out`], with the lines of the steps.
+fn laid_out_steps(text: String) -> (String, Vec<u32>) {
+    match crate::format::format_steps(&text) {
+        Ok((formatted, steps)) => (formatted.trim_end().to_string(), steps),
+        Err(_) => (text, Vec::new()),
     }
 }
 

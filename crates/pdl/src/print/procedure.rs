@@ -3,7 +3,7 @@
 use super::condition::condition_text;
 use super::expression::{expression_text, form_text, pattern_text, template_text};
 use super::value::literal_text;
-use super::{joined, laid_out, list_text};
+use super::{joined, laid_out, laid_out_steps, list_text};
 use apex_model::condition::Condition;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{
@@ -56,18 +56,32 @@ pub fn print_primitive(primitive: &Primitive) -> String {
 
 /// A plan as PDL: a sequential procedure for the goal `index`, one step for each planned activity.
 /// With `repeat` the plan is a cycle: it begins again whenever it has ended.
-pub fn print_plan(index: &Value, steps: &[(Symbol, Value)], repeat: bool) -> String {
+pub fn print_plan(index: &Value, steps: &[(Symbol, Value)], repeat: bool) -> PrintedPlan {
     let step = |(tag, activity): &(Symbol, Value)| format!("(step {tag} {})", literal_text(activity));
     let goal = literal_text(index);
     if !repeat {
         let parts = [":sequential".to_string(), format!("(index {goal})")];
-        return laid_out(list_text("procedure", parts.into_iter().chain(steps.iter().map(step))));
+        let (text, step_lines) =
+            laid_out_steps(list_text("procedure", parts.into_iter().chain(steps.iter().map(step))));
+        return PrintedPlan { text, step_lines };
     }
     let cycle = format!("(one-cycle-of {goal})");
     let outer = format!("(procedure (index {goal}) (step cycle {cycle} (repeating)))");
     let parts = [":sequential".to_string(), format!("(index {cycle})")];
     let inner = list_text("procedure", parts.into_iter().chain(steps.iter().map(step)));
-    laid_out(format!("{outer}\n\n{inner}"))
+    let (text, mut step_lines) = laid_out_steps(format!("{outer}\n\n{inner}"));
+    // The first step is the outer procedure's.
+    step_lines.drain(..step_lines.len().min(1));
+    PrintedPlan { text, step_lines }
+}
+
+/// A plan as text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PrintedPlan {
+    /// PDL that loads again.
+    pub text: String,
+    /// The line of each step in the text, from 1.
+    pub step_lines: Vec<u32>,
 }
 
 fn clause(name: &str, expr: Option<&Expr>) -> String {

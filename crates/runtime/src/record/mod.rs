@@ -1,6 +1,7 @@
 //! The flight record: one SQLite file per flight. Schema, writer, reader, restoring (`docs/reference/flight-record.md`).
 
 mod codec;
+mod problems;
 mod reader;
 mod restore;
 mod rows;
@@ -12,9 +13,10 @@ mod tests;
 mod track;
 mod writer;
 
+pub use problems::{ProblemRow, SituationRow};
 pub use reader::{RecordReader, Sample, StoredSource, TaskRow};
 pub use restore::{LoadProgram, Program};
-pub use rows::{TargetRow, TargetState};
+pub use rows::TargetRow;
 pub use schema::{APPLICATION_ID, SCHEMA_VERSION, agents, look_at_agent};
 pub use steps::{RecordedEffect, RecordedStep, Steps};
 pub use writer::{RecordOptions, Recorder};

@@ -2,7 +2,7 @@
 
 use super::writer::Recorder;
 use crate::error::RecordError;
-use apex_model::time::Time;
+use crate::target_state::TargetChange;
 use rusqlite::params;
 
 /// An observation target of the mission.
@@ -20,31 +20,6 @@ pub struct TargetRow {
     pub value: f64,
     /// GeoJSON geometry, or empty.
     pub geometry: String,
-}
-
-/// What became of a target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TargetState {
-    /// It is part of the plan.
-    Planned,
-    /// The vehicle is at it.
-    Observing,
-    /// Done.
-    Observed,
-    /// Left out.
-    Skipped,
-}
-
-impl TargetState {
-    /// The state's word in the record.
-    pub fn word(self) -> &'static str {
-        match self {
-            TargetState::Planned => "planned",
-            TargetState::Observing => "observing",
-            TargetState::Observed => "observed",
-            TargetState::Skipped => "skipped",
-        }
-    }
 }
 
 impl Recorder {
@@ -83,19 +58,17 @@ impl Recorder {
         self.store.write("storing a target", sql, params![id, name, latitude_deg, longitude_deg, value, geometry])
     }
 
-    /// Says what became of a target at `at`, and why.
+    /// Stores the changes of targets' states after those that are stored already.
     ///
     /// # Errors
     /// [`RecordError`] when the file cannot be written.
-    pub fn target_state(
-        &mut self,
-        target: &str,
-        at: Time,
-        state: TargetState,
-        detail: &str,
-    ) -> Result<(), RecordError> {
-        let sql = "INSERT INTO target_state VALUES (?1, ?2, ?3, ?4)";
-        self.store.write("storing a target's state", sql, params![target, at.0, state.word(), detail])
+    pub(super) fn target_changes(&mut self, changes: &[TargetChange]) -> Result<(), RecordError> {
+        for TargetChange { target, at, state, detail } in changes.iter().skip(self.stored_changes) {
+            let sql = "INSERT INTO target_state VALUES (?1, ?2, ?3, ?4)";
+            self.store.write("storing a target's state", sql, params![target, at.0, state.word(), detail])?;
+        }
+        self.stored_changes = changes.len();
+        Ok(())
     }
 
     /// Adds a section of the final report, as JSON text.

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// `APEX` in ASCII: the mark of a flight record in SQLite's header.
 pub const APPLICATION_ID: i64 = 0x4150_4558;
 /// The version of the format that this program writes, and the latest that it reads.
-pub const SCHEMA_VERSION: i64 = 4;
+pub const SCHEMA_VERSION: i64 = 5;
 
 /// How long to wait for another program that holds the file.
 const BUSY_PATIENCE: Duration = Duration::from_secs(2);
@@ -31,6 +31,9 @@ CREATE TABLE task (id INTEGER, parent INTEGER, tag TEXT, goal TEXT, created_ns I
     ended_ns INTEGER, outcome TEXT, method TEXT, place TEXT, agent INTEGER, PRIMARY KEY (id, agent)) WITHOUT ROWID;
 CREATE TABLE note (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, text TEXT);
 CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB, agent INTEGER);
+CREATE TABLE problem (request INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, goal TEXT, solver TEXT, body TEXT,
+    due_ns INTEGER, detail TEXT, plan TEXT, report BLOB);
+CREATE TABLE situation (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB);
 CREATE TABLE track (t_ns INTEGER PRIMARY KEY, latitude_deg REAL, longitude_deg REAL, altitude_m REAL,
     heading_deg REAL, roll_deg REAL, ground_speed_mps REAL, fuel_kg REAL);
 CREATE TABLE target (id TEXT PRIMARY KEY, name TEXT, latitude_deg REAL, longitude_deg REAL, value REAL,

@@ -98,7 +98,7 @@ impl Store {
     }
 
     /// Something that cannot be turned into bytes.
-    pub(super) fn unstorable(&mut self, what: &str, error: postcard::Error) -> RecordError {
+    pub(super) fn unstorable(&mut self, what: &str, error: impl std::fmt::Display) -> RecordError {
         self.abandon_group();
         self.unwritable(&format!("turning {what} into bytes"), error.to_string())
     }

@@ -3,7 +3,9 @@
 use super::*;
 use crate::error::RecordError;
 use crate::ports::Observer;
+use crate::program::NoDeliberator;
 use crate::samples;
+use crate::target_state::{TargetChange, TargetState};
 use apex_model::event::{Batch, EventKind};
 use apex_model::time::Time;
 use apex_model::value::Value;
@@ -29,7 +31,7 @@ fn record_samples(path: &Path) -> Recorder {
     for (batch, effects) in samples::steps() {
         recorder.begin(&batch).unwrap();
         recorder.observe(&batch, &effects).unwrap();
-        recorder.inspect(&apex_model::agent::Agent::default(), batch.now).unwrap();
+        recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, batch.now).unwrap();
     }
     recorder
 }
@@ -232,7 +234,9 @@ fn a_full_disk_ends_the_record_with_a_sentence_and_whole_steps() {
         let batch =
             samples::batch(number as f64, number + 1, vec![EventKind::Occurrence(Value::text(&"x".repeat(500)))]);
         let stored = recorder.begin(&batch).and_then(|()| recorder.observe(&batch, &[]));
-        if let Err(message) = stored.and_then(|()| recorder.inspect(&apex_model::agent::Agent::default(), batch.now)) {
+        if let Err(message) =
+            stored.and_then(|()| recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, batch.now))
+        {
             failure = Some(message);
             break;
         }
@@ -252,7 +256,8 @@ fn rows_of_the_mission_are_stored_during_a_flight() {
     let mut recorder = record_samples(&path);
     let zaca = TargetRow { id: "zaca".into(), name: "Zaca".into(), latitude_deg: 34.716, ..TargetRow::default() };
     recorder.target(&zaca).unwrap();
-    recorder.target_state("zaca", Time::from_seconds(9.0), TargetState::Skipped, "no fuel").unwrap();
+    let (target, at, detail) = ("zaca".to_string(), Time::from_seconds(9.0), "no fuel".to_string());
+    recorder.target_changes(&[TargetChange { target, at, state: TargetState::Skipped, detail }]).unwrap();
     recorder.report("score", "{\"total\":1}").unwrap();
     recorder.finish(Time::ZERO, "stopped").unwrap();
     let connection = Connection::open(&path).unwrap();
@@ -290,7 +295,7 @@ fn a_day_of_packets_is_recorded_quickly() {
         let began = std::time::Instant::now();
         recorder.begin(&packet).unwrap();
         recorder.observe(&packet, &[]).unwrap();
-        recorder.inspect(&apex_model::agent::Agent::default(), packet.now).unwrap();
+        recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, packet.now).unwrap();
         spent += began.elapsed();
     }
     let began = std::time::Instant::now();

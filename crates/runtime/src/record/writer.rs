@@ -7,10 +7,10 @@ use super::track::{Track, TrackRow};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
 use crate::narrator::{Narrator, Told, outcome_word};
-use crate::ports::Observer;
+use crate::ports::{Deliberator, Observer, SolverAnswer};
 use apex_model::agent::Agent;
-use apex_model::effect::{Decision, DecisionKind, Effect};
-use apex_model::event::Batch;
+use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;
 use apex_model::task::TaskState;
 use apex_model::time::Time;
@@ -39,6 +39,8 @@ pub struct Recorder {
     batch: i64,
     effect: i64,
     begun: bool,
+    /// Changes of targets' states that are stored.
+    pub(super) stored_changes: usize,
 }
 
 /// What is kept of each agent while its steps are stored.
@@ -80,6 +82,7 @@ impl Recorder {
             batch: 0,
             effect: 0,
             begun: false,
+            stored_changes: 0,
         };
         for (agent, number) in library.crew().iter().zip(0_i64..) {
             recorder.agents.push(RecordedAgent { narrator: Narrator::new(library), snapshots: Snapshots::default() });
@@ -235,8 +238,8 @@ impl Recorder {
         effects.iter().try_for_each(|effect| self.store_effect(effect))
     }
 
-    /// Stores the agent when a snapshot is due.
-    fn store_snapshot(&mut self, agent: &Agent, now: Time) -> Result<(), RecordError> {
+    /// Stores the agent, and what the mission believes, when a snapshot is due.
+    fn store_snapshot(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), RecordError> {
         let Some(recorded) = self.agents.get_mut(self.turn) else { return Ok(()) };
         if recorded.snapshots.is_due() {
             let body = postcard::to_stdvec(agent).map_err(|error| self.store.unstorable("the agent", error))?;
@@ -245,9 +248,37 @@ impl Recorder {
             if !recorded.snapshots.impossible {
                 let sql = "INSERT OR REPLACE INTO snapshot VALUES (?1, ?2, ?3, ?4)";
                 self.store.write("storing a snapshot", sql, params![self.batch, now.0, body, self.turn as i64])?;
+                if let Some(body) = deliberator.snapshot() {
+                    let sql = "INSERT OR REPLACE INTO situation VALUES (?1, ?2, ?3)";
+                    self.store.write("storing a snapshot", sql, params![self.batch, now.0, body])?;
+                }
             }
         }
         self.store.end_step()
+    }
+
+    fn store_problem(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), RecordError> {
+        let SolveRequest { request, goal, solver, .. } = request;
+        self.store.write(
+            "storing a planning problem",
+            "INSERT OR REPLACE INTO problem VALUES (?1, ?2, ?3, ?4, ?5, ?6, NULL, NULL, NULL, NULL)",
+            params![request.0 as i64, self.batch, at.0, goal.to_string(), solver.printed(), problem],
+        )
+    }
+
+    fn store_answer(&mut self, request: SolveRequestId, due: Time, answer: &SolverAnswer) -> Result<(), RecordError> {
+        let doing = "storing a solver's answer";
+        let (detail, plan, report) = match &answer.result {
+            Ok(procedure) => {
+                let plan = procedure.plan.as_ref().map(serde_json::to_string).transpose();
+                let plan = plan.map_err(|error| self.store.unstorable("a plan", error))?;
+                (&procedure.summary, plan, SolverReport::Plan(procedure.clone()))
+            }
+            Err(reason) => (reason, None, SolverReport::Failed(reason.clone())),
+        };
+        let report = postcard::to_stdvec(&report).map_err(|error| self.store.unstorable("a solver's answer", error))?;
+        let sql = "UPDATE problem SET due_ns = ?2, detail = ?3, plan = ?4, report = ?5 WHERE request = ?1";
+        self.store.write(doing, sql, params![request.0 as i64, due.0, detail, plan, report])
     }
 
     fn store_note(&mut self, at: Time, text: &str) -> Result<(), RecordError> {
@@ -271,8 +302,17 @@ impl Observer for Recorder {
         self.store_step(batch, effects).map_err(|error| error.to_string())
     }
 
-    fn inspect(&mut self, agent: &Agent, now: Time) -> Result<(), String> {
-        self.store_snapshot(agent, now).map_err(|error| error.to_string())
+    fn inspect(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), String> {
+        let stored = self.target_changes(deliberator.target_changes());
+        stored.and_then(|()| self.store_snapshot(agent, deliberator, now)).map_err(|error| error.to_string())
+    }
+
+    fn posed(&mut self, request: &SolveRequest, at: Time, problem: &str) -> Result<(), String> {
+        self.store_problem(request, at, problem).map_err(|error| error.to_string())
+    }
+
+    fn answered(&mut self, request: SolveRequestId, due: Time, answer: &SolverAnswer) -> Result<(), String> {
+        self.store_answer(request, due, answer).map_err(|error| error.to_string())
     }
 
     fn note(&mut self, at: Time, text: &str) -> Result<(), String> {

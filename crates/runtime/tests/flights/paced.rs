@@ -3,18 +3,18 @@
 
 use super::support::{altitude, load, record_with};
 use apex_model::effect::SolveRequest;
-use apex_model::event::{Batch, EventKind, PlannedProcedure};
-use apex_model::expression::Template;
+use apex_model::event::{Batch, EventKind};
+use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
 use apex_planning::solver::{Environment, Solver, time_of};
-use apex_runtime::contained::Contained;
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::mission_loop::FlyOptions;
 use apex_runtime::pacing::{Clock, ManualClock};
-use apex_runtime::ports::{Deliberator, Observer, SolverAnswer, Withdrawal};
+use apex_runtime::ports::{Deliberator, Observer, Posed, SolverAnswer};
 use apex_runtime::record::RecordReader;
 use apex_runtime::replay::replay;
 use std::sync::Arc;
@@ -87,30 +87,36 @@ impl Solver for Bad {
 }
 
 /// Asks its solver, with the limits of a flight; what the solver did wrong is its answer.
-struct Office {
+struct Asks {
     solver: Arc<dyn Solver>,
-    invocations: Invocations,
     limits: Limits,
 }
 
-impl Deliberator for Office {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time, withdrawal: &Withdrawal) -> SolverAnswer {
+impl Deliberator for Asks {
+    fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
         let problem = Arc::new(Problem::SingleVisit(SingleVisitProblem::default()));
-        let answer = self.invocations.solve(&self.solver, &problem, None, 1, self.limits, withdrawal);
-        let visit = Template::Constant(apex_pdl::read_value("(visit a)").unwrap());
-        let text = format!("(procedure\n  (index {})\n  (step s1 (visit a)))", request.goal);
-        let plan = |_| PlannedProcedure {
-            solver: Symbol::new("bad"),
-            summary: "1 site".into(),
-            steps: vec![(Symbol::new("s1"), visit)],
-            repeat: false,
-            source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from(text) },
-        };
-        let result = match answer.misconduct {
-            Some(misconduct) => Err(misconduct),
-            None => answer.plan.map(plan),
-        };
-        SolverAnswer { result, charged: time_of(answer.used).min(Duration::from_seconds(5.0)) }
+        let (solver, limits, goal) = (Arc::clone(&self.solver), self.limits, request.goal.clone());
+        Posed::new("{}".into(), move |cancel| {
+            let answer = Invocations::new().solve(&solver, &problem, None, 1, limits, cancel);
+            let result = match answer.misconduct {
+                Some(misconduct) => Err(misconduct),
+                None => answer.plan.map(|_| one_site(&goal)),
+            };
+            SolverAnswer { result, charged: time_of(answer.used).min(Duration::from_seconds(5.0)) }
+        })
+    }
+}
+
+fn one_site(goal: &Value) -> PlannedProcedure {
+    let visit = PlannedActivity::Goal(apex_pdl::read_value("(visit a)").unwrap());
+    let text = format!("(procedure\n  (index {goal})\n  (step s1 (visit a)))");
+    PlannedProcedure {
+        solver: Symbol::new("bad"),
+        summary: "1 site".into(),
+        steps: vec![PlannedStep { tag: Symbol::new("s1"), activity: visit, line: 3 }],
+        repeat: false,
+        plan: None,
+        source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from(text) },
     }
 }
 
@@ -167,13 +173,12 @@ fn fly(name: &'static str, answer_comes: bool) -> String {
     let patience = std::time::Duration::from_secs(120);
     let units = if name == "loops" { 1_000 } else { u64::MAX / 4 };
     let limits = Limits { units, patience, memory_bytes: if name == "hoards" { 64 << 20 } else { 1 << 40 } };
-    let office = Office { solver, invocations: Invocations::new(), limits };
-    let mut contained = Contained::new(Box::new(office), 2 * patience).unwrap();
+    let mut deliberator = Asks { solver, limits };
     let inputs = (1..10_u8).map(|tens| altitude(f64::from(tens) * 10.0, 10 * i64::from(tens) + 6)).collect();
     let until = Time::from_seconds(100.0);
     let options = FlyOptions { until, pace: Some(1.0), clock: Arc::new(patron), inputs, ..FlyOptions::default() };
     let mut listener = Listener(answered, 0);
-    let flight = record_with(TOUR, &mut contained, &mut [&mut listener], options);
+    let flight = record_with(TOUR, &mut deliberator, &mut [&mut listener], options);
     gate.store(true, Ordering::SeqCst);
     assert_eq!((listener.1, flight.end.late.steps), (9, 0), "{name}: every report is heard at its instant");
     let reader = flight.reader();

@@ -2,13 +2,12 @@
 
 use crate::support::{CAMERA, altitude, camera, camera_inputs, load, program, record};
 use apex_model::effect::{Effect, SolveRequest};
-use apex_model::event::PlannedProcedure;
-use apex_model::expression::Template;
+use apex_model::planned::{PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_runtime::mission_loop::EndReason;
-use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
+use apex_runtime::ports::{Deliberator, Posed, SolverAnswer};
 use apex_runtime::program::NoDeliberator;
 use apex_runtime::record::RecordReader;
 use apex_runtime::replay::replay;
@@ -153,23 +152,29 @@ fn any_instant_is_restored_from_snapshot_or_from_inputs() {
     assert_eq!([at(10.0), at(40.0), at(89.0)], from_snapshot);
 }
 
-/// Plans two visits after 4 s of thinking; counts how often it was asked.
+/// Plans two visits after 4 s of thinking; counts the problems that it poses.
 #[derive(Default)]
 struct Planner(u32);
 
 impl Deliberator for Planner {
-    fn deliberate(&mut self, request: &SolveRequest, _: Time, _: &Withdrawal) -> SolverAnswer {
+    fn pose(&mut self, request: &SolveRequest, _: Time) -> Posed {
         self.0 += 1;
-        let visit = |place: &str| Template::Constant(apex_pdl::read_value(&format!("(visit {place})")).unwrap());
+        let visit = |tag: &str, place: &str, line| PlannedStep {
+            tag: Symbol::new(tag),
+            activity: PlannedActivity::Goal(apex_pdl::read_value(&format!("(visit {place})")).unwrap()),
+            line,
+        };
         let text = format!("(procedure\n  (index {})\n  (step s1 (visit a))\n  (step s2 (visit b)))", request.goal);
         let plan = PlannedProcedure {
             solver: Symbol::new("two-opt"),
             summary: "2 sites".into(),
-            steps: vec![(Symbol::new("s1"), visit("a")), (Symbol::new("s2"), visit("b"))],
+            steps: vec![visit("s1", "a", 3), visit("s2", "b", 4)],
             repeat: false,
+            plan: None,
             source: SourceFile { name: Arc::from("<plan 1>"), text: Arc::from(text) },
         };
-        SolverAnswer { result: Ok(plan), charged: Duration::from_seconds(4.0) }
+        let answer = SolverAnswer { result: Ok(plan), charged: Duration::from_seconds(4.0) };
+        Posed::new(format!("{{\"number\":{}}}", self.0), move |_| answer)
     }
 }
 

@@ -76,7 +76,7 @@ impl Recorded {
 pub(crate) fn record(
     pdl: &str,
     inputs: Vec<Input>,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     more: &mut [&mut dyn Observer],
 ) -> Recorded {
     record_with(pdl, deliberator, more, FlyOptions { inputs, ..FlyOptions::default() })
@@ -84,7 +84,7 @@ pub(crate) fn record(
 
 pub(crate) fn record_with(
     pdl: &str,
-    deliberator: &mut (dyn Deliberator + Send),
+    deliberator: &mut dyn Deliberator,
     more: &mut [&mut dyn Observer],
     options: FlyOptions,
 ) -> Recorded {

@@ -1,9 +1,8 @@
 //! Scanner lines with what has been seen of them.
 
-use super::bookkeeping::location;
 use apex_geo::geodesy;
 use apex_model::problem::Position;
-use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
 
 /// Length of the pieces in which a line is judged, m.
 const PIECE_M: f64 = 400.0;
@@ -15,7 +14,7 @@ const PIECES_PER_SAMPLE_MAX: usize = 4;
 const METRES_PER_DEGREE: f64 = 111_195.0;
 
 /// One line over a target, cut into pieces that are seen or not, with wings level or not.
-#[derive(Debug, Clone)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScanLine {
     from: Position,
     /// Unit vector along the line: east, north.
@@ -66,17 +65,6 @@ impl ScanLine {
         let level = self.pieces.iter().flatten().filter(|level| **level).count();
         (self.pieces.len(), seen, level)
     }
-}
-
-/// Target and lines of a goal `(observe TARGET along ((FROM TO)..) ..)`.
-pub(crate) fn lines_of_goal(goal: &Value) -> Option<(String, Vec<ScanLine>)> {
-    let [Value::Symbol(head), target, _, lines, ..] = goal.as_list()? else { return None };
-    let line = |line: &Value| {
-        let ends = line.as_list()?;
-        Some(ScanLine::new(location(ends.first()?)?.0, location(ends.get(1)?)?.0))
-    };
-    let lines = head.is("observe").then(|| lines.as_list())??;
-    Some((target.to_string(), lines.iter().filter_map(line).collect()))
 }
 
 #[cfg(test)]

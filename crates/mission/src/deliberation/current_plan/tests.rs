@@ -1,17 +1,17 @@
-//! The plan that is flown: taken, left behind, and read back from stored procedures.
+//! The plan in execution: adopted, left behind, and read back from stored procedures.
 
-use super::super::bookkeeping::{BookkeepingObserver, Chosen, SharedBookkeeping, lock};
-use super::super::deliberator::{Deliberation, Means, MissionDeliberator, Wish, solve, translate};
-use super::super::problem::pose;
 use super::*;
+use crate::deliberation::{Deliberation, Means, MissionDeliberator, Wish, solve, translate};
+use crate::problem::pose;
+use crate::situation::{Chosen, Situation};
 use apex_model::because::{Because, Cause};
-use apex_model::effect::{Decision, DecisionKind, Effect};
-use apex_model::event::{Batch, Event, EventKind};
+use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
+use apex_model::event::{Batch, Event, EventKind, SolverReport};
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_planning::solver::{Environment, Solver};
 use apex_runtime::invocation::Invocations;
-use apex_runtime::ports::{Deliberator, Observer, Withdrawal};
+use apex_runtime::ports::{CancelToken, Deliberator};
 use std::sync::{Arc, Mutex};
 
 fn mission(name: &str) -> Arc<Mission> {
@@ -46,36 +46,40 @@ impl Solver for Spy {
 }
 
 #[test]
-fn an_answer_that_nobody_took_is_no_flown_plan() {
-    let (seen, books) = (Arc::new(Mutex::new(Vec::new())), SharedBookkeeping::default());
+fn planners_begin_from_the_adopted_plan_only() {
+    let seen = Arc::new(Mutex::new(Vec::new()));
     let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Spy(Arc::clone(&seen)))).unwrap();
     let means = Means::of(&Arc::new(planners));
-    let mut deliberator = MissionDeliberator::new(mission("structure-watch"), Arc::clone(&books), means);
+    let mut deliberator = MissionDeliberator::new(mission("structure-watch"), means);
     let goal = Value::list([Value::symbol("patrol"), Value::symbol("the"), Value::symbol("structures")]);
-    let mut ask = |number: u64, at_s: f64| {
+    let step = |deliberator: &mut MissionDeliberator, at_s: f64, kinds: Vec<EventKind>, effects: &[Effect]| {
+        let now = Time::from_seconds(at_s);
+        let events = kinds.into_iter().map(|kind| Event { sequence: 0, at: now, kind }).collect();
+        deliberator.observe(0, &Batch { now, events }, effects);
+    };
+    let ask = |deliberator: &mut MissionDeliberator, number: u64, at_s: f64| {
         let budget = Some(Duration::from_seconds(0.005));
         let (request, solver) = (SolveRequestId(number), Symbol::new("spy"));
         let request = SolveRequest { request, task: TaskId(1), goal: goal.clone(), solver, budget };
-        let answer = deliberator.deliberate(&request, Time::from_seconds(at_s), &Withdrawal::new());
-        answer.result.unwrap();
+        step(deliberator, at_s, Vec::new(), &[Effect::Solve(request.clone())]);
+        let answer = deliberator.pose(&request, Time::from_seconds(at_s)).job.run(&CancelToken::new());
+        EventKind::SolverReported(SolveRequestId(number), SolverReport::Plan(answer.result.unwrap()))
     };
-    ask(0, 0.0);
-    // Cancelled meanwhile: the executive never takes it.
-    assert_eq!(lock(&books).target_changes, []);
-    ask(1, 60.0);
+    ask(&mut deliberator, 0, 0.0);
+    assert_eq!(deliberator.target_changes(), [], "the request was cancelled: the executive never adopts the plan");
+    let answer = ask(&mut deliberator, 1, 60.0);
     let kind = DecisionKind::ProcedureAdded { request: SolveRequestId(1), summary: "a".into(), pdl: "b".into() };
     let because = Because::new(Cause::PlanArrived { request: SolveRequestId(1), solver: Symbol::new("spy") }, None);
-    let taken = Effect::Decided(Decision { task: None, kind, because });
-    let batch = Batch { now: Time::from_seconds(70.0), events: Vec::new() };
-    BookkeepingObserver::new(Arc::clone(&books)).observe(&batch, &[taken]).unwrap();
-    let told = std::mem::take(&mut lock(&books).target_changes);
-    assert!(!told.is_empty() && told.iter().all(|(_, at, ..)| *at == batch.now), "{told:?}");
-    ask(2, 320.0);
-    ask(3, 900.0);
+    let adopted = Effect::Decided(Decision { task: None, kind, because });
+    step(&mut deliberator, 70.0, vec![answer], &[adopted]);
+    let changes = deliberator.target_changes();
+    assert!(!changes.is_empty() && changes.iter().all(|change| change.at == Time::from_seconds(70.0)), "{changes:?}");
+    ask(&mut deliberator, 2, 320.0);
+    ask(&mut deliberator, 3, 900.0);
     let seen = seen.lock().unwrap();
     let begun: Vec<bool> = seen.iter().map(|(previous, _)| previous.is_some()).collect();
-    assert_eq!(begun, [false, false, true, true], "only what was taken is begun from");
+    assert_eq!(begun, [false, false, true, true], "planners begin from adopted plans only");
     // Of the plan of 60 s what is ahead at 320 s and at 900 s.
     let whole = watch(&seen[1].1);
     for (ask, elapsed_s) in [(2, 260.0), (3, 840.0)] {
@@ -86,39 +90,17 @@ fn an_answer_that_nobody_took_is_no_flown_plan() {
     }
 }
 
-#[test]
-fn answers_of_which_nothing_is_heard_are_forgotten_the_oldest_first() {
-    let mut flown = Flown::default();
-    let plan = Plan::Surveillance(SurveillancePlan {
-        solver: STORED.to_string(),
-        cycle: Vec::new(),
-        return_s: None,
-        expected_cost: 0.0,
-        expected_cost_bound: None,
-        left_out: Vec::new(),
-        summary: String::new(),
-        visits: Vec::new(),
-    });
-    for number in 0..SOLVE_REQUESTS_MAX as u64 + 3 {
-        flown.answered(SolveRequestId(number), plan.clone(), Time::ZERO);
-    }
-    assert_eq!(
-        (flown.answers.len(), flown.answers.first_key_value().map(|(request, _)| request.0)),
-        (SOLVE_REQUESTS_MAX, Some(3))
-    );
-}
-
 fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
-    let problem = pose(mission, &Bookkeeping::default(), Time::ZERO).unwrap();
+    let problem = pose(mission, &Situation::default(), Time::ZERO).unwrap();
     let means = Means::of(&Arc::new(apex_solvers::shipped()));
     let wish = Wish { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
-    solve(problem, wish, &mut Invocations::new(), &Withdrawal::new()).unwrap()
+    solve(problem, wish, &mut Invocations::new(), &CancelToken::new()).unwrap()
 }
 
-/// The forms of a plan's steps.
-fn forms(mission: &Mission, solved: &Deliberation) -> Vec<Value> {
+/// The visits among a plan's steps, as read back from goals.
+fn forms(mission: &Mission, solved: &Deliberation) -> Vec<PlannedActivity> {
     let steps = translate(solved, &Value::symbol("go"), 1, mission).steps;
-    steps.into_iter().filter_map(|(_, activity)| visit(&Activity::Goal(activity))).collect()
+    steps.into_iter().filter_map(|step| visit(&Activity::Goal(Template::Constant(step.activity.goal())))).collect()
 }
 
 #[test]
@@ -144,8 +126,9 @@ fn a_cycle_is_read_back_where_it_stands() {
     assert_eq!(watched(problem, &forms, 2 * forms.len() + 2, true).unwrap(), later, "laps before do not count");
     let once = watched(problem, &forms, 2, false).unwrap();
     assert_eq!((once.cycle.len(), once.visits.len()), (0, forms.len() - 2));
-    let strange = Value::list([Value::symbol("visit"), Value::symbol("atlantis")]);
-    let with: Vec<Value> = [strange].into_iter().chain(forms).collect();
+    let PlannedActivity::Visit { from, at, dwell, .. } = forms[0].clone() else { panic!("it is a visit") };
+    let strange = PlannedActivity::Visit { site: "atlantis".into(), from, at, dwell };
+    let with: Vec<PlannedActivity> = [strange].into_iter().chain(forms).collect();
     assert_eq!(watched(problem, &with, 0, true).unwrap(), read, "what is no target does not count");
     assert_eq!(watched(problem, &[], 0, true), None);
 }
@@ -175,15 +158,18 @@ fn observations_are_read_back_with_their_manoeuvres() {
     let forms = forms(&mission, &solved);
     assert!(visited(&fading, &forms).unwrap().visits.iter().all(|visit| visit.timing == 1.0));
     // Without times they follow each other.
-    let timeless: Vec<Value> =
-        forms.iter().map(|form| Value::list(form.as_list().unwrap().iter().take(4).cloned())).collect();
+    let timeless = |step: &PlannedActivity| match step.clone() {
+        PlannedActivity::Observe { target, lines, .. } => PlannedActivity::Observe { target, lines, due: None },
+        other => other,
+    };
+    let timeless: Vec<PlannedActivity> = forms.iter().map(timeless).collect();
     let read = visited(problem, &timeless).unwrap();
     assert_eq!((of(&read), read.visits[0].begin_s), (of(plan), problem.start_s));
     assert!(read.visits.windows(2).all(|pair| (pair[0].end_s - pair[1].begin_s).abs() < 1e-6));
 }
 
 /// A copy of the mission that has the plan as a stored procedure, which was chosen for the goal at 100 s.
-fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Bookkeeping) {
+fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Situation) {
     let folder = tempfile::TempDir::new().unwrap();
     let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name);
     for entry in std::fs::read_dir(shipped).unwrap().map(Result::unwrap) {
@@ -195,7 +181,7 @@ fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Boo
     let text = std::fs::read_to_string(&program).unwrap();
     std::fs::write(&program, text.replacen("  :targets", "  :files (\"plan.pdl\")\n  :targets", 1)).unwrap();
     let mission = Mission::load(folder.path()).unwrap();
-    let mut books = Bookkeeping::default();
+    let mut situation = Situation::default();
     for procedure in &mission.library.procedures {
         let steps = procedure.steps.iter().filter_map(|step| visit(&step.activity)).count();
         if steps > 0 && steps == forms(&mission, solved).len() {
@@ -204,38 +190,35 @@ fn with_stored(name: &str, solved: &Deliberation, goal: &Value) -> (Mission, Boo
                 false => goal.clone(),
             };
             let chosen = Chosen { place: procedure.place, since: Time::from_seconds(100.0) };
-            books.chosen.insert(goal.to_string(), chosen);
+            situation.chosen.insert(goal.to_string(), chosen);
         }
     }
-    assert_eq!(books.chosen.len(), 1, "one procedure is the plan's");
-    (mission, books)
+    assert_eq!(situation.chosen.len(), 1, "one procedure is the plan's");
+    (mission, situation)
 }
 
 /// Each target is observed from so many seconds on, for one second.
-fn observe(books: Bookkeeping, observed: &[(&str, f64)]) -> Bookkeeping {
-    let books = Arc::new(Mutex::new(books));
-    let mut observer = BookkeepingObserver::new(Arc::clone(&books));
+fn observe(mission: &Mission, mut situation: Situation, observed: &[(&str, f64)]) -> Situation {
     for (target, at_s) in observed {
         for (head, at_s) in [("observing", *at_s), ("observed", at_s + 1.0)] {
             let form = Value::list([Value::symbol(head), Value::symbol(target)]);
             let (at, kind) = (Time::from_seconds(at_s), EventKind::Occurrence(form));
             let batch = Batch { now: at, events: vec![Event { sequence: 0, at, kind }] };
-            observer.observe(&batch, &[]).unwrap();
+            situation.observe(mission, 0, &batch, &[]);
         }
     }
-    let books = lock(&books).clone();
-    assert_eq!(books.observed().count(), observed.len());
-    books
+    assert_eq!(situation.observed().count(), observed.len());
+    situation
 }
 
 #[test]
 fn a_stored_cycle_is_left_where_its_own_visits_ended() {
     let goal = Value::list([Value::symbol("patrol"), Value::symbol("the"), Value::symbol("structures")]);
     let solved = solved(&mission("structure-watch"), Some("two-opt"));
-    let (mission, books) = with_stored("structure-watch", &solved, &goal);
+    let (mission, situation) = with_stored("structure-watch", &solved, &goal);
     let left = |observed: &[(&str, f64)]| {
-        let books = observe(books.clone(), observed);
-        match stored(&mission, &books, &goal, &solved.problem).unwrap() {
+        let situation = observe(&mission, situation.clone(), observed);
+        match stored(&mission, &situation, &goal, &solved.problem).unwrap() {
             Plan::Surveillance(plan) => plan.cycle,
             Plan::SingleVisit(_) => panic!("of another kind"),
         }
@@ -250,17 +233,17 @@ fn a_stored_cycle_is_left_where_its_own_visits_ended() {
     let laps: Vec<(&str, f64)> =
         (0..order.len() + 1).map(|at| (order[at % order.len()].as_str(), 200.0 + 9.0 * at as f64)).collect();
     assert_eq!(left(&laps), from(1), "a lap later it stands where it stood");
-    assert_eq!(stored(&mission, &Bookkeeping::default(), &goal, &solved.problem), None, "nothing was chosen");
+    assert_eq!(stored(&mission, &Situation::default(), &goal, &solved.problem), None, "nothing was chosen");
 }
 
 #[test]
 fn stored_observations_are_left_from_the_first_that_was_not_made() {
     let goal = Value::list([Value::symbol("map"), Value::symbol("the"), Value::symbol("fires")]);
     let solved = solved(&mission("western-states"), None);
-    let (mission, books) = with_stored("western-states", &solved, &goal);
+    let (mission, situation) = with_stored("western-states", &solved, &goal);
     let Plan::SingleVisit(plan) = &solved.plan else { panic!("of another kind") };
     let names: Vec<&str> = plan.visits.iter().map(|visit| visit.target.as_str()).collect();
-    let books = observe(books, &[(names[0], 500.0), (names[1], 9_000.0)]);
-    let left = stored(&mission, &books, &goal, &solved.problem).unwrap();
+    let situation = observe(&mission, situation, &[(names[0], 500.0), (names[1], 9_000.0)]);
+    let left = stored(&mission, &situation, &goal, &solved.problem).unwrap();
     assert_eq!(left.targets(), names[2..]);
 }

@@ -1,9 +1,8 @@
-//! What a mission believes after news, in the numbers that planners are given.
+//! What a mission believes after updates, in the numbers that planners are given.
 
-use super::bookkeeping::Bookkeeping;
-use super::news::News;
-use super::problem::pose;
-use super::{Fire, Mission, Site, TargetKind};
+use super::{MissionUpdate, MissionUpdates, Situation};
+use crate::problem::pose;
+use crate::{Fire, Mission, Site, TargetKind};
 use apex_metrics::eci::cost_at;
 use apex_model::problem::{CostFunction, EventRate, Problem, SurveillanceProblem, WindField};
 use apex_model::time::Time;
@@ -13,13 +12,13 @@ fn mission(name: &str) -> Mission {
     Mission::load(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions").join(name)).unwrap()
 }
 
-fn news(said: &[(&str, &str, Option<f64>)]) -> News {
-    let mut news = News::default();
+fn updates(said: &[(&str, &str, Option<f64>)]) -> MissionUpdates {
+    let mut updates = MissionUpdates::default();
     for (head, subject, number) in said {
         let items: Vec<Value> = [Value::symbol(subject)].into_iter().chain(number.map(Value::Real)).collect();
-        assert!(news.take(head, &items).is_some(), "{head} is news");
+        updates.apply(MissionUpdate::read(head, &items).expect("it is an update"));
     }
-    news
+    updates
 }
 
 fn site<'m>(mission: &'m Mission, id: &str) -> &'m Site {
@@ -43,10 +42,9 @@ fn fire<'m>(mission: &'m Mission, id: &str) -> Option<&'m Fire> {
     })
 }
 
-fn posed(mission: &Mission, news: News) -> SurveillanceProblem {
-    let mut books = Bookkeeping::default();
-    books.news = news;
-    match pose(&books.news.believed(mission), &books, Time::from_seconds(60.0)).unwrap() {
+fn posed(mission: &Mission, updates: MissionUpdates) -> SurveillanceProblem {
+    let situation = Situation { updates, ..Situation::default() };
+    match pose(&situation.updates.believed(mission), &situation, Time::from_seconds(60.0)).unwrap() {
         Problem::Surveillance(problem) => problem,
         Problem::SingleVisit(_) => panic!("of another kind"),
     }
@@ -55,8 +53,9 @@ fn posed(mission: &Mission, news: News) -> SurveillanceProblem {
 #[test]
 fn a_likelihood_is_one_of_an_hour_and_of_one_target() {
     let mission = mission("structure-watch");
-    let before = posed(&mission, News::default());
-    let after = posed(&mission, news(&[("new-likelihood", "barn", Some(9.0)), ("new-likelihood", "barn", Some(50.0))]));
+    let before = posed(&mission, MissionUpdates::default());
+    let after =
+        posed(&mission, updates(&[("new-likelihood", "barn", Some(9.0)), ("new-likelihood", "barn", Some(50.0))]));
     assert_eq!(before.targets.len(), after.targets.len());
     for (before, after) in before.targets.iter().zip(&after.targets) {
         let rate = if before.name == "barn" { EventRate::constant(50.0 / 3600.0) } else { before.rate.clone() };
@@ -81,7 +80,8 @@ fn a_value_is_what_an_event_costs_that_is_never_found() {
         // A table says itself what an event costs at last.
         let is_table = format!("{cost:?}").contains("Table");
         (barn.cost, barn.importance) = (cost.clone(), if is_table { 7.0 } else { importance });
-        let believed = news(&[("new-value", "barn", Some(3.0)), ("new-value", "barn", Some(10.0))]).believed(&mission);
+        let believed =
+            updates(&[("new-value", "barn", Some(3.0)), ("new-value", "barn", Some(10.0))]).believed(&mission);
         let barn = site(&believed, "barn");
         assert_eq!(barn.importance, 10.0, "{cost:?}");
         for age_s in [0.0, 100.0, 500.0, 900.0, 5000.0] {
@@ -89,7 +89,7 @@ fn a_value_is_what_an_event_costs_that_is_never_found() {
             assert!((now - wanted).abs() < 1e-9, "{now} {wanted} {cost:?} at {age_s} s");
         }
         assert_eq!(site(&believed, "winery").cost, site(&mission, "winery").cost);
-        let nothing = news(&[("new-value", "barn", Some(0.0))]).believed(&mission);
+        let nothing = updates(&[("new-value", "barn", Some(0.0))]).believed(&mission);
         assert_eq!(cost_at(&site(&nothing, "barn").cost, 5000.0), 0.0, "{cost:?}");
     }
 }
@@ -97,15 +97,19 @@ fn a_value_is_what_an_event_costs_that_is_never_found() {
 #[test]
 fn fires_are_worth_what_was_said_and_appear_when_they_are_announced() {
     let mission = mission("western-states");
-    let before = News::default().believed(&mission);
+    let before = MissionUpdates::default().believed(&mission);
     assert!(fire(&before, "castle-rock").is_none() && fire(&before, "lick").is_some());
     let said = [("new-value", "lick", Some(1.5)), ("new-target", "castle-rock", None), ("target-gone", "zaca", None)];
-    let after = news(&said).believed(&mission);
+    let after = updates(&said).believed(&mission);
     assert!(fire(&after, "castle-rock").is_some() && fire(&after, "domke-lake").is_none());
     assert_eq!(fire(&after, "lick").unwrap().value, 1.5);
     assert_eq!(after.targets.len(), before.targets.len(), "one came, one went");
     assert!(fire(&before, "zaca").is_some() && fire(&after, "zaca").is_none());
-    assert_eq!(news(&said).valued(&mission).targets.len(), mission.targets.len(), "nothing is hidden from the report");
+    assert_eq!(
+        updates(&said).valued(&mission).targets.len(),
+        mission.targets.len(),
+        "nothing is hidden from the report"
+    );
 }
 
 #[test]
@@ -114,13 +118,13 @@ fn the_forecast_that_was_named_is_believed() {
     assert_ne!(mission.forecast, WindField::default());
     mission.forecasts.push(("calm.csv".into(), WindField::default()));
     let said = |name: &str| {
-        let mut news = News::default();
-        news.take("new-forecast", &[Value::text(name)]);
-        news
+        let mut updates = MissionUpdates::default();
+        updates.apply(MissionUpdate::NewForecast(name.to_string()));
+        updates
     };
     assert_eq!(said("calm.csv").believed(&mission).forecast, WindField::default());
     assert_eq!(said("storm.csv").believed(&mission).forecast, mission.forecast);
-    let times = |news: News| posed(&mission, news).travel;
+    let times = |updates: MissionUpdates| posed(&mission, updates).travel;
     assert_ne!(times(said("calm.csv")), times(said("storm.csv")), "ways take other times");
 }
 
@@ -129,18 +133,19 @@ fn whatever_names_nothing_is_told() {
     let mission = mission("structure-watch");
     let heads = [("new-target", None), ("target-gone", None), ("new-value", Some(1.0)), ("new-likelihood", Some(1.0))];
     for (head, number) in heads {
-        assert_eq!(news(&[(head, "castle", number)]).unknown(&mission).len(), 1, "{head}");
-        assert_eq!(news(&[(head, "barn", number)]).unknown(&mission).len(), 0, "{head}");
+        assert_eq!(updates(&[(head, "castle", number)]).unknown(&mission).len(), 1, "{head}");
+        assert_eq!(updates(&[(head, "barn", number)]).unknown(&mission).len(), 0, "{head}");
     }
-    assert_eq!(news(&[("new-forecast", "storm.csv", None)]).unknown(&mission).len(), 1);
+    assert_eq!(updates(&[("new-forecast", "storm.csv", None)]).unknown(&mission).len(), 1);
 }
 
 #[test]
 fn visits_of_people_are_repeated_where_they_say_so() {
     for (words, repeat) in [(["repeat", "barn", "school"].as_slice(), true), (&["barn", "school"], false)] {
-        let mut news = News::default();
-        news.take("planned-by-people", &[Value::list(words.iter().map(|word| Value::symbol(word)))]);
-        let visits = news.visits().unwrap();
+        let mut updates = MissionUpdates::default();
+        let words = Value::list(words.iter().map(|word| Value::symbol(word)));
+        updates.apply(MissionUpdate::read("planned-by-people", &[words]).unwrap());
+        let visits = updates.operator_plan().unwrap();
         assert_eq!((visits.visits.join(" ").as_str(), visits.repeat), ("barn school", repeat));
     }
 }

@@ -1,26 +1,16 @@
-//! Deliberation for a mission: pose the problem, choose and run a solver, check its plan, translate it into PDL.
+//! Solving a posed problem: chooses a planner, runs it contained and within its budget, and checks its plan.
 
-use super::bookkeeping::{SharedBookkeeping, lock};
-use super::flown::Flown;
-pub use super::problem::visit_altitude_m;
-use super::problem::{NoPlan, here, pose, survey};
-use super::steps::nothing_more;
-pub use super::steps::translate;
-use super::{Mission, people};
-use apex_model::effect::{SolveRequest, SolveRequestId};
+use crate::problem::{NoPlan, survey};
+use crate::{Mission, Target, TargetKind};
 use apex_model::problem::{Plan, Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
-use apex_planning::solver::{time_of, units_in};
+use apex_planning::solver::units_in;
 use apex_portfolio::{ProfileTable, Selection};
 use apex_runtime::invocation::{Invocations, Limits};
 use apex_runtime::limits::{SOLVER_MEMORY_BYTES, SOLVER_PATIENCE};
-use apex_runtime::ports::{Deliberator, SolverAnswer, Withdrawal};
-use apex_runtime::record::TargetState;
+use apex_runtime::ports::CancelToken;
 use std::sync::Arc;
-
-/// Deliberation time where neither the mission nor the request says one.
-const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// What one deliberation came to.
 #[derive(Debug, Clone)]
@@ -39,88 +29,6 @@ pub struct Deliberation {
     pub from: Option<(Position, Time)>,
     /// People plan such missions better, says the profile table.
     pub people_plan_better: bool,
-}
-
-/// Plans for one mission.
-pub struct MissionDeliberator {
-    mission: Arc<Mission>,
-    books: SharedBookkeeping,
-    means: Means,
-    invocations: Invocations,
-    flown: Flown,
-    made: u32,
-}
-
-impl MissionDeliberator {
-    /// A deliberator that knows the mission and, through the books, what has been achieved.
-    pub fn new(mission: Arc<Mission>, books: SharedBookkeeping, means: Means) -> MissionDeliberator {
-        MissionDeliberator { mission, books, means, invocations: Invocations::new(), flown: Flown::default(), made: 0 }
-    }
-}
-
-impl Deliberator for MissionDeliberator {
-    fn deliberate(&mut self, request: &SolveRequest, at: Time, withdrawal: &Withdrawal) -> SolverAnswer {
-        let budget = request.budget.unwrap_or(BUDGET_DEFAULT);
-        let wanted = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
-        // A copy: whoever flies writes into the books while the problem is posed.
-        let books = lock(&self.books).clone();
-        let believed = books.news.believed(&self.mission);
-        let (posed, start) = (pose(&believed, &books, at), here(&believed, &books));
-        for unknown in books.news.unknown(&self.mission) {
-            lock(&self.books).note_once(at, &unknown);
-        }
-        let solved = posed.and_then(|problem| {
-            let flown = self.flown.plan((&believed, &books), request, &problem, at);
-            let (previous, what) = flown.unzip();
-            let (solver, seed) = (wanted.as_deref(), self.mission.settings.seed);
-            let means = people::means(&self.means, solver, &books.news).map_err(NoPlan::Fault)?;
-            let wish = Wish { means: &means, solver, budget, seed, previous };
-            let solved = solve(problem, wish, &mut self.invocations, withdrawal)?;
-            Ok((solved, what))
-        });
-        match solved {
-            Err(NoPlan::NothingLeft(reason)) if lock(&self.books).observed().next().is_some() => {
-                self.made += 1;
-                SolverAnswer { result: Ok(nothing_more(&request.goal, self.made, &reason)), charged: Duration::ZERO }
-            }
-            Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
-            Ok((mut solved, begun_from)) => {
-                solved.from = Some((start, at));
-                name_obstacles(&believed, &mut solved);
-                self.made += 1;
-                self.offer(request.request, &solved.plan);
-                self.flown.answered(request.request, solved.plan.clone(), at);
-                let charged = time_of(solved.work);
-                let mut result = translate(&solved, &request.goal, self.made, &believed);
-                if let Some(begun_from) = begun_from {
-                    result.summary = format!("{} Begun from {begun_from}.", result.summary);
-                }
-                SolverAnswer { result: Ok(result), charged: charged.min(budget) }
-            }
-        }
-    }
-}
-
-impl MissionDeliberator {
-    /// Once the executive takes the plan, targets in it become `planned`, those left out `skipped` with the reason.
-    fn offer(&self, request: SolveRequestId, plan: &Plan) {
-        let visits: Vec<(String, String)> = match plan {
-            Plan::SingleVisit(plan) => plan
-                .visits
-                .iter()
-                .map(|visit| {
-                    (visit.target.clone(), format!("planned for {}", Time::from_seconds(visit.begin_s.round())))
-                })
-                .collect(),
-            Plan::Surveillance(plan) => {
-                plan.cycle.iter().map(|target| (target.clone(), "in the cycle".to_string())).collect()
-            }
-        };
-        let planned = visits.into_iter().map(|(target, detail)| (target, TargetState::Planned, detail));
-        let left_out = plan.left_out().iter().cloned();
-        let skipped = left_out.map(|left_out| (left_out.target, TargetState::Skipped, left_out.reason));
-        lock(&self.books).offer(request, planned.chain(skipped).collect());
-    }
 }
 
 /// Who may plan, and what they may take of the machine.
@@ -170,7 +78,7 @@ pub fn solve(
     problem: Problem,
     wish: Wish<'_>,
     invocations: &mut Invocations,
-    withdrawal: &Withdrawal,
+    cancel: &CancelToken,
 ) -> Result<Deliberation, NoPlan> {
     let units = units_in(wish.budget);
     let Selection { solver: name, mut reason, people_plan_better } = match (wish.solver, &wish.means.table) {
@@ -191,7 +99,7 @@ pub fn solve(
     validate(&problem).map_err(NoPlan::Fault)?;
     let problem = Arc::new(problem);
     let limits = Limits { units, patience: wish.means.patience, memory_bytes: wish.means.memory_bytes };
-    let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, withdrawal);
+    let answer = invocations.solve(solver, &problem, wish.previous, wish.seed, limits, cancel);
     // Who misbehaves and has no plan does not say that nothing is left.
     let misconduct = answer.misconduct;
     let no_plan = |why| if misconduct.is_some() { NoPlan::Fault(why) } else { NoPlan::NothingLeft(why) };
@@ -241,8 +149,8 @@ pub fn validate(problem: &Problem) -> Result<(), String> {
 /// Says of sites left out because they lie in a restricted area, in which.
 pub fn name_obstacles(mission: &Mission, solved: &mut Deliberation) {
     let Plan::Surveillance(plan) = &mut solved.plan else { return };
-    let sites: Vec<&super::Target> =
-        mission.targets.iter().filter(|target| matches!(target.kind, super::TargetKind::Site(_))).collect();
+    let sites: Vec<&Target> =
+        mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Site(_))).collect();
     let positions: Vec<Position> = sites.iter().map(|target| target.position).collect();
     let (start, begin) = solved.from.unwrap_or((mission.start, Time::ZERO));
     let Ok(ways) = survey(mission, &positions, start, begin.seconds()) else { return };
@@ -266,7 +174,7 @@ mod tests {
             let problem = Problem::SingleVisit(SingleVisitProblem::default());
             let budget = Duration::from_seconds(1.0);
             let wish = Wish { means: &means, solver: Some(solver), budget, seed: 1, previous: None };
-            let solved = solve(problem, wish, &mut Invocations::new(), &Withdrawal::new());
+            let solved = solve(problem, wish, &mut Invocations::new(), &CancelToken::new());
             assert!(matches!(solved, Err(NoPlan::Fault(_))), "{solver}");
         }
     }

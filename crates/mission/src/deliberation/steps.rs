@@ -1,16 +1,21 @@
-//! A plan's steps: what the executive flies of it, as a procedure of PDL.
+//! Translates a plan into the procedure that the executive flies.
 
-use super::deliberator::Deliberation;
-use super::problem::{survey, visit_altitude_m};
-use super::{Mission, Target, TargetKind, people};
-use crate::vehicle::Airframe;
-use apex_model::event::PlannedProcedure;
-use apex_model::expression::Template;
-use apex_model::problem::{Manoeuvre, Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
+use super::current_plan::{observed_lines, rounded};
+use super::operator_plan;
+use super::solve::Deliberation;
+use crate::problem::{survey, visit_altitude_m};
+use crate::{Mission, Target, TargetKind};
+use apex_model::planned::{Location, LookFrom, PlannedActivity, PlannedProcedure, PlannedStep};
+use apex_model::problem::{Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
+use apex_pdl::PrintedPlan;
+use apex_sim::Airframe;
+
+/// A step before it has a line in the procedure's text.
+type Step = (Symbol, PlannedActivity);
 
 /// The plan as a procedure for `goal`.
 pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mission) -> PlannedProcedure {
@@ -20,34 +25,46 @@ pub fn translate(solved: &Deliberation, goal: &Value, number: u32, mission: &Mis
         (Problem::Surveillance(_), Plan::SingleVisit(_)) => (Vec::new(), false),
     };
     if solved.people_plan_better {
-        steps.insert(0, people::step(goal, solved.plan.summary()));
+        steps.insert(0, operator_plan::step(goal, solved.plan.summary()));
     }
-    let name = format!("<plan {number}>");
-    let procedure = apex_pdl::print_plan(goal, &steps, repeat);
-    let text = format!("; {}\n; {}\n{procedure}", solved.plan.summary(), solved.reason);
+    let head = format!("; {}\n; {}\n", solved.plan.summary(), solved.reason);
     PlannedProcedure {
         solver: Symbol::new(solved.plan.solver()),
         summary: solved.plan.summary().to_string(),
-        steps: steps.into_iter().map(|(tag, step)| (tag, Template::Constant(step))).collect(),
-        repeat,
-        source: SourceFile { name: name.into(), text: text.into() },
+        plan: Some(Box::new(solved.plan.clone())),
+        ..procedure(goal, number, &head, steps, repeat)
     }
 }
 
-/// The plan of a mission in progress for which nothing more can be planned: it ends, and the way back begins.
+/// The plan of a mission in progress for which nothing more can be planned: it ends, and the return begins.
 pub(super) fn nothing_more(goal: &Value, number: u32, reason: &str) -> PlannedProcedure {
     let summary = format!("nothing more to visit. {reason}");
-    let text = format!("; {summary}\n{}", apex_pdl::print_plan(goal, &[], false));
+    let head = format!("; {summary}\n");
     PlannedProcedure {
         solver: Symbol::new("single-visit"),
         summary,
-        steps: Vec::new(),
-        repeat: false,
-        source: SourceFile { name: format!("<plan {number}>").into(), text: text.into() },
+        ..procedure(goal, number, &head, Vec::new(), false)
     }
 }
 
-fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<(Symbol, Value)> {
+/// The steps with their text, of which `head` is the beginning.
+fn procedure(goal: &Value, number: u32, head: &str, steps: Vec<Step>, repeat: bool) -> PlannedProcedure {
+    let goals: Vec<(Symbol, Value)> = steps.iter().map(|(tag, activity)| (tag.clone(), activity.goal())).collect();
+    let PrintedPlan { text, step_lines } = apex_pdl::print_plan(goal, &goals, repeat);
+    let before = u32::try_from(head.lines().count()).unwrap_or(0);
+    let lines = step_lines.into_iter().map(|line| line + before).chain(std::iter::repeat(1));
+    let step = |((tag, activity), line)| PlannedStep { tag, activity, line };
+    PlannedProcedure {
+        solver: Symbol::new(""),
+        summary: String::new(),
+        steps: steps.into_iter().zip(lines).map(step).collect(),
+        repeat,
+        plan: None,
+        source: SourceFile { name: format!("<plan {number}>").into(), text: format!("{head}{text}").into() },
+    }
+}
+
+fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut altitude_m = problem.vehicle.cruise_altitude_m;
     let mut ready_s = problem.start_s;
@@ -58,50 +75,36 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         ready_s = visit.end_s;
         detour(&mut steps, &visit.route, altitude_m);
         altitude_m = manoeuvre.altitude_m;
-        let form = Value::list([
-            Value::symbol("observe"),
-            Value::symbol(&visit.target),
-            Value::symbol("along"),
-            observed_lines(manoeuvre),
-            Value::symbol("due"),
-            Value::Duration(Duration::from_seconds(visit.end_s.round())),
-        ]);
-        steps.push((Symbol::new(&format!("observe-{}", visit.target)), form));
+        let observe = PlannedActivity::Observe {
+            target: visit.target.clone(),
+            lines: observed_lines(manoeuvre),
+            due: Some(Duration::from_seconds(visit.end_s.round())),
+        };
+        steps.push((Symbol::new(&format!("observe-{}", visit.target)), observe));
     }
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
     detour(&mut steps, &plan.return_route, altitude_m);
     steps
 }
 
-/// The lines that an observation flies, as its step says them.
-pub(super) fn observed_lines(manoeuvre: &Manoeuvre) -> Value {
-    let place = |position: &Position| at(*position, manoeuvre.altitude_m);
-    Value::list(manoeuvre.lines.iter().map(|(from, to)| Value::list([place(from), place(to)])))
-}
-
 /// Staying where a route begins until it is open; nothing for less than a second.
-fn hold(steps: &mut Vec<(Symbol, Value)>, route: &[Position], altitude_m: f64, seconds: f64) {
+fn hold(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, seconds: f64) {
     let Some(here) = route.first().filter(|_| seconds >= 1.0) else { return };
     let tag = Symbol::new(&format!("hold-{}", steps.len() + 1));
-    let time = Value::Duration(Duration::from_seconds(seconds.round()));
-    let words = [Value::symbol("loiter"), Value::symbol("at"), at(*here, altitude_m), Value::symbol("for"), time];
-    steps.push((tag, Value::list(words)));
+    let time = Duration::from_seconds(seconds.round());
+    steps.push((tag, PlannedActivity::Loiter { at: at(*here, altitude_m), time }));
 }
 
 /// Way points strictly between the ends of a route: the bends around airspace.
-fn detour(steps: &mut Vec<(Symbol, Value)>, route: &[Position], altitude_m: f64) {
+fn detour(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64) {
     let bends = route.len().saturating_sub(2);
     for bend in route.iter().skip(1).take(bends) {
         let tag = Symbol::new(&format!("around-{}", steps.len() + 1));
-        steps.push((tag, Value::list([Value::symbol("fly"), Value::symbol("to"), at(*bend, altitude_m)])));
+        steps.push((tag, PlannedActivity::FlyTo(at(*bend, altitude_m))));
     }
 }
 
-fn surveillance_steps(
-    plan: &SurveillancePlan,
-    mission: &Mission,
-    from: Option<(Position, Time)>,
-) -> (Vec<(Symbol, Value)>, bool) {
+fn surveillance_steps(plan: &SurveillancePlan, mission: &Mission, from: Option<(Position, Time)>) -> (Vec<Step>, bool) {
     let repeat = !plan.cycle.is_empty();
     let order: Vec<&String> =
         if repeat { plan.cycle.iter().collect() } else { plan.visits.iter().map(|visit| &visit.target).collect() };
@@ -138,15 +141,13 @@ fn surveillance_steps(
             detour(&mut steps, &route(before, *number, index), altitude_m);
         }
         before = Some(*number);
-        let form = Value::list([
-            Value::symbol("visit"),
-            Value::symbol(&target.id),
-            Value::symbol(if circles { "around" } else { "at" }),
-            at(target.position, altitude_m),
-            Value::symbol("for"),
-            Value::Duration(Duration::from_seconds(*dwell_s)),
-        ]);
-        steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), form));
+        let visit = PlannedActivity::Visit {
+            site: target.id.clone(),
+            from: if circles { LookFrom::Circle } else { LookFrom::Point },
+            at: at(target.position, altitude_m),
+            dwell: Duration::from_seconds(*dwell_s),
+        };
+        steps.push((Symbol::new(&format!("visit-{}-{}", index + 1, target.id)), visit));
     }
     if let (true, Some(first), Some(last)) = (repeat, order.first(), order.last()) {
         let altitude_m = sites.get(*first).map_or(0.0, |(target, _)| visit_altitude_m(mission, target));
@@ -155,14 +156,9 @@ fn surveillance_steps(
     (steps, repeat)
 }
 
-/// A location rounded to about a metre, so that plans stay readable.
-fn at(position: Position, altitude_m: f64) -> Value {
-    let round = |degrees: f64| (degrees * 1e5).round() / 1e5;
-    Value::list([
-        Value::Real(round(position.latitude_deg)),
-        Value::Real(round(position.longitude_deg)),
-        Value::Real(altitude_m.round()),
-    ])
+/// A location, rounded.
+fn at(position: Position, altitude_m: f64) -> Location {
+    rounded(Location { position, altitude_m })
 }
 
 #[cfg(test)]
@@ -176,7 +172,9 @@ mod tests {
         hold(&mut steps, &[here, here], 7000.0, 0.5);
         assert_eq!(steps, []);
         hold(&mut steps, &[here, here], 7000.0, 90.2);
-        let printed = apex_pdl::print_plan(&Value::symbol("go"), &steps, false);
+        let printed = procedure(&Value::symbol("go"), 1, "; head\n", steps, false);
+        assert_eq!(printed.steps.iter().map(|step| step.line).collect::<Vec<_>>(), [4]);
+        let printed = printed.source.text;
         assert!(printed.contains("(step hold-1 (loiter at (40.0 -120.0 7000.0) for P1M30S))"), "{printed}");
     }
 }

@@ -1,0 +1,191 @@
+//! Deliberation for a mission: poses problems from the situation at the instant of a request; jobs solve, check and translate.
+
+mod current_plan;
+mod operator_plan;
+pub mod solve;
+mod steps;
+
+pub use solve::{Deliberation, Means, PLAN_VISITS_MAX, Wish, name_obstacles, solve, validate};
+pub use steps::translate;
+
+use crate::Mission;
+use crate::problem::{NoPlan, here, pose};
+use crate::situation::{OperatorPlan, Situation};
+use apex_model::effect::{Effect, SolveRequest};
+use apex_model::event::Batch;
+use apex_model::problem::{Plan, Position, Problem};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_planning::solver::{time_of, units_in};
+use apex_runtime::invocation::Invocations;
+use apex_runtime::ports::{CancelToken, Deliberator, Posed, SolverAnswer};
+use apex_runtime::target_state::TargetChange;
+use serde::Serialize;
+use std::sync::{Arc, Mutex, PoisonError};
+use steps::nothing_more;
+
+/// Deliberation time if neither the mission nor the request states one.
+const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
+
+/// Plans for one mission, from what is believed of it.
+pub struct MissionDeliberator {
+    mission: Arc<Mission>,
+    situation: Situation,
+    means: Means,
+    /// Solvers that were left behind: a matter of the machine, not of the mission.
+    invocations: Arc<Mutex<Invocations>>,
+}
+
+impl MissionDeliberator {
+    /// A deliberator at the beginning of the mission.
+    pub fn new(mission: Arc<Mission>, means: Means) -> MissionDeliberator {
+        MissionDeliberator::in_situation(mission, Situation::default(), means)
+    }
+
+    /// A deliberator that continues from a situation.
+    pub fn in_situation(mission: Arc<Mission>, situation: Situation, means: Means) -> MissionDeliberator {
+        MissionDeliberator { mission, situation, means, invocations: Arc::default() }
+    }
+
+    /// What is believed now.
+    pub fn situation(&self) -> &Situation {
+        &self.situation
+    }
+}
+
+impl Deliberator for MissionDeliberator {
+    fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
+        self.situation.observe(&self.mission, agent, batch, effects);
+    }
+
+    fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed {
+        let question = Question::of(&self.mission, &self.situation, request, at);
+        let problem = serde_json::to_string(&question.shown()).unwrap_or_else(|error| error.to_string());
+        let (means, invocations) = (self.means.clone(), Arc::clone(&self.invocations));
+        Posed::new(problem, move |cancel| {
+            let mut invocations = invocations.lock().unwrap_or_else(PoisonError::into_inner);
+            question.answer(&means, &mut invocations, cancel)
+        })
+    }
+
+    fn snapshot(&self) -> Option<Vec<u8>> {
+        postcard::to_stdvec(&self.situation).ok()
+    }
+
+    fn target_changes(&self) -> &[TargetChange] {
+        &self.situation.target_changes
+    }
+}
+
+/// Everything on which the answer to one request depends, besides the planners.
+struct Question {
+    /// The mission as it is believed.
+    believed: Mission,
+    problem: Result<Problem, NoPlan>,
+    /// Where planners begin, and what that plan is.
+    previous: Option<(Plan, &'static str)>,
+    operator_plan: Option<OperatorPlan>,
+    goal: Value,
+    /// None lets the profile table choose.
+    solver: Option<String>,
+    budget: Duration,
+    seed: u64,
+    /// The vehicle's position and the instant of the request.
+    from: (Position, Time),
+    /// At least one observation has ended.
+    has_observed: bool,
+    /// Numbers the plans of a flight.
+    number: u32,
+}
+
+/// A [`Question`] as the record holds it.
+#[derive(Serialize)]
+struct Shown<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<&'a Problem>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_problem: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    previous: Option<&'a Plan>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    begun_from: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    operator_plan: Option<&'a OperatorPlan>,
+    goal: String,
+    solver: Option<&'a str>,
+    work_units: u64,
+    seed: u64,
+    from: Position,
+    t_s: f64,
+    has_observed: bool,
+    number: u32,
+}
+
+impl Question {
+    fn of(mission: &Mission, situation: &Situation, request: &SolveRequest, at: Time) -> Question {
+        let believed = situation.updates.believed(mission);
+        let problem = pose(&believed, situation, at);
+        let previous = problem
+            .as_ref()
+            .ok()
+            .and_then(|problem| current_plan::current_plan(&believed, situation, &request.goal, problem, at));
+        Question {
+            problem,
+            previous,
+            operator_plan: situation.updates.operator_plan().cloned(),
+            goal: request.goal.clone(),
+            solver: (!request.solver.is("auto")).then(|| request.solver.folded().to_string()),
+            budget: request.budget.unwrap_or(BUDGET_DEFAULT),
+            seed: mission.settings.seed,
+            from: (here(&believed, situation), at),
+            has_observed: situation.observed().next().is_some(),
+            number: situation.posed,
+            believed,
+        }
+    }
+
+    fn shown(&self) -> Shown<'_> {
+        Shown {
+            problem: self.problem.as_ref().ok(),
+            no_problem: self.problem.as_ref().err().map(ToString::to_string),
+            previous: self.previous.as_ref().map(|(plan, _)| plan),
+            begun_from: self.previous.as_ref().map(|(_, what)| *what),
+            operator_plan: self.operator_plan.as_ref(),
+            goal: self.goal.to_string(),
+            solver: self.solver.as_deref(),
+            work_units: units_in(self.budget),
+            seed: self.seed,
+            from: self.from.0,
+            t_s: self.from.1.seconds(),
+            has_observed: self.has_observed,
+            number: self.number,
+        }
+    }
+
+    fn answer(self, means: &Means, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
+        let Question { believed, goal, budget, from, has_observed, number, .. } = self;
+        let solver = self.solver.as_deref();
+        let (previous, begun_from) = self.previous.unzip();
+        let solved = self.problem.and_then(|problem| {
+            let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
+            let wish = Wish { means: &means, solver, budget, seed: self.seed, previous };
+            solve(problem, wish, invocations, cancel)
+        });
+        match solved {
+            Err(NoPlan::NothingLeft(reason)) if has_observed => {
+                SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
+            }
+            Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },
+            Ok(mut solved) => {
+                solved.from = Some(from);
+                name_obstacles(&believed, &mut solved);
+                let charged = time_of(solved.work).min(budget);
+                let mut result = translate(&solved, &goal, number, &believed);
+                if let Some(begun_from) = begun_from {
+                    result.summary = format!("{} Begun from {begun_from}.", result.summary);
+                }
+                SolverAnswer { result: Ok(result), charged }
+            }
+        }
+    }
+}

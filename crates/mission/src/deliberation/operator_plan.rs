@@ -1,0 +1,35 @@
+//! The operator's plan as a planner's, and the message that the operator plans better (paper, section V.C).
+
+use super::solve::Means;
+use crate::situation::OperatorPlan;
+use apex_model::planned::PlannedActivity;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
+use apex_solvers::planners::human::Human;
+use std::sync::Arc;
+
+/// Name of the planner that returns the operator's visits.
+const HUMAN: &str = "human";
+
+/// The means with the operator's visits as one more planner, if `solver` asks for it.
+///
+/// # Errors
+/// An error message if the operator has not named visits.
+pub(super) fn means(means: &Means, solver: Option<&str>, plan: Option<&OperatorPlan>) -> Result<Means, String> {
+    let mut means = means.clone();
+    if solver != Some(HUMAN) || means.planners.find(HUMAN).is_some() {
+        return Ok(means);
+    }
+    let plan = plan.ok_or("nobody has said what to visit, by the event (planned-by-people ([repeat] TARGET ..))")?;
+    let mut planners = means.planners.as_ref().clone();
+    planners.add(Arc::new(Human { visits: plan.visits.clone(), repeat: plan.repeat }))?;
+    means.planners = Arc::new(planners);
+    Ok(means)
+}
+
+/// The first step of a plan where the operator plans better: `library/aerial-observation.pdl` informs its listeners.
+pub(super) fn step(goal: &Value, summary: &str) -> (Symbol, PlannedActivity) {
+    let words = [Value::symbol("say"), Value::symbol("that"), Value::symbol("people"), Value::symbol("plan")];
+    let rest = [goal.clone(), Value::symbol("better"), Value::symbol("than"), Value::text(summary)];
+    (Symbol::new("people"), PlannedActivity::Goal(Value::list(words.into_iter().chain(rest))))
+}

@@ -1,0 +1,60 @@
+//! Messages that change what is known of a mission. This is the one place that knows their PDL forms.
+
+use super::updates::MissionUpdate;
+use apex_model::value::Value;
+
+/// A message of the mission's procedures, of the vehicle or of the scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MissionEvent {
+    /// `(observing TARGET)`: an observation begins.
+    Observing(String),
+    /// `(observed TARGET)`: an observation has ended.
+    Observed(String),
+    /// `(wings-level-violation TARGET)`: a segment is flown again.
+    WingsLevelViolation(String),
+    /// `(replan-wanted REASON)`.
+    ReplanWanted(String),
+    /// `(communication-lost LINK)`.
+    CommunicationLost(String),
+    /// `(communication-regained LINK)`.
+    CommunicationRegained(String),
+    /// `(image-in-memory TARGET)`: a picture has been taken.
+    ImageInMemory(String),
+    /// `(low-fuel VEHICLE)`.
+    LowFuel,
+    /// New data of the mission.
+    Update(MissionUpdate),
+}
+
+impl MissionEvent {
+    /// Reads a message; `None` if it does not concern the mission's state.
+    pub fn read(form: &Value) -> Option<MissionEvent> {
+        let [Value::Symbol(head), items @ ..] = form.as_list()? else { return None };
+        let subject = items.first()?.to_string();
+        Some(match head.folded() {
+            "observing" => MissionEvent::Observing(subject),
+            "observed" => MissionEvent::Observed(subject),
+            "wings-level-violation" => MissionEvent::WingsLevelViolation(subject),
+            "replan-wanted" => MissionEvent::ReplanWanted(subject),
+            "communication-lost" => MissionEvent::CommunicationLost(subject),
+            "communication-regained" => MissionEvent::CommunicationRegained(subject),
+            "image-in-memory" => MissionEvent::ImageInMemory(subject),
+            "low-fuel" => MissionEvent::LowFuel,
+            head => MissionEvent::Update(MissionUpdate::read(head, items)?),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_of_other_matters_are_not_read() {
+        let form = |words: &[&str]| Value::list(words.iter().map(|word| Value::symbol(word)));
+        assert_eq!(MissionEvent::read(&form(&["ready", "camera-1"])), None);
+        assert_eq!(MissionEvent::read(&form(&["observed"])), None);
+        assert_eq!(MissionEvent::read(&Value::symbol("observed")), None);
+        assert_eq!(MissionEvent::read(&form(&["Observed", "barn"])), Some(MissionEvent::Observed("barn".into())));
+    }
+}

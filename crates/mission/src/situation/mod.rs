@@ -1,0 +1,258 @@
+//! The situation: what is believed of a mission at an instant. A pure fold over the batches and effects that the record
+//! stores, so that it can be computed again, stored and continued.
+
+#[cfg(test)]
+mod believed_tests;
+mod event;
+mod scan_line;
+mod updates;
+mod visit;
+
+pub use event::MissionEvent;
+pub use scan_line::ScanLine;
+pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
+pub use visit::{VehicleState, Visit};
+
+use crate::Mission;
+use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
+use apex_model::event::{Batch, EventKind, SolverReport};
+use apex_model::limits::SOLVE_REQUESTS_MAX;
+use apex_model::planned::PlannedActivity;
+use apex_model::problem::Plan;
+use apex_model::source::Place;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_runtime::target_state::{TargetChange, TargetState};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Goals whose chosen procedure is remembered; more than any mission has.
+const CHOSEN_MAX: usize = 10_000;
+
+/// A notable decision.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// When.
+    pub at: Time,
+    /// What, one line.
+    pub text: String,
+}
+
+/// A procedure that was chosen for a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Chosen {
+    /// Where it stands.
+    pub place: Place,
+    /// When it was chosen.
+    pub since: Time,
+}
+
+/// A plan and the instant at which it was asked for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MadePlan {
+    /// The plan.
+    pub plan: Plan,
+    /// When its problem was posed.
+    pub made: Time,
+}
+
+/// What is believed of a mission.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Situation {
+    /// Observations in order of their beginning.
+    pub visits: Vec<Visit>,
+    /// Notable decisions in order.
+    pub notes: Vec<Note>,
+    /// The vehicle.
+    pub vehicle: VehicleState,
+    /// New data of targets and weather.
+    pub updates: MissionUpdates,
+    /// Changes of targets' states in order.
+    pub target_changes: Vec<TargetChange>,
+    /// The plan that the executive adopted last.
+    pub plan: Option<MadePlan>,
+    /// The procedure that was chosen last for each goal, by its text.
+    pub chosen: BTreeMap<String, Chosen>,
+    /// Number of planning problems posed so far, by all agents.
+    pub posed: u32,
+    /// When each request without an answer was made.
+    asked: BTreeMap<SolveRequestId, Time>,
+    /// Plans that the executive may still adopt.
+    answers: BTreeMap<SolveRequestId, MadePlan>,
+    /// Lines of each target whose observation has been chosen.
+    planned_lines: BTreeMap<String, Vec<ScanLine>>,
+}
+
+impl Situation {
+    /// Observes one step of the agent with this number. Only the first agent flies: what the others measure and do does
+    /// not happen to the vehicle.
+    pub fn observe(&mut self, mission: &Mission, agent: usize, batch: &Batch, effects: &[Effect]) {
+        let requests = effects.iter().filter(|effect| matches!(effect, Effect::Solve(_))).count();
+        self.posed = self.posed.saturating_add(u32::try_from(requests).unwrap_or(u32::MAX));
+        if agent != 0 {
+            return;
+        }
+        let mut moved = false;
+        for event in &batch.events {
+            match &event.kind {
+                EventKind::Measurement(variable, value) => {
+                    moved |= variable.attribute.is("location");
+                    self.vehicle.measure(variable.attribute.folded(), value);
+                }
+                EventKind::Occurrence(form) => self.take_message(event.at, form),
+                EventKind::SolverReported(request, report) => self.take_answer(event.at, *request, report),
+                _ => {}
+            }
+        }
+        if moved && let Some(visit) = self.visits.last_mut().filter(|visit| visit.end.is_none()) {
+            visit.scan(&self.vehicle);
+        }
+        for effect in effects {
+            self.take_effect(batch.now, effect);
+        }
+        if requests > 0 {
+            // Data that planning cannot use are reported when a plan is asked for.
+            for unknown in self.updates.unknown(mission) {
+                self.note_once(batch.now, &unknown);
+            }
+        }
+    }
+
+    /// Observations that have ended.
+    pub fn observed(&self) -> impl Iterator<Item = &Visit> {
+        self.visits.iter().filter(|visit| visit.end.is_some())
+    }
+
+    fn open_visit(&mut self) -> Option<&mut Visit> {
+        self.visits.last_mut().filter(|visit| visit.end.is_none())
+    }
+
+    fn note(&mut self, at: Time, text: String) {
+        self.notes.push(Note { at, text });
+    }
+
+    fn note_once(&mut self, at: Time, text: &str) {
+        if !self.notes.iter().any(|note| note.text == text) {
+            self.note(at, text.to_string());
+        }
+    }
+
+    fn change(&mut self, target: String, at: Time, state: TargetState, detail: String) {
+        self.target_changes.push(TargetChange { target, at, state, detail });
+    }
+
+    fn take_message(&mut self, at: Time, form: &Value) {
+        let Some(event) = MissionEvent::read(form) else { return };
+        match event {
+            MissionEvent::Observing(target) => {
+                if self.open_visit().is_none_or(|visit| visit.target != target) {
+                    self.change(target.clone(), at, TargetState::Observing, String::new());
+                    let lines = self.planned_lines.get(&target).cloned().unwrap_or_default();
+                    self.visits.push(Visit::new(target, at, lines));
+                }
+            }
+            MissionEvent::Observed(target) => {
+                if let Some(visit) = self.open_visit().filter(|visit| visit.target == target) {
+                    visit.end = Some(at);
+                }
+                self.change(target, at, TargetState::Observed, String::new());
+            }
+            MissionEvent::WingsLevelViolation(target) => {
+                if let Some(visit) = self.open_visit() {
+                    visit.reflies += 1;
+                }
+                self.note(at, format!("re-fly: wings were not level over {target}"));
+            }
+            MissionEvent::ReplanWanted(reason) => self.note(at, format!("replanning wanted: {reason}")),
+            MissionEvent::CommunicationLost(link) => {
+                self.note(at, format!("communication over {link} lost: going back"));
+            }
+            MissionEvent::CommunicationRegained(link) => self.note(at, format!("communication over {link} regained")),
+            MissionEvent::ImageInMemory(target) => {
+                self.change(target.clone(), at, TargetState::Observed, String::new());
+                self.note(at, format!("picture of {target} in memory"));
+            }
+            MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
+            MissionEvent::Update(update) => {
+                if let MissionUpdate::TargetGone { target, printed } = &update {
+                    let (note, printed) = (format!("no target any more: {target}"), printed.clone());
+                    self.updates.apply(update);
+                    self.note(at, note);
+                    self.change(printed, at, TargetState::Skipped, "no target any more".to_string());
+                } else {
+                    let note = self.updates.apply(update);
+                    self.note(at, note);
+                }
+            }
+        }
+    }
+
+    fn take_answer(&mut self, at: Time, request: SolveRequestId, report: &SolverReport) {
+        let made = self.asked.remove(&request).unwrap_or(at);
+        match report {
+            SolverReport::Failed(reason) => self.note(at, format!("no plan: {reason}")),
+            SolverReport::Plan(procedure) => {
+                let Some(plan) = &procedure.plan else { return };
+                self.answers.insert(request, MadePlan { plan: plan.as_ref().clone(), made });
+                // The executive adopts a plan when it arrives; old answers will not be adopted.
+                while self.answers.len() > SOLVE_REQUESTS_MAX {
+                    self.answers.pop_first();
+                }
+            }
+        }
+    }
+
+    fn take_effect(&mut self, now: Time, effect: &Effect) {
+        match effect {
+            Effect::Inform { form, .. } => self.take_message(now, form),
+            Effect::Solve(request) => {
+                self.asked.insert(request.request, now);
+            }
+            Effect::CancelSolve(request) => {
+                self.asked.remove(request);
+            }
+            Effect::Decided(decision) => match &decision.kind {
+                DecisionKind::Selected { goal, method: Method::Procedure(place), .. } => {
+                    self.take_choice(now, goal, *place);
+                }
+                DecisionKind::ProcedureAdded { request, summary, .. } => self.take_plan(now, *request, summary),
+                DecisionKind::Trouble { message } => self.note(now, format!("trouble: {message}")),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+
+    /// The executive adopted the plan of `request`: its targets are planned, those left out skipped with the reason.
+    fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
+        self.note(now, format!("new plan: {summary}"));
+        let Some(made) = self.answers.remove(&request) else { return };
+        let visits: Vec<(String, String)> = match &made.plan {
+            Plan::SingleVisit(plan) => {
+                let planned = |begin_s: f64| format!("planned for {}", Time::from_seconds(begin_s.round()));
+                plan.visits.iter().map(|visit| (visit.target.clone(), planned(visit.begin_s))).collect()
+            }
+            Plan::Surveillance(plan) => {
+                plan.cycle.iter().map(|target| (target.clone(), "in the cycle".to_string())).collect()
+            }
+        };
+        for (target, detail) in visits {
+            self.change(target, now, TargetState::Planned, detail);
+        }
+        for left_out in made.plan.left_out() {
+            self.change(left_out.target.clone(), now, TargetState::Skipped, left_out.reason.clone());
+        }
+        self.plan = Some(made);
+    }
+
+    fn take_choice(&mut self, now: Time, goal: &Value, place: Place) {
+        if let PlannedActivity::Observe { target, lines, .. } = PlannedActivity::from_goal(goal) {
+            let lines = lines.iter().map(|(from, to)| ScanLine::new(from.position, to.position)).collect();
+            self.planned_lines.insert(target, lines);
+        }
+        let goal = goal.to_string();
+        if self.chosen.len() < CHOSEN_MAX || self.chosen.contains_key(&goal) {
+            self.chosen.insert(goal, Chosen { place, since: now });
+        }
+    }
+}

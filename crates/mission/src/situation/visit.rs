@@ -1,0 +1,94 @@
+//! Observations so far, and the vehicle as last reported.
+
+use super::scan_line::ScanLine;
+use apex_model::planned::Location;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Beyond this roll angle a line of the scanner is not valid (missions.md 1).
+const WINGS_LEVEL_DEG: f64 = 3.0;
+
+/// One observation of one target.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Visit {
+    /// The target's id.
+    pub target: String,
+    /// When it began.
+    pub begin: Time,
+    /// When it ended; `None` while it continues, or if it was interrupted.
+    pub end: Option<Time>,
+    /// Number of segments that were flown again.
+    pub reflies: u32,
+    /// The lines to fly, with what was seen of each.
+    pub lines: Vec<ScanLine>,
+    /// Sum and count of altitudes while scanning, for the mean.
+    altitude_m: (f64, u32),
+    /// The largest roll angle while on a line.
+    pub roll_deg_max: f64,
+}
+
+impl Visit {
+    /// An observation that begins now.
+    pub(super) fn new(target: String, begin: Time, lines: Vec<ScanLine>) -> Visit {
+        Visit { target, begin, end: None, reflies: 0, lines, altitude_m: (0.0, 0), roll_deg_max: 0.0 }
+    }
+
+    /// Mean altitude above mean sea level while scanning; `None` if nothing was scanned.
+    pub fn altitude_m(&self) -> Option<f64> {
+        let (sum, count) = self.altitude_m;
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// Marks what the scanner of `vehicle` sees now, if it is on and the vehicle is on a line.
+    pub(super) fn scan(&mut self, vehicle: &VehicleState) {
+        let VehicleState { position: Some(position), altitude_m, roll_deg, on_line: true, scanning: true, .. } =
+            *vehicle
+        else {
+            return;
+        };
+        self.altitude_m = (self.altitude_m.0 + altitude_m, self.altitude_m.1 + 1);
+        self.roll_deg_max = self.roll_deg_max.max(roll_deg.abs());
+        for line in &mut self.lines {
+            line.mark(position, roll_deg.abs() <= WINGS_LEVEL_DEG);
+        }
+    }
+}
+
+/// State of the vehicle as last reported.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VehicleState {
+    /// Position; `None` before the first report.
+    pub position: Option<Position>,
+    /// Altitude above mean sea level.
+    pub altitude_m: f64,
+    /// Fuel left.
+    pub fuel_kg: Option<f64>,
+    /// Flight time that the fuel allows.
+    pub endurance_s: Option<f64>,
+    roll_deg: f64,
+    on_line: bool,
+    scanning: bool,
+}
+
+impl VehicleState {
+    /// Takes a sample of one of the vehicle's attributes. Other attributes change nothing.
+    pub(super) fn measure(&mut self, attribute: &str, value: &Value) {
+        match (attribute, value) {
+            ("location", Value::List(_)) => {
+                if let Some(location) = Location::from_value(value) {
+                    self.position = Some(location.position);
+                    self.altitude_m = location.altitude_m;
+                }
+            }
+            ("fuel", Value::Quantity(fuel)) if fuel.dimension == Dimension::MASS => self.fuel_kg = Some(fuel.si),
+            ("endurance-remaining", Value::Duration(left)) => self.endurance_s = Some(left.seconds()),
+            ("roll-angle", Value::Quantity(roll)) => self.roll_deg = roll.si.to_degrees(),
+            ("flight-phase", Value::Symbol(phase)) => self.on_line = phase.is("line"),
+            ("scanner-state", Value::Symbol(state)) => self.scanning = state.is("on"),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! A plan in the executive's terms: a sequential procedure whose steps are typed.
+//!
+//! Text is for people only. [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] are the one place that knows
+//! how an activity is written as a goal of `library/aerial-observation.pdl`.
+
+use crate::problem::{Plan, Position};
+use crate::source::SourceFile;
+use crate::symbol::Symbol;
+use crate::time::Duration;
+use crate::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// A solver's plan as a procedure. The executive indexes it by the goal of the request that it answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedProcedure {
+    /// The solver that made it.
+    pub solver: Symbol,
+    /// One line for the operator: value, bound, targets left out.
+    pub summary: String,
+    /// Activities in order.
+    pub steps: Vec<PlannedStep>,
+    /// True for a cycle that begins again when it ends.
+    pub repeat: bool,
+    /// The checked plan with its visits, times and routes; `None` if the procedure does not come from a planner.
+    pub plan: Option<Box<Plan>>,
+    /// The same procedure as PDL text, so that places in it can be shown.
+    pub source: SourceFile,
+}
+
+/// One step of a planned procedure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedStep {
+    /// The step's tag.
+    pub tag: Symbol,
+    /// What the step does.
+    pub activity: PlannedActivity,
+    /// Line of the step in the procedure's text, from 1.
+    pub line: u32,
+}
+
+/// A point above the WGS84 ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Location {
+    /// Latitude and longitude.
+    pub position: Position,
+    /// Above mean sea level.
+    pub altitude_m: f64,
+}
+
+impl Location {
+    /// The PDL value `(LATITUDE LONGITUDE ALTITUDE)`.
+    pub fn value(&self) -> Value {
+        let Position { latitude_deg, longitude_deg } = self.position;
+        Value::list([latitude_deg, longitude_deg, self.altitude_m].map(Value::Real))
+    }
+
+    /// Reads `(LATITUDE LONGITUDE)` or `(LATITUDE LONGITUDE ALTITUDE)`; a missing altitude is 0. `None` for other values.
+    pub fn from_value(value: &Value) -> Option<Location> {
+        let items = value.as_list()?;
+        let number = |index: usize| items.get(index).and_then(Value::as_number).map(|(number, _)| number);
+        let position = Position::new(number(0)?, number(1)?);
+        Some(Location { position, altitude_m: number(2).unwrap_or(0.0) })
+    }
+}
+
+/// How a site is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LookFrom {
+    /// From one point: for vehicles that hover.
+    Point,
+    /// From a circle around the point: for vehicles that cannot hover.
+    Circle,
+}
+
+/// What a step of a plan does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PlannedActivity {
+    /// Fly every line over a target with the scanner on.
+    Observe {
+        /// The target's id.
+        target: String,
+        /// Ends of each line, in the order flown.
+        lines: Vec<(Location, Location)>,
+        /// When the plan expects the end, since the mission's start; `None` if it is not stated.
+        due: Option<Duration>,
+    },
+    /// Fly to a site and look at it.
+    Visit {
+        /// The site's id.
+        site: String,
+        /// Point or circle.
+        from: LookFrom,
+        /// The point, or the centre of the circle.
+        at: Location,
+        /// How long the look takes.
+        dwell: Duration,
+    },
+    /// Fly to a point.
+    FlyTo(Location),
+    /// Stay at a point.
+    Loiter {
+        /// The point.
+        at: Location,
+        /// How long.
+        time: Duration,
+    },
+    /// Any other ground goal.
+    Goal(Value),
+}
+
+impl PlannedActivity {
+    /// The target that the activity observes; `None` for a transit.
+    pub fn target(&self) -> Option<&str> {
+        match self {
+            PlannedActivity::Observe { target, .. } => Some(target),
+            PlannedActivity::Visit { site, .. } => Some(site),
+            PlannedActivity::FlyTo(_) | PlannedActivity::Loiter { .. } | PlannedActivity::Goal(_) => None,
+        }
+    }
+
+    /// The goal that the step pursues.
+    pub fn goal(&self) -> Value {
+        let word = Value::symbol;
+        match self {
+            PlannedActivity::Observe { target, lines, due } => {
+                let lines = lines.iter().map(|(from, to)| Value::list([from.value(), to.value()]));
+                let lines = Value::list(lines);
+                let due = due.iter().flat_map(|due| [word("due"), Value::Duration(*due)]);
+                Value::list([word("observe"), word(target), word("along"), lines].into_iter().chain(due))
+            }
+            PlannedActivity::Visit { site, from, at, dwell } => {
+                let from = word(match from {
+                    LookFrom::Point => "at",
+                    LookFrom::Circle => "around",
+                });
+                let dwell = Value::Duration(*dwell);
+                Value::list([word("visit"), word(site), from, at.value(), word("for"), dwell])
+            }
+            PlannedActivity::FlyTo(to) => Value::list([word("fly"), word("to"), to.value()]),
+            PlannedActivity::Loiter { at, time } => {
+                Value::list([word("loiter"), word("at"), at.value(), word("for"), Value::Duration(*time)])
+            }
+            PlannedActivity::Goal(goal) => goal.clone(),
+        }
+    }
+
+    /// Reads a ground goal back; a goal of any other form is [`PlannedActivity::Goal`].
+    pub fn from_goal(goal: &Value) -> PlannedActivity {
+        known_goal(goal).unwrap_or_else(|| PlannedActivity::Goal(goal.clone()))
+    }
+}
+
+fn known_goal(goal: &Value) -> Option<PlannedActivity> {
+    let is = |value: &Value, word: &str| value.as_symbol().is_some_and(|symbol| symbol.is(word));
+    match goal.as_list()? {
+        [head, target, along, lines, rest @ ..] if is(head, "observe") && is(along, "along") => {
+            let due = match rest {
+                [] => None,
+                [word, Value::Duration(due)] if is(word, "due") => Some(*due),
+                _ => return None,
+            };
+            let ends = |line: &Value| match line.as_list()? {
+                [from, to] => Some((Location::from_value(from)?, Location::from_value(to)?)),
+                _ => None,
+            };
+            let lines = lines.as_list()?.iter().map(ends).collect::<Option<_>>()?;
+            Some(PlannedActivity::Observe { target: target.to_string(), lines, due })
+        }
+        [head, site, from, at, time, Value::Duration(dwell)] if is(head, "visit") && is(time, "for") => {
+            let from = match from.as_symbol()? {
+                word if word.is("at") => LookFrom::Point,
+                word if word.is("around") => LookFrom::Circle,
+                _ => return None,
+            };
+            let at = Location::from_value(at)?;
+            Some(PlannedActivity::Visit { site: site.to_string(), from, at, dwell: *dwell })
+        }
+        [head, to, place] if is(head, "fly") && is(to, "to") => Location::from_value(place).map(PlannedActivity::FlyTo),
+        [head, word, place, span, Value::Duration(time)] if is(head, "loiter") && is(word, "at") && is(span, "for") => {
+            Some(PlannedActivity::Loiter { at: Location::from_value(place)?, time: *time })
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn location(latitude_deg: f64) -> Location {
+        Location { position: Position::new(latitude_deg, -118.25), altitude_m: 6_500.0 }
+    }
+
+    #[test]
+    fn every_activity_is_read_back_from_its_goal() {
+        let minute = Duration::from_seconds(60.0);
+        let lines = vec![(location(34.5), location(34.75)), (location(35.0), location(35.5))];
+        let look = |from| PlannedActivity::Visit { site: "barn".into(), from, at: location(1.5), dwell: minute };
+        let observe = |due| PlannedActivity::Observe { target: "butler-2".into(), lines: lines.clone(), due };
+        let all = [
+            observe(Some(minute)),
+            observe(None),
+            look(LookFrom::Point),
+            look(LookFrom::Circle),
+            PlannedActivity::FlyTo(location(2.5)),
+            PlannedActivity::Loiter { at: location(3.5), time: minute },
+            PlannedActivity::Goal(Value::list([Value::symbol("say"), Value::Integer(3)])),
+        ];
+        for activity in all {
+            assert_eq!(PlannedActivity::from_goal(&activity.goal()), activity);
+        }
+    }
+
+    #[test]
+    fn goals_that_lack_a_part_stay_plain_goals() {
+        let visit = PlannedActivity::FlyTo(location(2.5)).goal();
+        let short = Value::list(visit.as_list().unwrap_or_default().iter().take(2).cloned());
+        assert_eq!(PlannedActivity::from_goal(&short), PlannedActivity::Goal(short.clone()));
+        let word = Value::symbol("observe");
+        assert_eq!(PlannedActivity::from_goal(&word), PlannedActivity::Goal(word.clone()));
+    }
+}

@@ -1,0 +1,96 @@
+//! Planning problems, their answers and what the mission believed, as recorded.
+
+use super::reader::RecordReader;
+use crate::error::RecordError;
+use apex_model::effect::SolveRequestId;
+use apex_model::event::SolverReport;
+use apex_model::time::Time;
+use rusqlite::{OptionalExtension, params};
+
+/// A row of the `problem` table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProblemRow {
+    /// The request, numbered as outside of the agents.
+    pub request: SolveRequestId,
+    /// When it was made.
+    pub at: Time,
+    /// The goal to plan for.
+    pub goal: String,
+    /// The solver asked for, or `auto`.
+    pub solver: String,
+    /// The problem as JSON.
+    pub problem: String,
+    /// The answer and the instant at which it takes effect; `None` if no answer arrived.
+    pub answer: Option<(Time, SolverReport)>,
+    /// The plan as JSON, if the answer has one.
+    pub plan: Option<String>,
+}
+
+/// What the mission believed after a batch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SituationRow {
+    /// The batch's number.
+    pub batch_number: i64,
+    /// Its instant.
+    pub at: Time,
+    /// The encoded value.
+    pub body: Vec<u8>,
+}
+
+impl RecordReader {
+    /// All planning problems in the order in which they were posed.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn problems(&self) -> Result<Vec<ProblemRow>, RecordError> {
+        let broken = |error| self.damaged("the planning problems", error);
+        let sql =
+            "SELECT request, t_ns, goal, solver, body, due_ns, report, plan FROM problem ORDER BY t_ns, batch, request";
+        let mut statement = self.connection.prepare(sql).map_err(broken)?;
+        let mut rows = statement.query([]).map_err(broken)?;
+        let mut problems = Vec::new();
+        while let Some(row) = rows.next().map_err(broken)? {
+            let request = SolveRequestId(row.get::<_, i64>(0).map_err(broken)? as u64);
+            let due: Option<i64> = row.get(5).map_err(broken)?;
+            let report: Option<Vec<u8>> = row.get(6).map_err(broken)?;
+            let garbled = |error| self.garbled(format!("the answer to request {} is garbled ({error})", request.0));
+            let report = report.map(|bytes| postcard::from_bytes(&bytes).map_err(garbled)).transpose()?;
+            problems.push(ProblemRow {
+                request,
+                at: Time(row.get(1).map_err(broken)?),
+                goal: row.get(2).map_err(broken)?,
+                solver: row.get(3).map_err(broken)?,
+                problem: row.get(4).map_err(broken)?,
+                answer: due.map(Time).zip(report),
+                plan: row.get(7).map_err(broken)?,
+            });
+        }
+        Ok(problems)
+    }
+
+    /// The last stored belief of the mission that is not later than `to`.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn situation_before(&self, to: Time) -> Result<Option<SituationRow>, RecordError> {
+        let sql = "SELECT batch, t_ns, body FROM situation WHERE t_ns <= ?1 ORDER BY batch DESC LIMIT 1";
+        let row = self.connection.query_row(sql, params![to.0], situation);
+        row.optional().map_err(|error| self.damaged("what the mission believed", error))
+    }
+
+    /// All stored beliefs of the mission, in order.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn situations(&self) -> Result<Vec<SituationRow>, RecordError> {
+        let broken = |error| self.damaged("what the mission believed", error);
+        let mut statement =
+            self.connection.prepare("SELECT batch, t_ns, body FROM situation ORDER BY batch").map_err(broken)?;
+        let rows = statement.query_map([], situation).map_err(broken)?;
+        rows.collect::<Result<_, _>>().map_err(broken)
+    }
+}
+
+fn situation(row: &rusqlite::Row<'_>) -> rusqlite::Result<SituationRow> {
+    Ok(SituationRow { batch_number: row.get(0)?, at: Time(row.get(1)?), body: row.get(2)? })
+}

@@ -1,0 +1,42 @@
+//! States of a mission's targets, as the record stores them.
+
+use apex_model::time::Time;
+use serde::{Deserialize, Serialize};
+
+/// State of a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TargetState {
+    /// It is part of the plan.
+    Planned,
+    /// The vehicle is at it.
+    Observing,
+    /// Done.
+    Observed,
+    /// Left out.
+    Skipped,
+}
+
+impl TargetState {
+    /// The state's word in the record.
+    pub fn word(self) -> &'static str {
+        match self {
+            TargetState::Planned => "planned",
+            TargetState::Observing => "observing",
+            TargetState::Observed => "observed",
+            TargetState::Skipped => "skipped",
+        }
+    }
+}
+
+/// A target changed its state.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TargetChange {
+    /// The target's id.
+    pub target: String,
+    /// When.
+    pub at: Time,
+    /// The new state.
+    pub state: TargetState,
+    /// Why, or when it is planned; may be empty.
+    pub detail: String,
+}
