@@ -20,13 +20,17 @@ TARGET := $(or $(CARGO_TARGET_DIR),target)
 APEX := $(TARGET)/release/apex
 # Tests run with release-like speed and with assertions on; one profile for lints, tests and flights, built once.
 CI_PROFILE := --profile ci
+# One selection of packages for tests, the command and the Python module: with another one, features of third parties
+# differ and half of the workspace is compiled again. Measurements are compiled by `rust-lints` and `bench` only.
+CI_SELECTION := --workspace --exclude apex-benches
+CI_BUILD := cargo build --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 CI_APEX := $(TARGET)/ci/apex
 FLIGHTS := $(TARGET)/flights
 RECORD ?= $(MISSION).apex
 EXTREMITY = $(TARGET)/extremity/bin/python -W ignore benches/peers/extremity_peer.py
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/test-results/*' -not -path '*/tests/*' 2>/dev/null)
 
-.PHONY: help build fly test quick check web python bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
+.PHONY: help build fly test quick check web python wheel bench bench-orienteering bench-planners bench-units bench-curves bench-travel golden-travel spec sim properties deny nightly clean
 .PHONY: rust-lints rust-tests web-checks web-tests python-checks python-tests flights page-tests chromium
 
 help: ## List the commands.
@@ -114,6 +118,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	for seed in 1 2 3 4 5 6 7 8; do $(MAKE) sim SEED=$$seed; done
 	for mission in $(MISSIONS); do $(APEX) replay $(FLIGHTS)/$$mission.apex; done
 	$(MAKE) deny
+	$(MAKE) wheel
 	$(MAKE) properties
 	cargo run --locked $(CI_PROFILE) --package apex-random -- --count 1000000 --seed 1000000
 	cargo run --locked $(CI_PROFILE) --package apex-random --features planted-bugs -- --planted
@@ -128,6 +133,9 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(MAKE) bench
 	$(MAKE) bench-orienteering
 	$(MAKE) bench-travel
+
+wheel: .venv/.tools web/dist/index.html ## Pack the Python package as a wheel: target/wheels.
+	.venv/bin/maturin build --quiet --locked --release --manifest-path python/Cargo.toml --out $(TARGET)/wheels
 
 web: web/dist/index.html ## Build the web page.
 
@@ -153,11 +161,12 @@ $(TARGET)/extremity/.installed: benches/peers/extremity-requirements.txt
 	.venv/bin/pip install --quiet --requirement $<
 	touch $@
 
-# Cargo knows whether anything has changed; maturin installs what is there.
+# The module comes from the build of the tests: maturin would compile the workspace again with other settings. It is
+# found in python/ through a path file, as after `maturin develop`.
 .PHONY: .venv/.apex
-# The command is in the package, and with it the web page.
-.venv/.apex: .venv/.tools web/dist/index.html
-	.venv/bin/maturin develop --quiet --locked $(CI_PROFILE) --manifest-path python/Cargo.toml
+.venv/.apex: .venv/.tools rust-build
+	cp $(TARGET)/ci/lib_apex.so python/apex_autonomy/_apex.abi3.so
+	echo "$(abspath python)" > "$$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/apex_autonomy.pth"
 
 python-checks: .venv/.apex
 	cd python && ../.venv/bin/ruff format --check --quiet . && ../.venv/bin/ruff check --quiet .
@@ -180,8 +189,14 @@ rust-lints: web/dist/index.html
 	cargo xtask tidy
 	cargo clippy --locked --quiet $(CI_PROFILE) --workspace --all-targets -- -D warnings
 
-rust-tests: web/dist/index.html
-	cargo test --locked --quiet $(CI_PROFILE) --workspace
+# Libraries, the Python module among them, tests, and the command, which its tests run.
+.PHONY: rust-build
+rust-build: web/dist/index.html
+	$(CI_BUILD)
+
+# No package has documentation tests; looking for them would take a run of rustdoc for each.
+rust-tests: rust-build
+	cargo test --locked --quiet $(CI_PROFILE) $(CI_SELECTION) --lib --tests --examples
 
 web-checks: web/node_modules/.installed
 	cd web && npm run --silent check
@@ -189,9 +204,7 @@ web-checks: web/node_modules/.installed
 web-tests: web/node_modules/.installed
 	cd web && npm test --silent
 
-.PHONY: $(CI_APEX)
-$(CI_APEX): web/dist/index.html
-	cargo build --locked --quiet $(CI_PROFILE) --package apex-cli
+$(CI_APEX): rust-build
 
 # $(call fly_all,APEX,FOLDER,OPTIONS): every mission is flown headless to the success of its initial task, then replayed
 # and compared, two at a time.
