@@ -38,6 +38,11 @@ impl Radio {
         Radio { modem, fading, level: 1.0, lost: false, contrary_s: 0.0 }
     }
 
+    /// Fading draws from another seed from now on; the state of the link stays.
+    pub(crate) fn reseed(&mut self, seed: u64, index: u64) {
+        self.fading = Radio::new(self.modem.clone(), seed, index).fading;
+    }
+
     /// Listens at a place and time, `elapsed_s` after the last time.
     pub(crate) fn listen(&mut self, here: Position, altitude_m: f64, now_s: f64, elapsed_s: f64) -> Option<LinkChange> {
         let fading_db = self.modem.fading_db * self.fading.after(elapsed_s);

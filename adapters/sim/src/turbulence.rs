@@ -43,6 +43,12 @@ impl Turbulence {
         Turbulence { random, wander, until_burst, burst: None, roll_rad: 0.0, bump: 0.0 }
     }
 
+    /// Bursts and restlessness draw from another seed from now on; a burst under way ends as it began.
+    pub(crate) fn reseed(&mut self, seed: u64) {
+        let Turbulence { random, wander, until_burst, .. } = Turbulence::new(seed);
+        (self.random, self.wander, self.until_burst) = (random, wander, until_burst);
+    }
+
     /// Roll that the air adds, `dt` later, at `strength`; and the rate at which it changed.
     pub(crate) fn after(&mut self, strength: f64, dt: f64) -> (f64, f64) {
         let strength = strength.clamp(0.0, 1.0);

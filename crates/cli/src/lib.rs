@@ -78,6 +78,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Run(options) => commands::run::run(&options, planners),
         Command::Fly(options) => commands::fly::run(&options, planners),
         Command::Replay(options) => commands::replay::run(&options),
+        Command::Fork(options) => commands::fork::run(&options, planners),
         Command::Why(options) => commands::why::run(&options),
         Command::WhyNot(options) => commands::why_not::run(&options),
         Command::Trace(options) => commands::trace::run(&options),

@@ -1,14 +1,17 @@
 //! A mission: what `(defapplication ..)` names, read from files and ready to plan and fly.
 
+pub mod comparison;
 mod costs;
 pub mod deliberation;
 pub mod error;
 mod features;
 pub mod files;
 pub mod flight;
+pub mod fork;
 mod modems;
 pub mod problem;
 pub mod program;
+pub mod recorded;
 pub mod report;
 pub mod scenario;
 mod settings;
@@ -211,6 +214,15 @@ impl Mission {
         };
         name.map_or_else(|| "mission".to_string(), |name| name.to_string_lossy().into_owned())
     }
+}
+
+/// Reads a file of winds, in the form of a mission's `:weather`.
+///
+/// # Errors
+/// A file that cannot be read, or holds something else.
+pub fn read_wind(path: &Path) -> MissionResult<WindField> {
+    let bytes = files::read_bytes(path)?;
+    surroundings::wind(&DataFile { place: path.display().to_string(), bytes })
 }
 
 fn possible(position: Position) -> bool {

@@ -24,6 +24,10 @@ pub struct Report {
     pub value: MissionValue,
     /// Decisions of note.
     pub notes: Vec<Note>,
+    /// Number of plans that were adopted.
+    pub plans: u32,
+    /// Ids of the targets with their names.
+    pub names: Vec<(String, String)>,
 }
 
 /// What a mission is measured by.
@@ -52,6 +56,8 @@ pub fn report(mission: &Mission, situation: &Situation, end: (Time, String)) -> 
         visits: situation.visits.clone(),
         left_out,
         notes: situation.notes.clone(),
+        plans: situation.adopted,
+        names: mission.targets.iter().map(|target| (target.id.clone(), target.name.clone())).collect(),
     }
 }
 

@@ -63,7 +63,7 @@ impl Location {
     }
 }
 
-/// How a site is looked at.
+/// How a site is inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LookFrom {
     /// From one point: for vehicles that hover.

@@ -1,6 +1,10 @@
 //! A flight: agents, vehicle, solvers, observers and the clock between two instants. The mission loop and the protocol for
 //! outside simulators move it.
 
+mod resume;
+
+pub(crate) use resume::OpenAnswer;
+
 use crate::crew::{Crew, Numbering};
 use crate::error::RunError;
 use crate::limits::{LATENESS_TOLD_MIN, SOLVER_LOOK, STEPS_PER_INSTANT_MAX};
@@ -41,19 +45,6 @@ pub(crate) struct Flight<'a, 'o> {
     /// The first instant is still to come.
     is_new: bool,
     end: RunEnd,
-}
-
-/// An answer to a request that is open when a recorded flight is continued.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct OpenAnswer {
-    /// Who made it.
-    pub(crate) solver: Symbol,
-    /// The request, numbered as outside of the agents.
-    pub(crate) request: SolveRequestId,
-    /// When it takes effect.
-    pub(crate) due: Time,
-    /// The answer.
-    pub(crate) report: SolverReport,
 }
 
 /// What waiting for an instant came to.
@@ -103,28 +94,6 @@ impl<'a, 'o> Flight<'a, 'o> {
             is_new: true,
             end: RunEnd { at: Time::ZERO, reason: EndReason::Quiescent, steps: 0, events: 0, effects: 0, late },
         })
-    }
-
-    /// Continues a flight whose agents (with these numbers of their last events), vehicle and deliberator have lived until `at`. Of the options' inputs, those later
-    /// than `at` come; `answers` to open requests come when they are due.
-    pub(crate) fn resume(&mut self, at: Time, last_sequences: &[u64], answers: Vec<OpenAnswer>) {
-        self.scheduled.retain(|input| input.at > at);
-        self.crew.resume(last_sequences);
-        (self.now, self.is_new) = (at, false);
-        for OpenAnswer { solver, request, due, report } in answers {
-            self.pool.expect(solver, request, due, report);
-        }
-    }
-
-    /// Poses and queues a request again that was open when the recorded flight ended.
-    pub(crate) fn ask_again(
-        &mut self,
-        request: &SolveRequest,
-        job: Box<dyn SolverJob>,
-        at: Time,
-    ) -> Result<(), RunError> {
-        self.pool.request(request, at, job, !self.pacer.is_paced());
-        self.show_answers(at)
     }
 
     /// Lives until it ends.
@@ -421,7 +390,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(sent.end)
     }
 
-    /// Poses a request's problem from what is believed now, and queues the job.
+    /// Poses a request's problem from the present situation, and queues the job.
     fn pose(&mut self, request: &SolveRequest, now: Time) -> Result<(), RunError> {
         let posed = self.deliberator.pose(request, now);
         self.each_observer(now, |observer| observer.posed(request, now, &posed.problem))?;

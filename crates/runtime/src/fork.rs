@@ -1,7 +1,7 @@
 //! Continues a recorded flight from an instant on: the recorded steps are executed again, and the vehicle obeys the recorded
 //! commands again, so that agents, vehicle and mission are as they were; from the instant on the flight lives.
 //!
-//! Requests that are open at the instant keep their recorded answers: those were made from what was believed before it.
+//! Requests that are open at the instant keep their recorded answers: those were made from the situation before it.
 
 use crate::crew::Numbering;
 use crate::error::{RecordError, RunError};

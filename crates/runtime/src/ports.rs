@@ -59,21 +59,21 @@ pub struct SolverAnswer {
     pub charged: Duration,
 }
 
-/// The mission beside the executive: poses planning problems from what is believed at an instant.
+/// The mission next to the executive: poses planning problems from its situation at an instant.
 ///
 /// All calls come from the thread of the flight, in the order of the steps, so that a problem depends on the recorded
 /// inputs and effects only. Solving is a [`SolverJob`] of its own, on any thread.
 pub trait Deliberator {
-    /// Observes one step of the agent with this number, before its effects are sent. What is believed afterwards is a
+    /// Observes one step of the agent with this number, before its effects are sent. The situation afterwards is a
     /// function of the steps observed.
     fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
         let _ = (agent, batch, effects);
     }
 
-    /// Poses the problem that answers `request`, made at `at`. Must not change what is believed.
+    /// Poses the problem that answers `request`, made at `at`. Must not change the situation.
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed;
 
-    /// What is believed now, encoded for a snapshot; `None` if nothing is believed.
+    /// The situation now, encoded for a snapshot; `None` without a mission.
     fn snapshot(&self) -> Option<Vec<u8>> {
         None
     }
@@ -119,7 +119,7 @@ impl<F: FnOnce(&CancelToken) -> SolverAnswer + Send> SolverJob for F {
     }
 }
 
-/// Works on jobs beside the flight. Only [`SolverQueue::recv`] waits.
+/// Works on jobs in parallel to the flight. Only [`SolverQueue::recv`] waits.
 pub trait SolverQueue {
     /// Queues the job that answers `request`; `solver` names it in messages.
     ///

@@ -50,7 +50,7 @@ pub enum Differing {
     Effect(usize),
     /// The planning problem of this request.
     Problem(SolveRequestId),
-    /// What the mission believed after the step.
+    /// The mission's situation after the step.
     Situation,
 }
 
@@ -97,8 +97,8 @@ pub fn replay(reader: &RecordReader, load: LoadProgram<'_>) -> Result<ReplayRepo
     replay_steps(reader, load, None)
 }
 
-/// As [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must believe what was
-/// believed at each snapshot.
+/// As [`replay`]; `deliberator` observes the steps again, poses every recorded problem again and must be
+/// in the recorded situation at each snapshot.
 ///
 /// # Errors
 /// As [`replay`].
@@ -157,7 +157,7 @@ struct Witness<'a> {
 impl<'a> Witness<'a> {
     fn new(reader: &RecordReader, deliberator: &'a mut dyn Deliberator) -> Result<Witness<'a>, RecordError> {
         let problems = reader.problems()?.into_iter().map(|row| (row.request, row)).collect();
-        // Another version may encode the same belief in other bytes.
+        // Another version may encode the same situation in other bytes.
         let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
         let situations = if ours { reader.situations()? } else { Vec::new() };
         let situations = situations.into_iter().map(|row| (row.batch_number, row.body)).collect();

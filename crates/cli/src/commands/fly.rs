@@ -38,6 +38,10 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
         check_port(options.port)?;
     }
     let mut recorder = recording::of_mission(&path, &mission)?;
+    recorder
+        .meta("vehicle_type", "built-in simulator")
+        .and_then(|()| recorder.meta("seed", &options.seed.unwrap_or(mission.settings.seed).to_string()))
+        .map_err(recording::written)?;
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
     let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));

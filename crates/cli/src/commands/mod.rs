@@ -4,6 +4,7 @@ pub mod explain;
 pub mod export;
 mod fix;
 pub mod fly;
+pub mod fork;
 pub mod format;
 pub mod monitor;
 pub mod plan;

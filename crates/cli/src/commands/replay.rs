@@ -2,13 +2,14 @@
 
 use crate::options::ReplayOptions;
 use crate::trouble::{Outcome, Trouble};
-use crate::{output, recording, sources};
-use apex_runtime::replay::{Differing, replay};
+use crate::{output, recording};
+use apex_mission::recorded::replay;
+use apex_runtime::replay::Differing;
 
 /// Re-executes a record and compares.
 pub fn run(options: &ReplayOptions) -> Outcome {
     let reader = recording::open(&options.record)?;
-    let report = replay(&reader, &sources::load_recorded).map_err(|error| Trouble::failure(error.to_string()))?;
+    let report = replay(&reader).map_err(|error| Trouble::failure(error.to_string()))?;
     if report.batches == 0 {
         return Err(Trouble::failure(format!(
             "{} holds no steps: there is nothing to compare",

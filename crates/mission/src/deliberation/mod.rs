@@ -27,7 +27,7 @@ use steps::nothing_more;
 /// Deliberation time if neither the mission nor the request states one.
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
-/// Plans for one mission, from what is believed of it.
+/// Plans for one mission, from its situation.
 pub struct MissionDeliberator {
     mission: Arc<Mission>,
     situation: Situation,
@@ -47,7 +47,7 @@ impl MissionDeliberator {
         MissionDeliberator { mission, situation, means, invocations: Arc::default() }
     }
 
-    /// What is believed now.
+    /// The situation now.
     pub fn situation(&self) -> &Situation {
         &self.situation
     }
@@ -77,9 +77,9 @@ impl Deliberator for MissionDeliberator {
     }
 }
 
-/// Everything on which the answer to one request depends, besides the planners.
+/// Everything on which the answer to one request depends, except the planners.
 struct Question {
-    /// The mission as it is believed.
+    /// The mission with the updates so far.
     believed: Mission,
     problem: Result<Problem, NoPlan>,
     /// Where planners begin, and what that plan is.
@@ -92,8 +92,10 @@ struct Question {
     seed: u64,
     /// The vehicle's position and the instant of the request.
     from: (Position, Time),
-    /// At least one observation has ended.
+    /// At least one observation has ended: if nothing more can be visited, the mission is done.
     has_observed: bool,
+    /// A plan is imposed: if it cannot be flown, that is a failure and not the end of the mission.
+    is_imposed: bool,
     /// Numbers the plans of a flight.
     number: u32,
 }
@@ -129,12 +131,22 @@ impl Question {
             .as_ref()
             .ok()
             .and_then(|problem| current_plan::current_plan(&believed, situation, &request.goal, problem, at));
+        // An imposed plan answers instead of planners, as far as its visits are not done.
+        let is_open = |id: &&String| !situation.observed().any(|visit| visit.target == **id);
+        let imposed: Vec<String> = situation.updates.imposed().iter().filter(is_open).cloned().collect();
+        let imposed_is_empty = imposed.is_empty();
+        let asked = (!request.solver.is("auto")).then(|| request.solver.folded().to_string());
+        let (solver, operator_plan) = match imposed.is_empty() {
+            true => (asked, situation.updates.operator_plan().cloned()),
+            false => (Some(operator_plan::HUMAN.to_string()), Some(OperatorPlan { visits: imposed, repeat: false })),
+        };
         Question {
+            is_imposed: !imposed_is_empty,
             problem,
             previous,
-            operator_plan: situation.updates.operator_plan().cloned(),
+            operator_plan,
             goal: request.goal.clone(),
-            solver: (!request.solver.is("auto")).then(|| request.solver.folded().to_string()),
+            solver,
             budget: request.budget.unwrap_or(BUDGET_DEFAULT),
             seed: mission.settings.seed,
             from: (here(&believed, situation), at),
@@ -163,7 +175,7 @@ impl Question {
     }
 
     fn answer(self, means: &Means, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
-        let Question { believed, goal, budget, from, has_observed, number, .. } = self;
+        let Question { believed, goal, budget, from, has_observed, is_imposed, number, .. } = self;
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
         let solved = self.problem.and_then(|problem| {
@@ -172,7 +184,7 @@ impl Question {
             solve(problem, wish, invocations, cancel)
         });
         match solved {
-            Err(NoPlan::NothingLeft(reason)) if has_observed => {
+            Err(NoPlan::NothingLeft(reason)) if has_observed && !is_imposed => {
                 SolverAnswer { result: Ok(nothing_more(&goal, number, &reason)), charged: Duration::ZERO }
             }
             Err(none) => SolverAnswer { result: Err(none.to_string()), charged: Duration::ZERO },

@@ -1,4 +1,4 @@
-//! The situation: what is believed of a mission at an instant. A pure fold over the batches and effects that the record
+//! The situation: what is known and assumed of a mission at an instant. A pure fold over the batches and effects that the record
 //! stores, so that it can be computed again, stored and continued.
 
 #[cfg(test)]
@@ -56,7 +56,7 @@ pub struct MadePlan {
     pub made: Time,
 }
 
-/// What is believed of a mission.
+/// What is known and assumed of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Situation {
     /// Observations in order of their beginning.
@@ -75,6 +75,8 @@ pub struct Situation {
     pub chosen: BTreeMap<String, Chosen>,
     /// Number of planning problems posed so far, by all agents.
     pub posed: u32,
+    /// Number of plans that the executive has adopted.
+    pub adopted: u32,
     /// When each request without an answer was made.
     asked: BTreeMap<SolveRequestId, Time>,
     /// Plans that the executive may still adopt.
@@ -226,6 +228,7 @@ impl Situation {
     /// The executive adopted the plan of `request`: its targets are planned, those left out skipped with the reason.
     fn take_plan(&mut self, now: Time, request: SolveRequestId, summary: &str) {
         self.note(now, format!("new plan: {summary}"));
+        self.adopted = self.adopted.saturating_add(1);
         let Some(made) = self.answers.remove(&request) else { return };
         let visits: Vec<(String, String)> = match &made.plan {
             Plan::SingleVisit(plan) => {

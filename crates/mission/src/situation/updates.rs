@@ -40,6 +40,9 @@ pub enum MissionUpdate {
         /// The message's items as printed.
         printed: String,
     },
+    /// `(plan-imposed (TARGET ..))`: later requests for plans are answered with these visits, as far as they are not
+    /// done; without targets planners plan again.
+    PlanImposed(Vec<String>),
     /// A message of one of these forms without the number that it needs: it changes nothing.
     Invalid(String),
 }
@@ -72,6 +75,9 @@ impl MissionUpdate {
                 let printed: Vec<String> = items.iter().map(Value::to_string).collect();
                 MissionUpdate::OperatorPlan { visits, repeat, printed: printed.join(" ") }
             }
+            "plan-imposed" => {
+                MissionUpdate::PlanImposed(first.as_list().unwrap_or_default().iter().map(name).collect())
+            }
             _ => return None,
         })
     }
@@ -88,10 +94,12 @@ pub struct MissionUpdates {
     values: BTreeMap<String, f64>,
     /// Events per hour.
     rates_per_h: BTreeMap<String, f64>,
-    /// Files of forecasts in the order of their last announcement; the last one that the mission has is believed.
+    /// Files of forecasts in the order of their last announcement; the last one that the mission has counts.
     forecasts: Vec<String>,
     /// The operator's plan.
     operator_plan: Option<OperatorPlan>,
+    /// Visits that answer every request for a plan.
+    imposed: Vec<String>,
 }
 
 /// Visits that the operator wants.
@@ -144,6 +152,14 @@ impl MissionUpdates {
                 self.operator_plan = Some(OperatorPlan { visits, repeat });
                 note
             }
+            MissionUpdate::PlanImposed(visits) => {
+                let note = match visits.as_slice() {
+                    [] => "planners plan again".to_string(),
+                    visits => format!("imposed plan: {}", visits.join(", ")),
+                };
+                self.imposed = visits;
+                note
+            }
             MissionUpdate::Invalid(note) => note,
         }
     }
@@ -151,6 +167,11 @@ impl MissionUpdates {
     /// True when the target has been announced.
     pub fn is_announced(&self, target: &str) -> bool {
         self.announced.contains(target)
+    }
+
+    /// Visits that answer every request for a plan; empty if planners plan.
+    pub fn imposed(&self) -> &[String] {
+        &self.imposed
     }
 
     /// The operator's plan.

@@ -1,4 +1,4 @@
-//! Planning problems, their answers and what the mission believed, as recorded.
+//! Planning problems, their answers and situations of the mission, as recorded.
 
 use super::reader::RecordReader;
 use crate::error::RecordError;
@@ -26,7 +26,7 @@ pub struct ProblemRow {
     pub plan: Option<String>,
 }
 
-/// What the mission believed after a batch.
+/// The mission's situation after a batch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SituationRow {
     /// The batch's number.
@@ -68,22 +68,22 @@ impl RecordReader {
         Ok(problems)
     }
 
-    /// The last stored belief of the mission that is not later than `to`.
+    /// The last stored situation of the mission that is not later than `to`.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn situation_before(&self, to: Time) -> Result<Option<SituationRow>, RecordError> {
         let sql = "SELECT batch, t_ns, body FROM situation WHERE t_ns <= ?1 ORDER BY batch DESC LIMIT 1";
         let row = self.connection.query_row(sql, params![to.0], situation);
-        row.optional().map_err(|error| self.damaged("what the mission believed", error))
+        row.optional().map_err(|error| self.damaged("the situations", error))
     }
 
-    /// All stored beliefs of the mission, in order.
+    /// All stored situations of the mission, in order.
     ///
     /// # Errors
     /// [`RecordError::Damaged`].
     pub fn situations(&self) -> Result<Vec<SituationRow>, RecordError> {
-        let broken = |error| self.damaged("what the mission believed", error);
+        let broken = |error| self.damaged("the situations", error);
         let mut statement =
             self.connection.prepare("SELECT batch, t_ns, body FROM situation ORDER BY batch").map_err(broken)?;
         let rows = statement.query_map([], situation).map_err(broken)?;

@@ -238,7 +238,7 @@ impl Recorder {
         effects.iter().try_for_each(|effect| self.store_effect(effect))
     }
 
-    /// Stores the agent, and what the mission believes, when a snapshot is due.
+    /// Stores the agent and the mission's situation when a snapshot is due.
     fn store_snapshot(&mut self, agent: &Agent, deliberator: &dyn Deliberator, now: Time) -> Result<(), RecordError> {
         let Some(recorded) = self.agents.get_mut(self.turn) else { return Ok(()) };
         if recorded.snapshots.is_due() {

@@ -1,0 +1,110 @@
+//! What if: continues a recorded flight from an instant on with other inputs, another plan, or another vehicle's world.
+
+use crate::Mission;
+use crate::deliberation::{Means, MissionDeliberator};
+use crate::error::{MissionError, MissionResult};
+use crate::flight::{FlightOutcome, MissionFlight};
+use crate::program;
+use crate::report::report;
+use apex_model::event::EventKind;
+use apex_model::problem::WindField;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_runtime::FlyOptions;
+use apex_runtime::limits::SOLVER_GRACE;
+use apex_runtime::ports::{Input, Observer, Vehicle};
+use apex_runtime::record::RecordReader;
+use std::sync::Arc;
+
+/// What differs from the recorded flight after the instant, except the vehicle's world.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    /// Inputs after the instant.
+    pub inputs: Vec<Input>,
+    /// Targets to visit in this order instead of planning; empty leaves planning as it is.
+    pub plan: Vec<String>,
+}
+
+/// A recorded flight that is to be continued from `at` on.
+pub struct Fork<'a> {
+    /// The record.
+    pub reader: &'a RecordReader,
+    /// Its mission.
+    pub mission: Arc<Mission>,
+    /// Who plans after `at`.
+    pub means: Means,
+    /// The instant.
+    pub at: Time,
+}
+
+impl Fork<'_> {
+    /// Repeats the record up to the instant, changes the vehicle by `change`, and flies on with the mission's own
+    /// scenario and the changes. The observers see the flight from its beginning.
+    ///
+    /// # Errors
+    /// An input that is not after the instant, an unknown target, a record that this version or this vehicle does not
+    /// repeat, and all errors of a flight.
+    pub fn fly<V: Vehicle>(
+        self,
+        vehicle: &mut V,
+        change: impl FnOnce(&mut V),
+        changes: Changes,
+        terms: FlyOptions,
+        observers: &mut [&mut dyn Observer],
+    ) -> MissionResult<FlightOutcome> {
+        let Fork { reader, mission, means, at } = self;
+        self::check(&mission, &changes, at)?;
+        let mut inputs = MissionFlight::terms(&mission, None).inputs;
+        inputs.extend(imposed(&changes.plan, at));
+        inputs.extend(changes.inputs);
+        let terms = FlyOptions { inputs, solver_timeout: means.patience + 10 * SOLVER_GRACE, ..terms };
+        let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
+        let program = reader.load(&program::load_recorded)?;
+        let flown =
+            apex_runtime::fork::fork((reader, &program), at, vehicle, change, &mut deliberator, observers, terms);
+        let end =
+            flown.map_err(|error| MissionError::flight("the recorded flight cannot be continued").because(error))?;
+        let report = report(&mission, deliberator.situation(), (end.at, end.reason.text()));
+        Ok(FlightOutcome { end, report })
+    }
+}
+
+fn check(mission: &Mission, changes: &Changes, at: Time) -> MissionResult {
+    if let Some(early) = changes.inputs.iter().find(|input| input.at <= at) {
+        return Err(MissionError::data(format!("an input at {} is not after {at}, where the fork begins", early.at))
+            .help("give inputs that come later, or fork earlier"));
+    }
+    let known = |id: &&String| mission.targets.iter().any(|target| target.id == **id);
+    match changes.plan.iter().find(|id| !known(id)) {
+        Some(unknown) => {
+            let ids: Vec<&str> = mission.targets.iter().map(|target| target.id.as_str()).collect();
+            Err(MissionError::data(format!("the plan names `{unknown}`, which is not a target of this mission"))
+                .help(format!("name targets among {}", ids.join(", "))))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The inputs that impose a plan and make the mission plan again.
+fn imposed(plan: &[String], at: Time) -> Vec<Input> {
+    if plan.is_empty() {
+        return Vec::new();
+    }
+    let soon = at + Duration(1_000_000);
+    let visits = Value::list(plan.iter().map(|id| Value::symbol(id)));
+    let event = |words: Vec<Value>| Input::new(soon, EventKind::Occurrence(Value::list(words)));
+    vec![
+        event(vec![Value::symbol("plan-imposed"), visits]),
+        event(vec![Value::symbol("off-schedule"), Value::symbol("imposed-plan")]),
+    ]
+}
+
+/// The same wind, `factor` times as strong; turbulence is as before.
+pub fn scaled_wind(wind: &WindField, factor: f64) -> WindField {
+    let mut wind = wind.clone();
+    for layer in &mut wind.layers {
+        layer.wind_east_mps *= factor;
+        layer.wind_north_mps *= factor;
+    }
+    wind
+}

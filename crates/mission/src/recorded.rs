@@ -1,0 +1,80 @@
+//! The mission inside a flight record: loaded, replayed, and its situation and report at an instant.
+
+use crate::Mission;
+use crate::deliberation::{Means, MissionDeliberator};
+use crate::error::{MissionError, MissionResult};
+use crate::program;
+use crate::report::{Report, report};
+use crate::situation::Situation;
+use apex_model::time::Time;
+use apex_runtime::program::NoDeliberator;
+use apex_runtime::record::RecordReader;
+use apex_runtime::replay::{ReplayReport, replay_with};
+use std::sync::Arc;
+
+/// The mission that a record holds; `None` if its program is not a mission.
+///
+/// # Errors
+/// A record that cannot be read, a program or data that this version does not accept.
+pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
+    if reader.meta("mission")?.is_none() {
+        return Ok(None);
+    }
+    let data = reader.sources()?.into_iter().filter(|source| source.role == "data");
+    let data = data.map(|source| (source.name, source.body)).collect();
+    Mission::from_sources(&reader.pdl_sources()?, data).map(Some)
+}
+
+/// Replays a record: decisions byte for byte, and every planning problem posed again.
+///
+/// # Errors
+/// A record that cannot be read or whose mission cannot be loaded.
+pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
+    let report = match mission_of(reader)? {
+        Some(mission) => {
+            let means = Means::of(&Arc::new(apex_solvers::shipped()));
+            let mut deliberator = MissionDeliberator::new(Arc::new(mission), means);
+            replay_with(reader, &program::load_recorded, &mut deliberator)
+        }
+        None => replay_with(reader, &program::load_recorded, &mut NoDeliberator),
+    };
+    report.map_err(MissionError::from)
+}
+
+/// The situation after the last step not later than `at`.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Situation> {
+    // A snapshot of another version may decode into something else; the steps always serve.
+    let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+    let stored = if ours { reader.situation_before(at)? } else { None };
+    let stored = stored.and_then(|row| Some((row.batch_number, postcard::from_bytes(&row.body).ok()?)));
+    let (last, mut situation): (i64, Situation) = stored.unwrap_or_default();
+    for step in reader.steps_of_all(at)? {
+        let step = step?;
+        if step.batch_number > last {
+            let effects = step.decoded_effects().map_err(|fault| {
+                MissionError::record(format!("the flight record {} is damaged", reader.path().display())).because(fault)
+            })?;
+            situation.observe(mission, step.agent, &step.batch, &effects);
+        }
+    }
+    Ok(situation)
+}
+
+/// The report of the recorded flight, computed from its steps.
+///
+/// # Errors
+/// A record that cannot be read.
+pub fn report_of(reader: &RecordReader, mission: &Mission) -> MissionResult<Report> {
+    let situation = situation_at(reader, mission, Time::END)?;
+    let end = match (reader.meta("end_ns")?.and_then(|text| text.parse().ok()), reader.meta("end_reason")?) {
+        (Some(end), Some(reason)) => (Time(end), reason),
+        _ => {
+            let end = reader.span()?.map_or(Time::ZERO, |(_, end)| end);
+            (end, "the record ends here, without the end of the flight".to_string())
+        }
+    };
+    Ok(report(mission, &situation, end))
+}

@@ -1,0 +1,46 @@
+//! Continuing a recorded flight in the middle.
+
+use super::Flight;
+use crate::error::RunError;
+use crate::ports::SolverJob;
+use apex_model::effect::{SolveRequest, SolveRequestId};
+use apex_model::event::SolverReport;
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+
+/// An answer to a request that is open when a recorded flight is continued.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OpenAnswer {
+    /// Who made it.
+    pub(crate) solver: Symbol,
+    /// The request, numbered as outside of the agents.
+    pub(crate) request: SolveRequestId,
+    /// When it takes effect.
+    pub(crate) due: Time,
+    /// The answer.
+    pub(crate) report: SolverReport,
+}
+
+impl Flight<'_, '_> {
+    /// Continues a flight whose agents (with these numbers of their last events), vehicle and deliberator have lived until `at`. Of the options' inputs, those later
+    /// than `at` come; `answers` to open requests come when they are due.
+    pub(crate) fn resume(&mut self, at: Time, last_sequences: &[u64], answers: Vec<OpenAnswer>) {
+        self.scheduled.retain(|input| input.at > at);
+        self.crew.resume(last_sequences);
+        (self.now, self.is_new) = (at, false);
+        for OpenAnswer { solver, request, due, report } in answers {
+            self.pool.expect(solver, request, due, report);
+        }
+    }
+
+    /// Poses and queues a request again that was open when the recorded flight ended.
+    pub(crate) fn ask_again(
+        &mut self,
+        request: &SolveRequest,
+        job: Box<dyn SolverJob>,
+        at: Time,
+    ) -> Result<(), RunError> {
+        self.pool.request(request, at, job, !self.pacer.is_paced());
+        self.show_answers(at)
+    }
+}
