@@ -14,7 +14,6 @@ mod external_simulator;
 mod monitor;
 mod options;
 mod output;
-mod plan_output;
 mod recording;
 mod replacing;
 mod sources;

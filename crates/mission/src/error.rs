@@ -63,6 +63,11 @@ impl MissionError {
         MissionError::new(ErrorKind::Setting, message)
     }
 
+    /// A planning problem or a plan is at fault.
+    pub fn planning(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Planning, message)
+    }
+
     /// A flight cannot begin, or was aborted.
     pub fn flight(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Flight, message)

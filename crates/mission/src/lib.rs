@@ -3,10 +3,12 @@
 mod costs;
 pub mod deliberation;
 pub mod error;
+pub mod export;
 mod features;
 pub mod files;
 pub mod flight;
 mod modems;
+pub mod plan;
 pub mod problem;
 pub mod program;
 pub mod report;

@@ -4,8 +4,8 @@
 //! or flying anything again.
 
 use super::chart::{Chart, Place, Visit, digits};
+use crate::vehicle::Airframe;
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_sim::Airframe;
 use serde_json::{Value, json};
 
 /// Seconds of waiting that are worth an item of their own.

@@ -1,9 +1,9 @@
 //! A plan as one object of JSON, for programs: `docs/reference/schema/plan.schema.json`.
 
-use crate::commands::plan_question::Benchmark;
-use crate::plan_output::proof::Proof;
-use crate::plan_output::table::Beside;
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
+use crate::export::table::Beside;
+use crate::plan::input::Benchmark;
+use crate::plan::proof::Proof;
 use apex_solvers::bounds::ages::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.

@@ -4,14 +4,14 @@
 //! from it alone.
 
 use super::watch::Watch;
+use crate::vehicle::Airframe;
+use crate::{Mission, TargetKind};
 use apex_metrics::eci;
-use apex_mission::{Mission, TargetKind};
 use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
 use apex_planning::surveillance::travel::Ways;
-use apex_sim::Airframe;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.
@@ -244,7 +244,7 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
 /// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
-    apex_mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
+    crate::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }
 
 /// The path with its turns where there is one, else the route.
@@ -268,7 +268,7 @@ fn of_surveillance(
     let altitude_m = |name: &str| {
         let mission = mission?;
         let site = mission.targets.iter().find(|target| target.id == name)?;
-        matches!(site.kind, TargetKind::Site(_)).then(|| apex_mission::problem::visit_altitude_m(mission, site))
+        matches!(site.kind, TargetKind::Site(_)).then(|| crate::problem::visit_altitude_m(mission, site))
     };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {

@@ -1,14 +1,13 @@
 //! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
 //! of its cell.
 
-use crate::options::PlanOptions;
-use crate::plan_output::proof;
-use crate::sources::parse_time;
-use crate::trouble::{Outcome, Trouble, nearby_help, read_text};
-use apex_mission::Mission;
-use apex_mission::deliberation::validate;
-use apex_mission::problem::pose;
-use apex_mission::situation::Situation;
+use super::proof;
+use crate::Mission;
+use crate::deliberation::validate;
+use crate::error::{MissionError, MissionResult};
+use crate::files::{nearby_help, read_text};
+use crate::problem::pose;
+use crate::situation::Situation;
 use apex_model::problem::{Position, Problem};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -21,95 +20,125 @@ use std::path::Path;
 const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// A problem with what is needed to plan for it.
-pub(super) struct Question {
+pub struct PlanInput {
     /// What it is called.
-    pub(super) name: String,
+    pub name: String,
     /// The problem.
-    pub(super) problem: Problem,
+    pub problem: Problem,
     /// How long solvers may take.
-    pub(super) budget: Duration,
+    pub budget: Duration,
     /// What proofs of bounds may take.
-    pub(super) bound_budget: Duration,
+    pub bound_budget: Duration,
     /// Seed of solvers' chance.
-    pub(super) seed: u64,
+    pub seed: u64,
     /// The mission and its goal, if it is one's.
-    pub(super) mission: Option<(Mission, Value)>,
+    pub mission: Option<(Mission, Value)>,
     /// What a benchmark's file says beside the problem.
-    pub(super) benchmark: Option<Benchmark>,
+    pub benchmark: Option<Benchmark>,
     /// Where the flight begins, if the problem does not say it.
-    pub(super) start: Option<Position>,
+    pub start: Option<Position>,
 }
 
-impl Question {
+impl PlanInput {
     /// A problem by itself.
-    fn new(name: String, problem: Problem) -> Question {
+    fn new(name: String, problem: Problem) -> PlanInput {
         let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
-        Question { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
+        PlanInput { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
     }
 }
 
 /// What a benchmark's file says beside the problem.
-pub(crate) struct Benchmark {
+pub struct Benchmark {
     /// The format, in words.
-    pub(crate) format: &'static str,
+    pub format: &'static str,
     /// What is asked.
-    pub(crate) asked: formats::Question,
+    pub asked: formats::Question,
     /// Vehicles that the file names.
-    pub(crate) vehicles: Option<usize>,
+    pub vehicles: Option<usize>,
 }
 
 /// Extensions of benchmark files; other files are looked into.
 const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
 
-/// Finds out what is asked.
-///
-/// # Errors
-/// When nothing of that name exists, or it is no problem.
-pub(super) fn read(options: &PlanOptions) -> Outcome<Question> {
-    let path = options.mission.as_path();
-    let text = path.to_string_lossy();
-    let mut question = if !path.exists() && !text.contains(['/', '\\', '.']) {
-        of_cell(&text)?
-    } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
-        of_file(path)?
-    } else if path.is_file() {
-        of_benchmark(path)?
-    } else {
-        of_mission(path)?
-    };
-    refuse_fleets(options.vehicles, &question)?;
-    if let Some(budget) = &options.budget {
-        let end = parse_time(budget, "--budget")?;
-        if end <= Time::ZERO {
-            return Err(Trouble::user(format!("a budget of {budget} is no time to plan in"))
-                .help("write how long a solver may take, for example `--budget 2s`"));
+impl PlanInput {
+    /// The input that `path` names if it is a problem's: a cell of test missions, a problem in JSON, a benchmark's file. None
+    /// for everything else, which is a mission's folder or program.
+    ///
+    /// # Errors
+    /// Nothing has that name, or the file holds something else.
+    pub fn find(path: &Path) -> MissionResult<Option<PlanInput>> {
+        let text = path.to_string_lossy();
+        if !path.exists() && !text.contains(['/', '\\', '.']) {
+            of_cell(&text).map(Some)
+        } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            of_file(path).map(Some)
+        } else if path.is_file() {
+            of_benchmark(path)
+        } else {
+            Ok(None)
         }
-        question.budget = end - Time::ZERO;
     }
-    if let Some(budget) = &options.bound_budget {
-        let end = parse_time(budget, "--bound-budget")?;
-        // Nothing to spend leaves the quick bound.
-        question.bound_budget = end - Time::ZERO;
+
+    /// The problem that a mission poses at its start, for the goal and with the budget of its first solver.
+    ///
+    /// # Errors
+    /// There is nothing to plan.
+    pub fn of_mission(mission: Mission) -> MissionResult<PlanInput> {
+        let (goal, budget) = goal_and_budget(&mission);
+        let situation = Situation::default();
+        let problem = pose(&situation.updates.believed(&mission), &situation, Time::ZERO)
+            .map_err(|reason| MissionError::planning("there is nothing to plan").because(reason))?;
+        let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
+        Ok(PlanInput { budget, seed, mission: Some((mission, goal)), ..PlanInput::new(name, problem) })
     }
-    question.seed = options.seed.unwrap_or(question.seed);
-    Ok(question)
+
+    /// A problem in JSON; `place` names the text in messages.
+    ///
+    /// # Errors
+    /// The text is not a problem, or a field has an impossible value.
+    pub fn of_json(text: &str, place: &str) -> MissionResult<PlanInput> {
+        let problem: Problem = serde_json::from_str(text).map_err(|error| {
+            let place = format!("{place}:{}:{}", error.line(), error.column());
+            MissionError::planning("this is no planning problem").at(place)
+                .because(error)
+                .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
+        })?;
+        validate(&problem).map_err(|reason| {
+            MissionError::planning("the problem makes no sense")
+                .at(place)
+                .because(reason)
+                .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
+        })?;
+        Ok(PlanInput::new("problem".into(), problem))
+    }
+
+    /// The mission of the input, if it is one's.
+    pub fn mission(&self) -> Option<&Mission> {
+        self.mission.as_ref().map(|(mission, _)| mission)
+    }
+
+    /// True if the benchmark asks for a shortest tour through all nodes.
+    pub fn is_tour(&self) -> bool {
+        self.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour)
+    }
 }
 
 /// A test mission: the name of its cell, with `@NUMBER` for another one than the first.
-fn of_cell(text: &str) -> Outcome<Question> {
+fn of_cell(text: &str) -> MissionResult<PlanInput> {
     let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
     let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
     let number: u64 = number.parse().map_err(|_| {
-        Trouble::user(format!("{number} is no number of a test mission")).help(format!("write for example `{cell}@7`"))
+        MissionError::planning(format!("{number} is no number of a test mission"))
+            .help(format!("write for example `{cell}@7`"))
     })?;
     let problem = Problem::Surveillance(cell.mission(number));
     let start = Some(apex_portfolio::test_missions::CENTRE);
-    Ok(Question { start, ..Question::new(format!("{cell}@{number}"), problem) })
+    Ok(PlanInput { start, ..PlanInput::new(format!("{cell}@{number}"), problem) })
 }
 
 /// Nothing is called so: the names that are nearest, and where names are listed.
-fn no_such_name(text: &str, cell: &str, why: &str) -> Trouble {
-    let trouble = Trouble::user(format!("there is no mission, file or test mission called {text}"));
+fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
+    let trouble = MissionError::planning(format!("there is no mission, file or test mission called {text}"));
     let shipped = Path::new("missions").join(text);
     if shipped.join("mission.pdl").is_file() {
         return trouble.because(nearby_help(Path::new(text))).help(format!("did you mean `{}`?", shipped.display()));
@@ -140,75 +169,32 @@ fn nearest_cell(text: &str) -> Option<Cell> {
     (edits as f64 <= MISSPELT_SHARE_MAX * letters as f64).then_some(cell)
 }
 
-fn of_file(path: &Path) -> Outcome<Question> {
-    let mut question = of_text(&read_text(path)?, &path.display().to_string())?;
-    question.name = path.file_stem().map_or(question.name, |name| name.to_string_lossy().into_owned());
-    Ok(question)
-}
-
-/// A problem in JSON; `place` says in messages where it stands.
-pub(super) fn of_text(text: &str, place: &str) -> Outcome<Question> {
-    let problem: Problem = serde_json::from_str(text).map_err(|error| {
-        let place = format!("{place}:{}:{}", error.line(), error.column());
-        Trouble::user(format!("{place}: this is no planning problem"))
-            .because(error)
-            .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
-    })?;
-    validate(&problem).map_err(|reason| {
-        Trouble::user(format!("{place}: the problem makes no sense"))
-            .because(reason)
-            .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
-    })?;
-    Ok(Question::new("problem".into(), problem))
+fn of_file(path: &Path) -> MissionResult<PlanInput> {
+    let mut input = PlanInput::of_json(&read_text(path)?, &path.display().to_string())?;
+    input.name = path.file_stem().map_or(input.name, |name| name.to_string_lossy().into_owned());
+    Ok(input)
 }
 
 /// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
-fn of_benchmark(path: &Path) -> Outcome<Question> {
+fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension == "pdl" {
-        return of_mission(path);
+        return Ok(None);
     }
     let text = read_text(path)?;
     if !BENCHMARKS.contains(&extension.as_str()) && !formats::is_one(&text) {
-        return of_mission(path);
+        return Ok(None);
     }
     let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
     let instance = formats::read(&name, &text).map_err(|trouble| {
         let place = format!("{}:{}:{}", path.display(), trouble.line, trouble.column);
-        Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
+        MissionError::planning(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
             .because(trouble.reason)
             .help(trouble.help)
     })?;
     let formats::Instance { name, format, question, vehicles, problem } = instance;
     let benchmark = Some(Benchmark { format, asked: question, vehicles });
-    Ok(Question { benchmark, ..Question::new(name, Problem::SingleVisit(problem)) })
-}
-
-/// Plans are for one vehicle; whoever asks for more is told.
-fn refuse_fleets(vehicles: Option<usize>, question: &Question) -> Outcome {
-    match vehicles {
-        None | Some(1) => Ok(()),
-        Some(more) => {
-            let named = question.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles);
-            let reason = match named {
-                Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
-                None => "a plan is the path of one vehicle".to_string(),
-            };
-            Err(Trouble::user(format!("{more} vehicles cannot be planned for"))
-                .because(reason)
-                .help("leave `--vehicles` out to plan for one"))
-        }
-    }
-}
-
-fn of_mission(path: &Path) -> Outcome<Question> {
-    let mission = Mission::load(path)?;
-    let (goal, budget) = goal_and_budget(&mission);
-    let situation = Situation::default();
-    let problem = pose(&situation.updates.believed(&mission), &situation, Time::ZERO)
-        .map_err(|reason| Trouble::user("there is nothing to plan").because(reason))?;
-    let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
-    Ok(Question { budget, seed, mission: Some((mission, goal)), ..Question::new(name, problem) })
+    Ok(Some(PlanInput { benchmark, ..PlanInput::new(name, Problem::SingleVisit(problem)) }))
 }
 
 /// The goal and budget of the mission's first declared solver.

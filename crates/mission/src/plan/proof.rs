@@ -1,6 +1,6 @@
 //! How good a plan is, and how good any could be.
 
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_planning::meter::Meter;

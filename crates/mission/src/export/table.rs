@@ -1,10 +1,10 @@
 //! A plan as a table for people.
 
-use crate::commands::plan_question::Benchmark;
-use crate::plan_output::proof::{Proof, Proven};
-use crate::plan_output::turns::Turns;
-use crate::telling::{name_width, named, wrapped};
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
+use crate::plan::input::Benchmark;
+use crate::plan::proof::{Proof, Proven};
+use crate::plan::turns::Turns;
+use crate::text::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
 use apex_portfolio::formats;
