@@ -1,5 +1,6 @@
 //! What goes wrong at the command line: one type, two exit codes, messages for people.
 
+use apex_logs::MappingError;
 use apex_mission::error::{ErrorKind, MissionError};
 use apex_mission::files;
 pub use apex_mission::files::nearby_help;
@@ -74,6 +75,12 @@ impl From<MissionError> for Trouble {
     fn from(error: MissionError) -> Trouble {
         let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record);
         Trouble { of_user, message: error.headline(), reason: error.reason, help: error.help }
+    }
+}
+
+impl From<MappingError> for Trouble {
+    fn from(error: MappingError) -> Trouble {
+        Trouble { of_user: true, message: error.message, reason: error.reason, help: error.help }
     }
 }
 

@@ -56,7 +56,7 @@ fn list_fields(mut source: Source, json: bool) -> Outcome {
     // Which state variables come of the fields is part of the answer, where a mapping is known.
     let mapped = source.declarations(&Library::default());
     match source {
-        Source::Log(log) => log.list_fields(json),
+        Source::Log(log) => crate::monitor::input::list_fields(&log, json),
         _ => mapped.and(Err(Trouble::user("`--fields` is for logs")
             .because("lines of JSON and flight records name state variables themselves")
             .help("`apex trace RECORD --type measurement` lists the samples of a record"))),

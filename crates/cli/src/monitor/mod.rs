@@ -2,5 +2,4 @@
 
 pub mod field_list;
 pub mod input;
-pub mod mapping_file;
 pub mod telling;
