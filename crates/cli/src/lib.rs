@@ -15,7 +15,6 @@ mod monitor;
 mod options;
 mod output;
 mod recording;
-mod replacing;
 mod sources;
 mod telling;
 mod trouble;

@@ -1,12 +1,12 @@
 //! `apex monitor`: conditions over a log, a flight record, a file of inputs or standard input.
 
 use crate::monitor::input::Source;
-use crate::monitor::telling::{Style, placed, verdict_word};
 use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{output, sources};
 use apex_executive::MonitorSession;
+use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::event::{EventKind, Message};

@@ -1,6 +1,7 @@
 //! Replacing a file: as a whole or not at all, and never what somebody else wrote meanwhile.
 
-use crate::trouble::{Outcome, Trouble, read_bytes, unreadable};
+use crate::error::{MissionError, MissionResult};
+use crate::files::{read_bytes, unreadable};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -9,16 +10,16 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The file has changed since it was read, or cannot be written; it is unchanged then.
-pub fn replace(file: &Path, before: &str, text: &str) -> Outcome {
+pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     let target = std::fs::canonicalize(file).map_err(|error| unreadable(file, &error))?;
     if read_bytes(&target)? != before.as_bytes() {
-        return Err(Trouble::failure(format!("{} changed while it was looked at", file.display()))
+        return Err(MissionError::output(format!("{} changed while it was looked at", file.display()))
             .because("somebody else has written it")
             .help("the file is left as it is; run the command again"));
     }
     let permissions = std::fs::metadata(&target).map_err(|error| unreadable(file, &error))?.permissions();
     if permissions.readonly() {
-        return Err(Trouble::failure(format!("cannot write {}", file.display()))
+        return Err(MissionError::output(format!("cannot write {}", file.display()))
             .because("it is read-only")
             .help("the file is unchanged"));
     }
@@ -32,7 +33,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> Outcome {
     written.map_err(|error| {
         // The half-written copy must not stay behind; if it cannot be removed there is nothing more to do.
         std::fs::remove_file(&temporary).ok();
-        Trouble::failure(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
+        MissionError::output(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
     })
 }
 
