@@ -118,7 +118,7 @@ fn check_place(path: &Path) -> MissionResult {
     check_kind(path, "choose another name with `--record`; what stands there is left as it is")
 }
 
-/// Devices, pipes and folders are no records, and opening some of them waits for ever.
+/// Devices, pipes and folders are no records, and opening some of them blocks forever.
 fn check_kind(path: &Path, help: &str) -> MissionResult {
     match std::fs::metadata(path) {
         Ok(found) if !found.is_file() => {

@@ -1,11 +1,11 @@
-//! Replacing a file: as a whole or not at all, and never what somebody else wrote meanwhile.
+//! Replaces a file as a whole or not at all, unless another program has written it meanwhile.
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::{read_bytes, unreadable};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Puts `text` in place of the file that held `before`. It is written beside the file and renamed, so that a full disk
+/// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a full disk
 /// cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
 ///
 /// # Errors
@@ -23,7 +23,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
             .because("it is read-only")
             .help("the file is unchanged"));
     }
-    let temporary = beside(&target);
+    let temporary = temporary_of(&target);
     let written = std::fs::File::create_new(&temporary).and_then(|mut handle| {
         handle.set_permissions(permissions)?;
         handle.write_all(text.as_bytes())?;
@@ -38,7 +38,7 @@ pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
 }
 
 /// A name in the same folder that belongs to this process alone.
-fn beside(file: &Path) -> PathBuf {
+fn temporary_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(format!(".writing-{}", std::process::id()));
     PathBuf::from(name)

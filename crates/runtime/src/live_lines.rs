@@ -1,4 +1,4 @@
-//! Lines that are said while a run goes on: inputs, forms, answers to open questions, `stop`.
+//! Lines that come in during a run: inputs, forms, answers to open questions, `stop`.
 
 use crate::input_lines::{ReadValue, read_live};
 use crate::terms::Control;
@@ -18,7 +18,7 @@ struct Open {
     text: String,
 }
 
-/// Questions that wait for an answer, seen by the run and by whoever reads lines.
+/// Questions that wait for an answer. Clones share one list.
 #[derive(Clone, Default)]
 pub struct OpenQuestions(Arc<Mutex<Vec<Open>>>);
 

@@ -7,7 +7,7 @@ use crate::{output, sources};
 use apex_metrics::survival;
 use apex_mission::deliberation::{Deliberation, Means, Wish, name_obstacles, solve, translate};
 use apex_mission::export::chart::{Chart, chart};
-use apex_mission::export::table::Beside;
+use apex_mission::export::table::PlanFacts;
 use apex_mission::export::{geojson, json, kml, qgc, table};
 use apex_mission::plan::import::import;
 use apex_mission::plan::input::PlanInput;
@@ -60,8 +60,8 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let text = match format {
         PlanFormat::Table => {
-            let beside = Beside { proven: &proven, turns: turns_of(&question, &solved), survival };
-            table::write(&question.name, question.benchmark.as_ref(), &solved, &beside)
+            let facts = PlanFacts { proven: &proven, turns: turns_of(&question, &solved), survival };
+            table::write(&question.name, question.benchmark.as_ref(), &solved, &facts)
         }
         PlanFormat::Json => json(&question, &solved, &proven, survival),
         PlanFormat::Pdl => pdl(&question, &solved),
@@ -233,8 +233,8 @@ fn survival_cost(solved: &Deliberation) -> Outcome<f64> {
 }
 
 fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
-    let beside = Beside { proven, turns: turns_of(question, solved), survival };
-    json::write(&question.name, question.benchmark.as_ref(), solved, &beside)
+    let facts = PlanFacts { proven, turns: turns_of(question, solved), survival };
+    json::write(&question.name, question.benchmark.as_ref(), solved, &facts)
 }
 
 fn turns_of(question: &PlanInput, solved: &Deliberation) -> Option<turns::Turns> {

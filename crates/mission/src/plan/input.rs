@@ -33,23 +33,23 @@ pub struct PlanInput {
     pub seed: u64,
     /// The mission and its goal, if it is one's.
     pub mission: Option<(Mission, Value)>,
-    /// What a benchmark's file says beside the problem.
+    /// Statements of a benchmark's file in addition to the problem.
     pub benchmark: Option<Benchmark>,
     /// Where the flight begins, if the problem does not say it.
     pub start: Option<Position>,
 }
 
 impl PlanInput {
-    /// A problem by itself.
+    /// A problem without mission or benchmark.
     fn new(name: String, problem: Problem) -> PlanInput {
         let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
         PlanInput { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
     }
 }
 
-/// What a benchmark's file says beside the problem.
+/// Statements of a benchmark's file in addition to the problem.
 pub struct Benchmark {
-    /// The format, in words.
+    /// Name of the format.
     pub format: &'static str,
     /// What is asked.
     pub asked: formats::Question,
