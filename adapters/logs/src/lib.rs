@@ -10,7 +10,9 @@ mod dataflash_binary;
 mod dataflash_text;
 mod fields;
 mod json_fields;
+mod log_file;
 mod mapping;
+mod mapping_file;
 mod mavlink;
 mod mavlink_messages;
 mod mcap;
@@ -20,7 +22,9 @@ mod ulog;
 mod ulog_format;
 
 pub use fields::{FieldSummary, Span, survey};
+pub use log_file::{LogError, LogFile};
 pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};
+pub use mapping_file::{MappingError, MappingFile, ReadForm};
 pub use open::{Format, open};
 pub use ordered::Ordered;
 

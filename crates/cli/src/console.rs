@@ -10,34 +10,15 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::Control;
-use apex_runtime::input_lines::read_live;
 use apex_runtime::limits::INPUT_LINE_BYTES_MAX;
+use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::{Deliberator, Observer};
 use std::io::{BufRead, BufReader, Read};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// Inputs that may wait for a run that is busy; whoever sends more waits.
 const WAITING_MAX: usize = 10_000;
-
-/// A question on the terminal.
-#[derive(Clone)]
-struct Open {
-    agent: Symbol,
-    question: QuestionId,
-    text: String,
-}
-
-/// Questions that wait for an answer, seen by the run and by whoever reads lines.
-#[derive(Clone, Default)]
-pub struct OpenQuestions(Arc<Mutex<Vec<Open>>>);
-
-impl OpenQuestions {
-    fn with<T>(&self, work: impl FnOnce(&mut Vec<Open>) -> T) -> T {
-        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-}
 
 /// Asks on the terminal, and tells what becomes of answers.
 pub struct Asker {
@@ -58,7 +39,7 @@ impl Asker {
         let choices = if options.is_empty() { String::new() } else { format!(" [{}]", options.join(", ")) };
         let number = self.number(question);
         // Open before it is shown: whoever reads it may answer at once.
-        self.open.with(|open| open.push(Open { agent, question, text: text.to_string() }));
+        self.open.opened(agent, question, text);
         output::complain(format_args!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
     }
 
@@ -103,9 +84,7 @@ impl Observer for Asker {
     }
 
     fn inspect(&mut self, agent: &Agent, _: &dyn Deliberator, _: Time) -> Result<(), String> {
-        self.open.with(|open| {
-            open.retain(|each| each.agent != agent.name || agent.questions.contains_key(&each.question));
-        });
+        self.open.keep_those_of(agent);
         Ok(())
     }
 }
@@ -175,7 +154,7 @@ fn hear(mut lines: impl BufRead, open: &OpenQuestions, say: &SyncSender<Control>
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        match understand(&line, open) {
+        match open.understand(&line, &read_value) {
             Ok(control) => {
                 if say.send(control).is_err() {
                     return;
@@ -186,82 +165,6 @@ fn hear(mut lines: impl BufRead, open: &OpenQuestions, say: &SyncSender<Control>
     }
 }
 
-/// `{"event": "(go)"}`, `(go)`, `yes`, `2: yes`, `pilot/2: yes`, `stop`.
-fn understand(line: &str, open: &OpenQuestions) -> Result<Control, String> {
-    let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
-    if line.starts_with('{') {
-        let input = read_live(line, Time::ZERO, &read_value)?;
-        return Ok(match input.agent {
-            Some(agent) => Control::InputFor(agent, input.kind),
-            None => Control::Input(input.kind),
-        });
-    }
-    if line.starts_with('(') {
-        return Ok(Control::Input(EventKind::Occurrence(read_value(line)?)));
-    }
-    let (number, words) = match line.split_once(':') {
-        Some((number, words)) if number.trim().ends_with(|last: char| last.is_ascii_digit()) => {
-            (Some(number.trim()), words.trim())
-        }
-        _ => (None, line),
-    };
-    let found = open.with(|open| {
-        let named = |each: &&Open| {
-            let own = each.question.0.to_string();
-            number.is_none_or(|number| number == own || number == format!("{}/{own}", each.agent))
-        };
-        open.iter().filter(named).cloned().collect::<Vec<_>>()
-    });
-    match found.as_slice() {
-        [one] => {
-            let value = match read_value(words) {
-                Ok(value @ (Value::Integer(_) | Value::Real(_) | Value::Quantity(_) | Value::Duration(_))) => value,
-                _ => Value::text(words),
-            };
-            Ok(Control::InputFor(one.agent.clone(), EventKind::OperatorAnswered(one.question, value)))
-        }
-        [] if line == "stop" => Ok(Control::Stop),
-        [] => Err(format!("no question is open that `{line}` could answer; events are written (go) or as JSON")),
-        several => {
-            let list: Vec<String> =
-                several.iter().map(|each| format!("{}/{}: {}", each.agent, each.question.0, each.text)).collect();
-            Err(format!("several questions are open, write NUMBER: ANSWER; {}", list.join("; ")))
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn open(questions: &[(&str, u64)]) -> OpenQuestions {
-        let open = OpenQuestions::default();
-        for (agent, number) in questions {
-            let question = Open { agent: Symbol::new(agent), question: QuestionId(*number), text: "Go on?".into() };
-            open.with(|open| open.push(question));
-        }
-        open
-    }
-
-    #[test]
-    fn words_answer_the_open_question() {
-        let answer = |agent: &str, number, value| {
-            Ok(Control::InputFor(Symbol::new(agent), EventKind::OperatorAnswered(QuestionId(number), value)))
-        };
-        assert_eq!(understand("yes", &open(&[("a", 3)])), answer("a", 3, Value::text("yes")));
-        assert_eq!(understand("12", &open(&[("a", 3)])), answer("a", 3, Value::Integer(12)));
-        let two = open(&[("a", 0), ("b", 0)]);
-        assert!(understand("yes", &two).unwrap_err().contains("a/0: Go on?; b/0: Go on?"));
-        assert_eq!(understand("b/0: no", &two), answer("b", 0, Value::text("no")));
-        assert!(understand("yes", &open(&[])).unwrap_err().contains("no question is open"));
-        assert_eq!(understand("stop", &open(&[])), Ok(Control::Stop));
-    }
-
-    #[test]
-    fn forms_and_objects_are_inputs() {
-        assert!(matches!(understand("(go)", &open(&[])), Ok(Control::Input(EventKind::Occurrence(_)))));
-        let line = r#"{"agent": "b", "measurement": "(altitude uav)", "value": 3}"#;
-        assert!(matches!(understand(line, &open(&[])), Ok(Control::InputFor(..))));
-        assert!(understand("{", &open(&[])).unwrap_err().contains("no JSON"));
-    }
+fn read_value(text: &str) -> Result<Value, String> {
+    apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message)
 }

@@ -2,6 +2,7 @@
 
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
+use apex_mission::Mission;
 pub use apex_mission::program::{
     agent_of, check_conditions, check_program, check_program_with, check_text_with, check_texts, crew_of,
     host_functions, load_recorded, program_path,
@@ -22,6 +23,15 @@ pub fn load_program(path: &Path) -> Outcome<Arc<Library>> {
     let checked = check_program(path, false)?;
     print_warnings_and_errors(&checked);
     if checked.has_errors() { Err(Trouble::told()) } else { Ok(Arc::new(checked.library)) }
+}
+
+/// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed.
+///
+/// # Errors
+/// As [`load_program`]; everything that can be wrong with the mission's settings and data.
+pub fn load_mission(path: &Path) -> Outcome<Mission> {
+    let library = load_program(path)?;
+    Ok(Mission::of_program(path, library)?)
 }
 
 /// Prints what a person who runs the program must know: not the notes.

@@ -1,6 +1,6 @@
 //! Words for reports and for shells.
 
-pub use apex_mission::text::{name_width, named, plain_duration, wrapped, wrapped_line};
+pub use apex_mission::text::{plain_duration, wrapped_line};
 
 /// A word for the shell: quoted where the shell would read it otherwise.
 pub fn shell_word(word: &str) -> String {

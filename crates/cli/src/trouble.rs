@@ -1,8 +1,8 @@
 //! What goes wrong at the command line: one type, two exit codes, messages for people.
 
+use apex_logs::MappingError;
 use apex_mission::error::{ErrorKind, MissionError};
 use apex_mission::files;
-pub use apex_mission::files::nearby_help;
 use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
@@ -72,8 +72,14 @@ pub type Outcome<T = ()> = Result<T, Trouble>;
 
 impl From<MissionError> for Trouble {
     fn from(error: MissionError) -> Trouble {
-        let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record);
+        let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record | ErrorKind::Output);
         Trouble { of_user, message: error.headline(), reason: error.reason, help: error.help }
+    }
+}
+
+impl From<MappingError> for Trouble {
+    fn from(error: MappingError) -> Trouble {
+        Trouble { of_user: true, message: error.message, reason: error.reason, help: error.help }
     }
 }
 
@@ -83,14 +89,6 @@ impl From<MissionError> for Trouble {
 /// Says which file, why it cannot be read, and what to do.
 pub fn read_text(path: &Path) -> Outcome<String> {
     Ok(files::read_text(path)?)
-}
-
-/// Reads a file.
-///
-/// # Errors
-/// Says which file, why it cannot be read, and what to do.
-pub fn read_bytes(path: &Path) -> Outcome<Vec<u8>> {
-    Ok(files::read_bytes(path)?)
 }
 
 /// A file that cannot be read: looked for in vain, or not for us.

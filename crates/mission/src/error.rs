@@ -16,8 +16,12 @@ pub enum ErrorKind {
     Planning,
     /// The model of a vehicle, or the vehicle itself.
     Vehicle,
-    /// The flight record.
+    /// The file that was given as a flight record, or where one is to be written.
+    RecordFile,
+    /// A flight record that cannot be written: the disk is full, or refuses.
     Record,
+    /// A file that cannot be written.
+    Output,
     /// The flight.
     Flight,
 }
@@ -61,6 +65,26 @@ impl MissionError {
     /// An option of the application is at fault.
     pub fn setting(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Setting, message)
+    }
+
+    /// A planning problem or a plan is at fault.
+    pub fn planning(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Planning, message)
+    }
+
+    /// A file cannot be written.
+    pub fn output(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Output, message)
+    }
+
+    /// The path of a flight record is at fault.
+    pub fn record_file(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::RecordFile, message)
+    }
+
+    /// A flight record cannot be written.
+    pub fn record(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Record, message)
     }
 
     /// A flight cannot begin, or was aborted.

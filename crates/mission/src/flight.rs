@@ -2,7 +2,7 @@
 
 use crate::Mission;
 use crate::deliberation::{Means, MissionDeliberator};
-use crate::error::{ErrorKind, MissionError, MissionResult};
+use crate::error::{MissionError, MissionResult};
 use crate::program;
 use crate::report::{Report, report};
 use apex_executive::Agent;
@@ -113,10 +113,4 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
             geometry: target.geometry.clone(),
         })
     })
-}
-
-impl From<RecordError> for MissionError {
-    fn from(error: RecordError) -> MissionError {
-        MissionError::new(ErrorKind::Record, error.to_string())
-    }
 }

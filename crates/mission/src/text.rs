@@ -4,7 +4,7 @@ use apex_model::time::Duration;
 
 /// Lines for people are no wider than this.
 const LINE_WIDTH: usize = 100;
-/// Where the text stands beside the times of a history.
+/// Indent of the text next to the times of a history.
 const TIME_INDENT: &str = "                ";
 /// The narrowest column of names.
 const NAME_WIDTH_MIN: usize = 10;
@@ -49,17 +49,17 @@ pub fn wrapped(words: &[String], joint: &str, used: usize, indent: &str) -> Stri
     text
 }
 
-/// One line for people in as many as it needs; what begins with a time goes on beside it.
+/// Wraps one line; text after a leading time is aligned next to the time.
 pub fn wrapped_line(line: &str) -> String {
     let words: Vec<String> = line.split(' ').map(str::to_string).collect();
     let leading = line.len() - line.trim_start().len();
-    // A moment of a history stands beside its time; everything else goes on a little further in.
+    // A moment of a history is aligned next to its time; other lines get a deeper indent.
     let moment = line.trim_start().split_once("  ").is_some_and(|(time, _)| !time.contains(' '));
     let indent = if moment && leading > 2 { TIME_INDENT.to_owned() } else { " ".repeat(leading.max(2) + 2) };
     wrapped(&words, " ", 0, &indent)
 }
 
-/// A name in a column of `width`, and what is to be said of it in the lines beside it.
+/// A name in a column of `width`, with its text wrapped in the next column.
 pub fn named(name: &str, width: usize, text: &str) -> String {
     let words: Vec<String> = text.split(' ').map(str::to_string).collect();
     format!("  {name:<width$}  {}", wrapped(&words, " ", width + 4, &" ".repeat(width + 4)))

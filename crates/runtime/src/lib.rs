@@ -14,6 +14,7 @@ pub mod inbox;
 pub mod input_lines;
 pub mod invocation;
 pub mod limits;
+pub mod live_lines;
 pub mod mission_loop;
 pub mod narrator;
 pub mod outbox;

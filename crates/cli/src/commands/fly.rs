@@ -28,8 +28,7 @@ const PACE_MAX: f64 = 1e9;
 pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
-    let library = sources::load_program(&options.mission)?;
-    let mission = Arc::new(Mission::of_program(&options.mission, library)?);
+    let mission = Arc::new(sources::load_mission(&options.mission)?);
     let pace = pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));

@@ -1,8 +1,8 @@
 //! `apex fmt`: one layout for all PDL.
 
 use crate::options::FormatOptions;
+use crate::output;
 use crate::trouble::{Outcome, Trouble, read_text};
-use crate::{output, replacing};
 use apex_model::source::SourceFile;
 use std::io::Read;
 
@@ -26,7 +26,7 @@ pub fn run(options: &FormatOptions) -> Outcome {
         if options.check {
             unformatted.push(file.display().to_string());
         } else {
-            replacing::replace(file, &text, &formatted)?;
+            apex_mission::replacing::replace(file, &text, &formatted)?;
             output::print_line(format_args!("formatted {}", file.display()))?;
         }
     }

@@ -8,8 +8,6 @@ pub mod fork;
 pub mod format;
 pub mod monitor;
 pub mod plan;
-mod plan_brought;
-pub(crate) mod plan_question;
 pub mod profile;
 pub mod replay;
 pub mod run;

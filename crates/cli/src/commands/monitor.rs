@@ -1,12 +1,12 @@
 //! `apex monitor`: conditions over a log, a flight record, a file of inputs or standard input.
 
 use crate::monitor::input::Source;
-use crate::monitor::telling::{Style, placed, verdict_word};
 use crate::options::MonitorOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{output, sources};
 use apex_executive::MonitorSession;
+use apex_mission::monitor_report::{Style, placed, verdict_word};
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::event::{EventKind, Message};
@@ -56,7 +56,7 @@ fn list_fields(mut source: Source, json: bool) -> Outcome {
     // Which state variables come of the fields is part of the answer, where a mapping is known.
     let mapped = source.declarations(&Library::default());
     match source {
-        Source::Log(log) => log.list_fields(json),
+        Source::Log(log) => crate::monitor::input::list_fields(&log, json),
         _ => mapped.and(Err(Trouble::user("`--fields` is for logs")
             .because("lines of JSON and flight records name state variables themselves")
             .help("`apex trace RECORD --type measurement` lists the samples of a record"))),

@@ -1,22 +1,22 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
-use super::plan_brought;
-use super::plan_question::{self, Question};
 use crate::options::{PlanFormat, PlanOptions};
-use crate::output;
-use crate::plan_output::chart::{Chart, chart};
-use crate::plan_output::proof::{self, Proven};
-use crate::plan_output::table::Beside;
-use crate::plan_output::{geojson, json, kml, qgc, table, turns};
-use crate::sources::parse_length_m;
+use crate::sources::{parse_length_m, parse_time};
 use crate::trouble::{Outcome, Trouble};
+use crate::{output, sources};
 use apex_metrics::survival;
 use apex_mission::deliberation::{Deliberation, Means, Wish, name_obstacles, solve, translate};
+use apex_mission::export::chart::{Chart, chart};
+use apex_mission::export::table::PlanFacts;
+use apex_mission::export::{geojson, json, kml, qgc, table};
+use apex_mission::plan::import::import;
+use apex_mission::plan::input::PlanInput;
+use apex_mission::plan::proof::{self, Proven};
+use apex_mission::plan::turns;
 use apex_model::problem::{Plan, Problem};
-use apex_model::time::Duration;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::Registry;
-use apex_portfolio::formats;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::Human;
@@ -37,7 +37,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         return Err(Trouble::user("`--height` is for plan files of QGroundControl")
             .help("add `--format qgc`, or leave `--height` out"));
     }
-    let question = plan_question::read(options)?;
+    let question = read(options)?;
     if let Some(out) = out {
         refuse_to_overwrite(out, &options.mission)?;
         options.plan.iter().try_for_each(|plan| refuse_to_overwrite(out, plan))?;
@@ -50,18 +50,18 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         refuse_survival(format, &question)?;
     }
     let mut solved = match &options.plan {
-        Some(file) => plan_brought::solve(options, file, &question)?,
+        Some(file) => import(file, options.retime, &question)?,
         None => planned(options, &question, planners)?,
     };
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
-    let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
+    let proven = proof::prove(&mut solved, question.is_tour(), question.bound_budget);
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let text = match format {
         PlanFormat::Table => {
-            let beside = Beside { proven: &proven, turns: turns_of(&question, &solved), survival };
-            table::write(&question.name, question.benchmark.as_ref(), &solved, &beside)
+            let facts = PlanFacts { proven: &proven, turns: turns_of(&question, &solved), survival };
+            table::write(&question.name, question.benchmark.as_ref(), &solved, &facts)
         }
         PlanFormat::Json => json(&question, &solved, &proven, survival),
         PlanFormat::Pdl => pdl(&question, &solved),
@@ -76,8 +76,52 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
     output::put(out, &text)
 }
 
+/// Finds out what is to be planned.
+///
+/// # Errors
+/// When nothing of that name exists, or it is no problem.
+fn read(options: &PlanOptions) -> Outcome<PlanInput> {
+    let mut question = match PlanInput::find(&options.mission)? {
+        Some(question) => question,
+        None => PlanInput::of_mission(sources::load_mission(&options.mission)?)?,
+    };
+    refuse_fleets(options.vehicles, &question)?;
+    if let Some(budget) = &options.budget {
+        let end = parse_time(budget, "--budget")?;
+        if end <= Time::ZERO {
+            return Err(Trouble::user(format!("a budget of {budget} is no time to plan in"))
+                .help("write how long a solver may take, for example `--budget 2s`"));
+        }
+        question.budget = end - Time::ZERO;
+    }
+    if let Some(budget) = &options.bound_budget {
+        let end = parse_time(budget, "--bound-budget")?;
+        // Nothing to spend leaves the quick bound.
+        question.bound_budget = end - Time::ZERO;
+    }
+    question.seed = options.seed.unwrap_or(question.seed);
+    Ok(question)
+}
+
+/// Refuses to plan for more than one vehicle.
+fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> Outcome {
+    match vehicles {
+        None | Some(1) => Ok(()),
+        Some(more) => {
+            let named = question.benchmark.as_ref().and_then(|benchmark| benchmark.vehicles);
+            let reason = match named {
+                Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
+                None => "a plan is the path of one vehicle".to_string(),
+            };
+            Err(Trouble::user(format!("{more} vehicles cannot be planned for"))
+                .because(reason)
+                .help("leave `--vehicles` out to plan for one"))
+        }
+    }
+}
+
 /// What a solver answers, or what follows from the visits that a person names.
-fn planned(options: &PlanOptions, question: &Question, planners: &Arc<Registry>) -> Outcome<Deliberation> {
+fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>) -> Outcome<Deliberation> {
     let by_hand = !options.visits.is_empty();
     let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
     let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
@@ -107,12 +151,12 @@ pub fn answer(
     seed: u64,
     planners: &Arc<Registry>,
 ) -> Outcome<String> {
-    let question = plan_question::of_text(problem, "the problem")?;
+    let question = PlanInput::of_json(problem, "the problem")?;
     let means = Means::of(planners);
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
-    let proven = proof::prove(&mut solved, is_tour(&question), question.bound_budget);
+    let proven = proof::prove(&mut solved, question.is_tour(), question.bound_budget);
     Ok(json(&question, &solved, &proven, None))
 }
 
@@ -121,7 +165,7 @@ pub fn answer(
 /// # Errors
 /// As [`answer`], as far as it concerns the problem.
 pub fn problem(problem: &str) -> Outcome<Problem> {
-    plan_question::of_text(problem, "the problem").map(|question| question.problem)
+    PlanInput::of_json(problem, "the problem").map(|question| question.problem).map_err(Trouble::from)
 }
 
 /// What is asked for; else what the file's name says; else a table.
@@ -148,7 +192,7 @@ fn refuse_to_overwrite(out: &Path, input: &Path) -> Outcome {
 }
 
 /// Says before planning what could not be printed after it.
-fn refuse(format: PlanFormat, question: &Question) -> Outcome {
+fn refuse(format: PlanFormat, question: &PlanInput) -> Outcome {
     match format {
         PlanFormat::Pdl if question.mission.is_none() => {
             Err(Trouble::user("only a mission's plan can be a PDL procedure")
@@ -165,7 +209,7 @@ fn refuse(format: PlanFormat, question: &Question) -> Outcome {
 }
 
 /// The cost of ignorance of a first event is of problems that have one, and for formats that say it.
-fn refuse_survival(format: PlanFormat, question: &Question) -> Outcome {
+fn refuse_survival(format: PlanFormat, question: &PlanInput) -> Outcome {
     if !matches!(question.problem, Problem::Surveillance(_)) {
         return Err(Trouble::user("`--survival` is for plans of surveillance")
             .because("single visits have no cost of ignorance")
@@ -188,23 +232,18 @@ fn survival_cost(solved: &Deliberation) -> Outcome<f64> {
     cost.map(|cost| cost.total).map_err(|why| Trouble::user("the cost of first events is not known").because(why))
 }
 
-fn json(question: &Question, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
-    let beside = Beside { proven, turns: turns_of(question, solved), survival };
-    json::write(&question.name, question.benchmark.as_ref(), solved, &beside)
+fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
+    let facts = PlanFacts { proven, turns: turns_of(question, solved), survival };
+    json::write(&question.name, question.benchmark.as_ref(), solved, &facts)
 }
 
-/// Was the shortest of all tours asked for?
-fn is_tour(question: &Question) -> bool {
-    question.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour)
-}
-
-fn turns_of(question: &Question, solved: &Deliberation) -> Option<turns::Turns> {
-    turns::of(&solved.problem, &solved.plan, question.mission.as_ref().map(|(mission, _)| mission))
+fn turns_of(question: &PlanInput, solved: &Deliberation) -> Option<turns::Turns> {
+    turns::of(&solved.problem, &solved.plan, question.mission())
 }
 
 /// The plan as a procedure for the mission's goal, with the libraries that its steps need, so that it can be checked alone;
 /// empty for what is no mission, which was refused.
-fn pdl(question: &Question, solved: &Deliberation) -> String {
+fn pdl(question: &PlanInput, solved: &Deliberation) -> String {
     let Some((mission, goal)) = &question.mission else { return String::new() };
     let application = mission.library.application.as_ref();
     let libraries = application.and_then(|application| application.option("libraries")).and_then(Value::as_list);
@@ -215,8 +254,8 @@ fn pdl(question: &Question, solved: &Deliberation) -> String {
     named.chain([translate(solved, goal, 1, mission).source.text.to_string()]).collect()
 }
 
-fn charted(question: &Question, solved: &Deliberation) -> Outcome<Chart> {
-    let mission = question.mission.as_ref().map(|(mission, _)| mission);
+fn charted(question: &PlanInput, solved: &Deliberation) -> Outcome<Chart> {
+    let mission = question.mission();
     chart(&question.name, (&solved.problem, &solved.plan), question.start, mission).map_err(|reason| {
         Trouble::user(format!("{} has no places to put on a map", question.name))
             .because(reason)

@@ -1,7 +1,7 @@
 //! `apex run`: any PDL program without a vehicle, in simulated time, by the clock on the wall or at that of an outside
 //! simulator, with a trace.
 
-use crate::console::{self, Asker, OpenQuestions};
+use crate::console::{self, Asker};
 use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
@@ -15,6 +15,7 @@ use apex_model::time::Time;
 use apex_planning::Registry;
 use apex_runtime::answer_lines::read_answers;
 use apex_runtime::foreign::{self, ForeignEnd};
+use apex_runtime::live_lines::OpenQuestions;
 use apex_runtime::ports::{Input, Observer};
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RecordOptions, Recorder};
@@ -237,11 +238,11 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> Outcome {
 /// A record with the program's sources inside, and of a mission all that belongs to it.
 fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> Outcome<Recorder> {
     if let Some(mission) = mission {
-        return recording::of_mission(path, mission);
+        return Ok(recording::of_mission(path, mission)?);
     }
-    recording::create(path, library, RecordOptions::default(), |recorder| {
+    Ok(recording::create(path, library, RecordOptions::default(), |recorder| {
         recorder.meta("agent", sources::agent_of(library).name.printed())
-    })
+    })?)
 }
 
 /// Reads scripted inputs from a file, or from standard input for `-`.

@@ -1,9 +1,8 @@
 //! `apex monitor --fields`: what a log holds, and which state variables come of it.
 
-use super::mapping_file::MappingFile;
 use crate::output;
 use crate::trouble::Outcome;
-use apex_logs::{FieldSummary, Format, Take};
+use apex_logs::{FieldSummary, Format, MappingFile, Take};
 use apex_model::time::Time;
 use std::fmt::Write;
 

@@ -1,18 +1,18 @@
 //! What is watched or exported: a log, a flight record, or lines of JSON, as measurements and events in order of time.
 
-use super::mapping_file::{self, MappingFile};
-use crate::trouble::{Outcome, Trouble, unreadable};
+use crate::trouble::{Outcome, Trouble, read_text, unreadable};
 use crate::{commands, output, recording};
-use apex_logs::{Format, LogReader, Message, Ordered, Sampler};
+use apex_logs::{Damages, Format, LogError, LogFile, MappingFile};
 use apex_model::event::EventKind;
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
+use apex_model::value::Value;
 use apex_pdl::SourceText;
 use apex_runtime::input_lines::read_live;
 use apex_runtime::record::RecordReader;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 /// Where the data come from.
@@ -24,15 +24,7 @@ pub enum Source {
     /// A flight record.
     Record(RecordReader),
     /// A log of another system.
-    Log(Log),
-}
-
-/// A log and how it is to be understood.
-pub struct Log {
-    path: PathBuf,
-    format: Format,
-    mapping: Option<MappingFile>,
-    own_time: bool,
+    Log(LogFile),
 }
 
 /// First bytes of a flight record.
@@ -41,7 +33,7 @@ const RECORD_MAGIC: &[u8] = b"SQLite format 3\0";
 impl Source {
     /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts.
     pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool) -> Outcome<Source> {
-        let mapping = mapping.map(mapping_file::read).transpose()?;
+        let mapping = mapping.map(read_mapping).transpose()?;
         if path.as_os_str() == "-" {
             return no_mapping(Source::Lines, mapping.is_some());
         }
@@ -66,21 +58,16 @@ impl Source {
                 .because("neither its first bytes nor its name's ending say what it is")
                 .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
         };
-        Ok(Source::Log(Log { path: path.to_path_buf(), format, mapping, own_time }))
+        Ok(Source::Log(LogFile::new(path, format, mapping, own_time)))
     }
 
     /// Texts that declare the state variables of the source, beside those of `library`.
     pub fn declarations(&mut self, library: &Library) -> Outcome<Option<SourceText>> {
         let Source::Log(log) = self else { return Ok(None) };
-        if log.mapping.is_none() {
-            log.mapping = match mapping_file::shipped(log.format) {
-                Some(shipped) => Some(shipped?),
-                None => log.of_columns()?,
-            };
-        }
-        let Some(mapping) = &log.mapping else {
-            return Err(Trouble::user(format!("{} needs a mapping", log.path.display()))
-                .because(format!("nothing says what the fields of a log in {} mean", log.format.name()))
+        let (path, format) = (log.path().to_path_buf(), log.format());
+        let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, error))? else {
+            return Err(Trouble::user(format!("{} needs a mapping", path.display()))
+                .because(format!("nothing says what the fields of a log in {} mean", format.name()))
                 .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
         };
         let text = mapping.declarations_beside(library);
@@ -106,7 +93,7 @@ impl Source {
                 commands::run::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
-            Source::Log(log) => log.feed(library, sink),
+            Source::Log(log) => feed_log(log, library, sink),
         }
     }
 }
@@ -147,68 +134,42 @@ fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> O
     Ok(())
 }
 
-impl Log {
-    fn reader(&self) -> Outcome<Box<dyn LogReader>> {
-        let file = File::open(&self.path).map_err(|error| unreadable(&self.path, &error))?;
-        let time = self.mapping.as_ref().and_then(|mapping| mapping.time.clone());
-        Ok(self.format.reader(BufReader::new(file), time))
-    }
+fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+    let path = log.path().to_path_buf();
+    let mut measured = |at, variable, value| sink(at, EventKind::Measurement(variable, value));
+    let damages = log.feed(library, &mut measured).map_err(|error| unread(&path, error))?;
+    tell_damages(&path, &damages);
+    Ok(())
+}
 
-    fn unread(&self, error: &std::io::Error) -> Trouble {
-        Trouble::failure(format!("cannot read {} to its end", self.path.display())).because(error)
-    }
+/// Prints what the log holds.
+pub fn list_fields(log: &LogFile, json: bool) -> Outcome {
+    let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), error))?;
+    super::field_list::print(log.format(), &fields, span, log.known_mapping(), json)?;
+    tell_damages(log.path(), &damages);
+    Ok(())
+}
 
-    /// The mapping that the names of a table's columns make.
-    fn of_columns(&self) -> Outcome<Option<MappingFile>> {
-        if self.format != Format::Csv {
-            return Ok(None);
-        }
-        let mut reader = self.reader()?;
-        reader.next(&mut Message::default()).map_err(|error| self.unread(&error))?;
-        Ok(reader.topics().first().map(|topic| mapping_file::of_columns(topic, None)))
-    }
+fn read_mapping(path: &Path) -> Outcome<MappingFile> {
+    let text = read_text(path)?;
+    Ok(MappingFile::parse(&path.display().to_string(), &text, &read_form)?)
+}
 
-    fn feed(mut self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
-        let mut reader = self.reader()?;
-        let mapping = self.mapping.take().unwrap_or_default().mapping(library)?;
-        let mut sampler = Sampler::new(mapping);
-        let (mut message, mut samples, mut ordered) = (Message::default(), Vec::new(), Ordered::default());
-        let mut origin: Option<Duration> = self.own_time.then_some(Duration::ZERO);
-        loop {
-            let more = reader.next(&mut message).map_err(|error| self.unread(&error))?;
-            if more {
-                // Mission time 0 is where the log says that it begins, else its first message.
-                let began = reader.began().unwrap_or(message.at);
-                let origin = *origin.get_or_insert(began - Time::ZERO);
-                message.at = message.at - origin;
-                sampler.sample(reader.topics(), &message, &mut samples);
-                samples.drain(..).for_each(|sampled| ordered.push(sampled));
-            }
-            while let Some(sampled) = ordered.pop(!more) {
-                let Some(entry) = sampler.mapping().entries.get(sampled.entry) else { continue };
-                sink(sampled.at, EventKind::Measurement(entry.variable.clone(), sampled.value))?;
-            }
-            if !more {
-                break;
-            }
-        }
-        tell_damages(&self.path, &*reader);
-        Ok(())
-    }
+fn read_form(text: &str) -> Result<Value, (u32, String)> {
+    apex_pdl::read_value(text).map_err(|diagnostic| (diagnostic.span.line, diagnostic.message))
+}
 
-    /// Prints what the log holds.
-    pub fn list_fields(&self, json: bool) -> Outcome {
-        let mut reader = self.reader()?;
-        let (fields, span) = apex_logs::survey(&mut *reader).map_err(|error| self.unread(&error))?;
-        super::field_list::print(self.format, &fields, span, self.mapping.as_ref(), json)?;
-        tell_damages(&self.path, &*reader);
-        Ok(())
+fn unread(path: &Path, error: LogError<Trouble>) -> Trouble {
+    match error {
+        LogError::Open(error) => unreadable(path, &error),
+        LogError::Read(error) => Trouble::failure(format!("cannot read {} to its end", path.display())).because(error),
+        LogError::Mapping(error) => error.into(),
+        LogError::Sink(trouble) => trouble,
     }
 }
 
 /// Says what could not be read.
-fn tell_damages(path: &Path, reader: &dyn LogReader) {
-    let damages = reader.damages();
+fn tell_damages(path: &Path, damages: &Damages) {
     for what in &damages.first {
         output::complain(format_args!("note: {}: {what}", path.display()));
     }

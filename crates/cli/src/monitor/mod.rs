@@ -1,6 +1,4 @@
-//! What `apex monitor` needs: inputs of all kinds, mappings of logs, results in words.
+//! What `apex monitor` needs: inputs of all kinds and lists of fields.
 
 pub mod field_list;
 pub mod input;
-pub mod mapping_file;
-pub mod telling;

@@ -4,7 +4,7 @@ use super::measuring::{self, cpu_s};
 use super::{planners, read, units};
 use crate::options::{ProfileBuildOptions, ProfileUpdateOptions, ProfileWorkOptions};
 use crate::output;
-use crate::replacing;
+
 use crate::trouble::{Outcome, Trouble};
 use apex_planning::Registry;
 use apex_planning::solver::Solver;
@@ -49,7 +49,7 @@ pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Out
     let after = profile.to_string();
     if after != before {
         let known = crate::trouble::read_text(&options.profile)?;
-        replacing::replace(&options.profile, &known, &after)?;
+        apex_mission::replacing::replace(&options.profile, &known, &after)?;
     }
     write_table(options.table.as_deref(), &profile)
 }
@@ -128,7 +128,7 @@ pub(super) fn refuse_other(path: &Path) -> Outcome<Option<String>> {
 /// Writes a file as a whole; `before` is what an older one held.
 pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
     if let Some(before) = before {
-        return replacing::replace(path, before, text);
+        return Ok(apex_mission::replacing::replace(path, before, text)?);
     }
     std::fs::write(path, text).map_err(|error| {
         Trouble::failure(format!("cannot write {}", path.display())).because(error).help("name another place for it")

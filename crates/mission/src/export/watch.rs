@@ -1,6 +1,6 @@
 //! Where surveillance flies: from place to place, or from circle to circle.
 
-use super::chart::{Circle, Place, Visit, bends};
+use super::chart::{ChartPoint, Circle, Visit, bends};
 use apex_geo::travel::Circling;
 use apex_model::problem::{Position, SurveillanceVisit};
 use apex_planning::surveillance::travel::Ways;
@@ -9,7 +9,7 @@ use apex_planning::surveillance::travel::Ways;
 pub(super) struct Watch {
     ways: Option<Ways>,
     /// Where the vehicle is, and which target that is.
-    before: Option<Place>,
+    before: Option<ChartPoint>,
     from: Option<usize>,
     /// Where on its circle.
     on: Option<Circling>,
@@ -18,14 +18,14 @@ pub(super) struct Watch {
 
 impl Watch {
     /// At the start, with the ways where they are known.
-    pub(super) fn new(ways: Option<Ways>, start: Option<Place>) -> Watch {
+    pub(super) fn new(ways: Option<Ways>, start: Option<ChartPoint>) -> Watch {
         Watch { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }
 
     /// The next visit, to the target of number `to`.
-    pub(super) fn visit(&mut self, (to, here): (usize, Place), visit: &SurveillanceVisit) -> Visit {
+    pub(super) fn visit(&mut self, (to, here): (usize, ChartPoint), visit: &SurveillanceVisit) -> Visit {
         let route = self.ways.as_mut().map_or_else(Vec::new, |ways| ways.route(self.from, to, self.depart_s));
-        let between: Vec<Place> = bends(&route, here.altitude_m).collect();
+        let between: Vec<ChartPoint> = bends(&route, here.altitude_m).collect();
         let mut drawn = Visit {
             target: visit.target.clone(),
             way: Vec::new(),
@@ -35,7 +35,7 @@ impl Watch {
             begin_s: visit.arrive_s,
             end_s: visit.end_s,
         };
-        let at = |position: Position| Place { position, altitude_m: here.altitude_m };
+        let at = |position: Position| ChartPoint { position, altitude_m: here.altitude_m };
         let place = match self.ways.as_mut().filter(|ways| ways.circle_radius_m() > 0.0) {
             Some(ways) => {
                 let (path, there) = ways.flown((self.from, Some(to)), self.on, self.depart_s);
@@ -59,7 +59,7 @@ impl Watch {
     }
 
     /// The way from the last visit to the base; empty where nothing was visited.
-    pub(super) fn home(&mut self, base: Place) -> Vec<Place> {
+    pub(super) fn home(&mut self, base: ChartPoint) -> Vec<ChartPoint> {
         let Some(before) = self.before else { return Vec::new() };
         let route = self.ways.as_mut().zip(self.from).map_or_else(Vec::new, |(ways, from)| {
             match ways.circle_radius_m() > 0.0 {

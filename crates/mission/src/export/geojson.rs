@@ -1,6 +1,6 @@
 //! A plan as GeoJSON (RFC 7946): the path as a line, targets as points, airspace as polygons.
 
-use super::chart::{Chart, Place, Target, digits, milliseconds};
+use super::chart::{Chart, ChartPoint, Target, digits, milliseconds};
 use super::civil::utc;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use serde_json::{Map, Value, json};
@@ -26,7 +26,7 @@ fn feature(kind: &str, name: &str, geometry: Value, more: Map<String, Value>) ->
 }
 
 /// Longitude comes first, and altitude last where it is known.
-fn coordinates(place: &Place) -> Value {
+fn coordinates(place: &ChartPoint) -> Value {
     let Position { latitude_deg, longitude_deg } = place.position;
     let (east, north) = (digits(longitude_deg), digits(latitude_deg));
     place.altitude_m.map_or_else(|| json!([east, north]), |up| json!([east, north, (up * 10.0).round() / 10.0]))
@@ -50,7 +50,7 @@ fn path(chart: &Chart) -> Value {
 }
 
 /// Lines that do not jump from one edge of the map to the other: RFC 7946 wants those that cross the 180th meridian cut.
-fn split_at_the_date_line(path: &[Place]) -> Vec<Vec<Value>> {
+fn split_at_the_date_line(path: &[ChartPoint]) -> Vec<Vec<Value>> {
     let mut lines: Vec<Vec<Value>> = Vec::new();
     let mut line: Vec<Value> = path.first().map(coordinates).into_iter().collect();
     for (from, to) in path.iter().zip(path.iter().skip(1)) {
@@ -63,7 +63,7 @@ fn split_at_the_date_line(path: &[Place]) -> Vec<Vec<Value>> {
             let latitude_deg = between(from.position.latitude_deg, to.position.latitude_deg);
             let altitude_m = from.altitude_m.zip(to.altitude_m).map(|(a, b)| between(a, b));
             let at = |longitude_deg| {
-                coordinates(&Place { position: Position::new(latitude_deg, longitude_deg), altitude_m })
+                coordinates(&ChartPoint { position: Position::new(latitude_deg, longitude_deg), altitude_m })
             };
             line.push(at(edge));
             lines.push(std::mem::replace(&mut line, vec![at(-edge)]));
@@ -75,7 +75,7 @@ fn split_at_the_date_line(path: &[Place]) -> Vec<Vec<Value>> {
     lines
 }
 
-fn place(kind: &str, name: &str, place: Place) -> Value {
+fn place(kind: &str, name: &str, place: ChartPoint) -> Value {
     feature(kind, name, json!({"type": "Point", "coordinates": coordinates(&place)}), Map::new())
 }
 
@@ -139,8 +139,8 @@ fn clockwise(corners: &[Position]) -> bool {
 mod tests {
     use super::*;
 
-    fn at(latitude_deg: f64, longitude_deg: f64) -> Place {
-        Place { position: Position::new(latitude_deg, longitude_deg), altitude_m: None }
+    fn at(latitude_deg: f64, longitude_deg: f64) -> ChartPoint {
+        ChartPoint { position: Position::new(latitude_deg, longitude_deg), altitude_m: None }
     }
 
     #[test]

@@ -3,9 +3,9 @@
 //! An autopilot knows neither conditions nor procedures: what the file holds is the plan as made, without watching, replanning
 //! or flying anything again.
 
-use super::chart::{Chart, Place, Visit, digits};
+use super::chart::{Chart, ChartPoint, Visit, digits};
+use crate::vehicle::Airframe;
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_sim::Airframe;
 use serde_json::{Value, json};
 
 /// Seconds of waiting that are worth an item of their own.
@@ -47,7 +47,7 @@ pub fn write(chart: &Chart, height_m: Option<f64>) -> Result<String, String> {
     };
     let mut items = Items { items: Vec::new(), relative_m };
     let rotorcraft = chart.airframe == Some(Airframe::Rotorcraft);
-    let up = Place { position: home.position, altitude_m: first.altitude_m };
+    let up = ChartPoint { position: home.position, altitude_m: first.altitude_m };
     items.at(TAKEOFF, if rotorcraft { 0.0 } else { TAKEOFF_PITCH_DEG }, up);
     fly(&mut items, chart);
     // `MAV_TYPE`.
@@ -96,7 +96,7 @@ impl Items {
     }
 
     /// An item at a place; its first parameter is what differs between commands: a pitch, seconds.
-    fn at(&mut self, command: u16, parameter: f64, place: Place) {
+    fn at(&mut self, command: u16, parameter: f64, place: ChartPoint) {
         let altitude_m = self.relative_m.or(place.altitude_m).unwrap_or(0.0);
         let altitude_m = if command == LAND && self.relative_m.is_some() { 0.0 } else { altitude_m };
         let (latitude_deg, longitude_deg) = (digits(place.position.latitude_deg), digits(place.position.longitude_deg));

@@ -1,9 +1,9 @@
 //! `apex plan --plan FILE`: a plan that somebody drew or edited, read, scored and checked like any other.
 
-use super::plan_question::Question;
-use crate::options::PlanOptions;
-use crate::trouble::{Outcome, Trouble, read_text};
-use apex_mission::deliberation::{Deliberation, PLAN_VISITS_MAX};
+use super::input::PlanInput;
+use crate::deliberation::{Deliberation, PLAN_VISITS_MAX};
+use crate::error::{MissionError, MissionResult};
+use crate::files::read_text;
 use apex_model::problem::Plan;
 use apex_planning::checker;
 use apex_planning::solver::{Environment, WorkBudget, units_in};
@@ -14,15 +14,15 @@ use std::path::Path;
 /// Broken rules that are named; a plan may break one with every visit.
 const BROKEN_NAMED_MAX: usize = 20;
 
-/// Reads the plan in `file` for the question.
+/// Reads the plan in `file` for the input.
 ///
 /// # Errors
 /// The file holds no plan, or one of another problem; or, where times are taken as they are, every rule that it breaks.
-pub(super) fn solve(options: &PlanOptions, file: &Path, question: &Question) -> Outcome<Deliberation> {
+pub fn import(file: &Path, retime: bool, input: &PlanInput) -> MissionResult<Deliberation> {
     let place = file.display().to_string();
     let plan = read(file, &place)?;
     let not_for = |reason: String| {
-        Trouble::user(format!("the plan in {place} is no plan for {}", question.name))
+        MissionError::planning(format!("the plan in {place} is no plan for {}", input.name))
             .because(reason)
             .help("name the problem that it was made for; `apex plan PROBLEM --problem` prints its targets")
     };
@@ -30,22 +30,22 @@ pub(super) fn solve(options: &PlanOptions, file: &Path, question: &Question) -> 
     if visits > PLAN_VISITS_MAX {
         return Err(not_for(format!("it has {visits} visits, more than {PLAN_VISITS_MAX}")));
     }
-    let mut budget = WorkBudget::new(units_in(question.budget));
-    let (plan, times) = if options.retime {
+    let mut budget = WorkBudget::new(units_in(input.budget));
+    let (plan, times) = if retime {
         let mut environment =
-            Environment { seed: question.seed, budget: &mut budget, report: &mut |_| {}, previous: None };
-        (brought::retimed(&question.problem, &plan, &mut environment), "made anew")
+            Environment { seed: input.seed, budget: &mut budget, report: &mut |_| {}, previous: None };
+        (brought::retimed(&input.problem, &plan, &mut environment), "made anew")
     } else {
-        (brought::scored(&question.problem, &plan), "as they are")
+        (brought::scored(&input.problem, &plan), "as they are")
     };
     let plan = plan.map_err(not_for)?;
-    let broken = checker::violations(&question.problem, &plan);
+    let broken = checker::violations(&input.problem, &plan);
     if !broken.is_empty() {
         return Err(breaks(&place, &broken));
     }
     let reason = format!("somebody brought it in {place}, its times {times}");
     Ok(Deliberation {
-        problem: question.problem.clone(),
+        problem: input.problem.clone(),
         plan,
         reason,
         work: budget.used,
@@ -55,14 +55,14 @@ pub(super) fn solve(options: &PlanOptions, file: &Path, question: &Question) -> 
     })
 }
 
-fn breaks(place: &str, broken: &[String]) -> Trouble {
+fn breaks(place: &str, broken: &[String]) -> MissionError {
     let (count, rules) = (broken.len(), if broken.len() == 1 { "rule" } else { "rules" });
     let mut named: Vec<String> = broken.iter().take(BROKEN_NAMED_MAX).map(|rule| format!("it {rule}")).collect();
     let more = count.saturating_sub(BROKEN_NAMED_MAX);
     if more > 0 {
         named.push(format!("and {more} more"));
     }
-    Trouble::user(format!("the plan in {place} breaks {count} {rules}"))
+    MissionError::planning(format!("the plan in {place} breaks {count} {rules}"))
         .because(named.join("\n  "))
         .help("mend the times of these visits, or add `--retime` to keep their order and have the times made anew")
 }
@@ -74,7 +74,7 @@ struct Answer {
 }
 
 /// The plan of a whole answer, or by itself.
-fn read(file: &Path, place: &str) -> Outcome<Plan> {
+fn read(file: &Path, place: &str) -> MissionResult<Plan> {
     let text = read_text(file)?;
     let is_answer = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|value| value.get("plan").is_some());
     let plan = match is_answer {
@@ -82,7 +82,7 @@ fn read(file: &Path, place: &str) -> Outcome<Plan> {
         false => serde_json::from_str::<Plan>(&text),
     };
     plan.map_err(|error| {
-        Trouble::user(format!("{place}:{}:{}: this is no plan", error.line(), error.column()))
+        MissionError::planning("this is no plan").at(format!("{place}:{}:{}", error.line(), error.column()))
             .because(error)
             .help("write what `apex plan PROBLEM --json` prints, or its member `plan`; docs/reference/schema/plan.schema.json says what they hold")
     })

@@ -4,19 +4,19 @@
 //! from it alone.
 
 use super::watch::Watch;
+use crate::vehicle::Airframe;
+use crate::{Mission, TargetKind};
 use apex_metrics::eci;
-use apex_mission::{Mission, TargetKind};
 use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
 use apex_planning::surveillance::travel::Ways;
-use apex_sim::Airframe;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct ChartPoint {
     /// Where.
     pub position: Position,
     /// How high.
@@ -29,9 +29,9 @@ pub struct Visit {
     /// The target's name.
     pub target: String,
     /// Way points from the place before to where the observation begins, both included.
-    pub way: Vec<Place>,
+    pub way: Vec<ChartPoint>,
     /// What is flown while observing; empty where the vehicle stays.
-    pub lines: Vec<Place>,
+    pub lines: Vec<ChartPoint>,
     /// Where the vehicle observes from a circle around the target.
     pub circle: Option<Circle>,
     /// When the vehicle is there.
@@ -46,9 +46,9 @@ pub struct Visit {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
     /// Around where.
-    pub centre: Place,
+    pub centre: ChartPoint,
     /// The bends of the way to it.
-    pub bends: Vec<Place>,
+    pub bends: Vec<ChartPoint>,
 }
 
 /// A target, visited or not.
@@ -57,7 +57,7 @@ pub struct Target {
     /// Its name.
     pub name: String,
     /// Where it is.
-    pub place: Place,
+    pub place: ChartPoint,
     /// What is known of it and of its observation: value, factors, costs.
     pub facts: Map<String, Value>,
     /// Why it is not visited, if it is not.
@@ -80,15 +80,15 @@ pub struct Chart {
     /// Its cruise speed, if known.
     pub speed_mps: Option<f64>,
     /// Where the flight begins, if known.
-    pub start: Option<Place>,
+    pub start: Option<ChartPoint>,
     /// Where it must end, if anywhere.
-    pub base: Option<Place>,
+    pub base: Option<ChartPoint>,
     /// The observations in order.
     pub visits: Vec<Visit>,
     /// How many of them make one round, where the plan repeats a round.
     pub round: Option<usize>,
     /// Way points from the last observation to the base, both included.
-    pub return_way: Vec<Place>,
+    pub return_way: Vec<ChartPoint>,
     /// When the flight ends.
     pub end_s: f64,
     /// All targets in the problem's order.
@@ -99,9 +99,9 @@ pub struct Chart {
 
 impl Chart {
     /// The whole path over ground, without doubled points.
-    pub fn path(&self) -> Vec<Place> {
+    pub fn path(&self) -> Vec<ChartPoint> {
         let flown = self.visits.iter().flat_map(|visit| visit.way.iter().chain(&visit.lines));
-        let mut path: Vec<Place> = flown.chain(&self.return_way).copied().collect();
+        let mut path: Vec<ChartPoint> = flown.chain(&self.return_way).copied().collect();
         path.dedup();
         path
     }
@@ -165,10 +165,10 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
     // Where travel times are given, nothing is known of altitudes.
     let flown = problem.travel.is_none();
     let high = |altitude_m: f64| flown.then_some(altitude_m);
-    let start = Place { position: problem.start, altitude_m: high(problem.start_altitude_m) };
+    let start = ChartPoint { position: problem.start, altitude_m: high(problem.start_altitude_m) };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for target in &problem.targets {
-        let place = Place { position: target.position, altitude_m: None };
+        let place = ChartPoint { position: target.position, altitude_m: None };
         let facts = facts([("value", json!(target.value))]);
         targets.push(Target { name: target.name.clone(), place, facts, left_out: None });
     }
@@ -181,10 +181,10 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
             continue;
         };
         let Some(manoeuvre) = target.manoeuvres.get(visit.manoeuvre) else { continue };
-        let at = |position: Position| Place { position, altitude_m: high(manoeuvre.altitude_m) };
+        let at = |position: Position| ChartPoint { position, altitude_m: high(manoeuvre.altitude_m) };
         let mut way = vec![before];
         way.extend(bends(drawn(&visit.route, &visit.path), high(altitude_m)));
-        let lines: Vec<Place> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
+        let lines: Vec<ChartPoint> = manoeuvre.lines.iter().flat_map(|(from, to)| [at(*from), at(*to)]).collect();
         way.push(lines.first().copied().unwrap_or(at(target.position)));
         before = lines.last().copied().unwrap_or(at(target.position));
         altitude_m = manoeuvre.altitude_m;
@@ -193,7 +193,7 @@ fn of_single_visit(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Char
         let (arrive_s, begin_s, end_s) = (visit.arrive_s, visit.begin_s, visit.end_s);
         visits.push(Visit { target: visit.target.clone(), way, lines, circle: None, arrive_s, begin_s, end_s });
     }
-    let base = problem.base.map(|position| Place { position, altitude_m: high(problem.start_altitude_m) });
+    let base = problem.base.map(|position| ChartPoint { position, altitude_m: high(problem.start_altitude_m) });
     let mut return_way = Vec::new();
     if let Some(base) = base {
         return_way.push(before);
@@ -244,7 +244,7 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
 /// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
 fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
-    apex_mission::problem::survey(mission, &positions, mission.start, 0.0).ok()
+    crate::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }
 
 /// The path with its turns where there is one, else the route.
@@ -253,9 +253,9 @@ fn drawn<'a>(route: &'a [Position], path: &'a [Position]) -> &'a [Position] {
 }
 
 /// What lies strictly between the ends of a route.
-pub(super) fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = Place> {
+pub(super) fn bends(route: &[Position], altitude_m: Option<f64>) -> impl Iterator<Item = ChartPoint> {
     let between = route.iter().skip(1).take(route.len().saturating_sub(2));
-    between.map(move |position| Place { position: *position, altitude_m })
+    between.map(move |position| ChartPoint { position: *position, altitude_m })
 }
 
 fn of_surveillance(
@@ -268,13 +268,13 @@ fn of_surveillance(
     let altitude_m = |name: &str| {
         let mission = mission?;
         let site = mission.targets.iter().find(|target| target.id == name)?;
-        matches!(site.kind, TargetKind::Site(_)).then(|| apex_mission::problem::visit_altitude_m(mission, site))
+        matches!(site.kind, TargetKind::Site(_)).then(|| crate::problem::visit_altitude_m(mission, site))
     };
     let mut targets: Vec<Target> = Vec::with_capacity(problem.targets.len());
     for (target, cost) in problem.targets.iter().zip(&costs.targets) {
         targets.push(Target {
             name: target.name.clone(),
-            place: Place { position: target.position, altitude_m: altitude_m(&target.name) },
+            place: ChartPoint { position: target.position, altitude_m: altitude_m(&target.name) },
             facts: facts([
                 ("expected_cost", json!(cost.expected_cost)),
                 ("observations", json!(cost.observations)),
@@ -285,7 +285,8 @@ fn of_surveillance(
         });
     }
     let start = start.or(mission.map(|mission| mission.start));
-    let start = start.map(|position| Place { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
+    let start =
+        start.map(|position| ChartPoint { position, altitude_m: mission.map(|mission| mission.start_altitude_m) });
     let mut watch = Watch::new(mission.and_then(|mission| flown_ways(mission, problem)), start);
     let mut visits: Vec<Visit> = Vec::with_capacity(plan.visits.len());
     for visit in &plan.visits {

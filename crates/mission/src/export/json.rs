@@ -1,14 +1,14 @@
 //! A plan as one object of JSON, for programs: `docs/reference/schema/plan.schema.json`.
 
-use crate::commands::plan_question::Benchmark;
-use crate::plan_output::proof::Proof;
-use crate::plan_output::table::Beside;
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
+use crate::export::table::PlanFacts;
+use crate::plan::input::Benchmark;
+use crate::plan::proof::Proof;
 use apex_solvers::bounds::ages::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.
-pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, beside: &Beside<'_>) -> String {
-    let Beside { proven, turns, survival } = beside;
+pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {
+    let PlanFacts { proven, turns, survival } = facts;
     let Proof { value, bound, gap, proven_optimal } = proven.proof;
     let answer = serde_json::json!({
         "mission": name,

@@ -1,10 +1,10 @@
 //! A plan as a table for people.
 
-use crate::commands::plan_question::Benchmark;
-use crate::plan_output::proof::{Proof, Proven};
-use crate::plan_output::turns::Turns;
-use crate::telling::{name_width, named, wrapped};
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
+use crate::plan::input::Benchmark;
+use crate::plan::proof::{Proof, Proven};
+use crate::plan::turns::Turns;
+use crate::text::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
 use apex_portfolio::formats;
@@ -17,9 +17,9 @@ const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Visits of a better cycle that are shown.
 const CYCLE_SHOWN: usize = 24;
 
-/// What is known beside the plan itself.
+/// Facts about a plan that the plan does not hold.
 #[derive(Clone, Copy, Debug)]
-pub struct Beside<'a> {
+pub struct PlanFacts<'a> {
     /// What was proven.
     pub proven: &'a Proven,
     /// What turns cost.
@@ -29,13 +29,13 @@ pub struct Beside<'a> {
 }
 
 /// What was asked, who planned and why, the visits, what they are worth, what is left out.
-pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, beside: &Beside<'_>) -> String {
+pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);
-    let _ = write_table(&mut out, solved, beside);
+    let _ = write_table(&mut out, solved, facts);
     if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
-        let _ = write_tour(&mut out, beside.proven);
+        let _ = write_tour(&mut out, facts.proven);
     }
     out
 }
@@ -70,7 +70,7 @@ fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) 
     }
 }
 
-fn write_table(out: &mut String, solved: &Deliberation, beside: &Beside<'_>) -> std::fmt::Result {
+fn write_table(out: &mut String, solved: &Deliberation, facts: &PlanFacts<'_>) -> std::fmt::Result {
     let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
     writeln!(out, "{}", wrapped(&words(solved.plan.summary()), " ", 0, "  "))?;
     writeln!(out, "planned by {} in {} units of work", solved.plan.solver(), solved.work)?;
@@ -79,17 +79,17 @@ fn write_table(out: &mut String, solved: &Deliberation, beside: &Beside<'_>) -> 
         Plan::SingleVisit(plan) => write_single_visit(out, plan)?,
         Plan::Surveillance(plan) => write_surveillance(out, plan)?,
     }
-    if let (Plan::Surveillance(plan), Some(cost)) = (&solved.plan, beside.survival) {
+    if let (Plan::Surveillance(plan), Some(cost)) = (&solved.plan, facts.survival) {
         write_survival(out, plan.expected_cost, cost)?;
     }
-    if let Some(turns) = &beside.turns {
+    if let Some(turns) = &facts.turns {
         write_turns(out, turns)?;
     }
-    if let Some(without_end) = &beside.proven.without_end {
+    if let Some(without_end) = &facts.proven.without_end {
         write_without_end(out, without_end)?;
     }
-    let work = beside.proven.work;
-    match beside.proven.complete {
+    let work = facts.proven.work;
+    match facts.proven.complete {
         true => writeln!(out, "  bounds proven in {work} units of work")?,
         false => {
             writeln!(out, "  bounds proven so far in {work} units of work: a greater `--bound-budget` may prove more")?

@@ -1,6 +1,6 @@
 //! A plan as KML 2.2, for globes: the path in the air, targets with times, airspace with its upper face.
 
-use super::chart::{Chart, Place, Target};
+use super::chart::{Chart, ChartPoint, Target};
 use super::civil::utc;
 use apex_model::problem::{AirspaceZone, FOREVER_S, Position, ZoneKind};
 use apex_model::time::Time;
@@ -76,7 +76,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
-fn coordinates(place: &Place) -> String {
+fn coordinates(place: &ChartPoint) -> String {
     let Position { latitude_deg, longitude_deg } = place.position;
     let altitude = place.altitude_m.map_or_else(String::new, |altitude_m| format!(",{altitude_m:.1}"));
     format!("{longitude_deg:.7},{latitude_deg:.7}{altitude}")
@@ -87,7 +87,7 @@ fn altitude_mode(known: bool) -> &'static str {
     if known { "<altitudeMode>absolute</altitudeMode>" } else { "<altitudeMode>clampToGround</altitudeMode>" }
 }
 
-fn point(place: Place) -> String {
+fn point(place: ChartPoint) -> String {
     let mode = altitude_mode(place.altitude_m.is_some());
     format!("<Point>{mode}<coordinates>{}</coordinates></Point>", coordinates(&place))
 }
@@ -147,7 +147,7 @@ fn zone(out: &mut String, zone: &AirspaceZone) -> std::fmt::Result {
     };
     let wall = style == "restricted" && zone.altitude_m_max <= WALL_M_MAX;
     let corner = |position: &Position| {
-        coordinates(&Place { position: *position, altitude_m: wall.then_some(zone.altitude_m_max) })
+        coordinates(&ChartPoint { position: *position, altitude_m: wall.then_some(zone.altitude_m_max) })
     };
     let ring: Vec<String> = zone.corners.iter().chain(zone.corners.first()).map(corner).collect();
     writeln!(out, "<Placemark><name>{}</name>", escaped(&zone.name))?;

@@ -1,6 +1,6 @@
 //! How good a plan is, and how good any could be.
 
-use apex_mission::deliberation::Deliberation;
+use crate::deliberation::Deliberation;
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_planning::meter::Meter;
@@ -8,14 +8,14 @@ use apex_planning::solver::{WorkBudget, units_in};
 use apex_solvers::bounds as bound;
 use apex_solvers::bounds::ages::cycles::{self, WithoutEnd};
 
-/// What proofs may take where nobody says it: all that is known here of four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
-/// with more targets less is looked at.
+/// Budget of a proof if none is given: enough for all methods with four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
+/// with more targets some methods are skipped.
 pub const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Gap below which rounding is all that is left.
 const OPTIMAL: f64 = 1e-6;
 
-/// A plan's value beside what is proven.
+/// Value of a plan, and the proven bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
     /// What the plan collects; of surveillance its expected cost, of a tour its length: there less is better.
@@ -33,7 +33,7 @@ pub struct Proof {
 pub struct Proven {
     /// How good the plan is, and how good any could be.
     pub proof: Proof,
-    /// What becomes of its cycle if it is flown without end.
+    /// Value of the plan's cycle if it is flown without end.
     pub without_end: Option<WithoutEnd>,
     /// Units of work that it took.
     pub work: u64,
@@ -42,7 +42,7 @@ pub struct Proven {
 }
 
 /// Proves within `budget` how good any plan could be, and states it in the plan; `tour` where the shortest of all tours was asked for.
-/// In flight the quick bound must do; here somebody asks how good the plan is.
+/// In flight the fast bound suffices; on the ground the user asks for a proof.
 pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> Proven {
     let mut budget = WorkBudget::new(if budget > Duration::ZERO { units_in(budget) } else { 0 });
     let mut meter = Meter::new(&mut budget);

@@ -1,28 +1,29 @@
-//! Replacing a file: as a whole or not at all, and never what somebody else wrote meanwhile.
+//! Replaces a file as a whole or not at all, unless another program has written it meanwhile.
 
-use crate::trouble::{Outcome, Trouble, read_bytes, unreadable};
+use crate::error::{MissionError, MissionResult};
+use crate::files::{read_bytes, unreadable};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Puts `text` in place of the file that held `before`. It is written beside the file and renamed, so that a full disk
+/// Puts `text` in place of the file that held `before`. The text is written to a temporary file in the same folder and renamed, so that a full disk
 /// cannot leave half a file; the file's permissions stay, and of a link the file behind it is replaced.
 ///
 /// # Errors
 /// The file has changed since it was read, or cannot be written; it is unchanged then.
-pub fn replace(file: &Path, before: &str, text: &str) -> Outcome {
+pub fn replace(file: &Path, before: &str, text: &str) -> MissionResult {
     let target = std::fs::canonicalize(file).map_err(|error| unreadable(file, &error))?;
     if read_bytes(&target)? != before.as_bytes() {
-        return Err(Trouble::failure(format!("{} changed while it was looked at", file.display()))
+        return Err(MissionError::output(format!("{} changed while it was looked at", file.display()))
             .because("somebody else has written it")
             .help("the file is left as it is; run the command again"));
     }
     let permissions = std::fs::metadata(&target).map_err(|error| unreadable(file, &error))?.permissions();
     if permissions.readonly() {
-        return Err(Trouble::failure(format!("cannot write {}", file.display()))
+        return Err(MissionError::output(format!("cannot write {}", file.display()))
             .because("it is read-only")
             .help("the file is unchanged"));
     }
-    let temporary = beside(&target);
+    let temporary = temporary_of(&target);
     let written = std::fs::File::create_new(&temporary).and_then(|mut handle| {
         handle.set_permissions(permissions)?;
         handle.write_all(text.as_bytes())?;
@@ -32,12 +33,12 @@ pub fn replace(file: &Path, before: &str, text: &str) -> Outcome {
     written.map_err(|error| {
         // The half-written copy must not stay behind; if it cannot be removed there is nothing more to do.
         std::fs::remove_file(&temporary).ok();
-        Trouble::failure(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
+        MissionError::output(format!("cannot write {}", file.display())).because(error).help("the file is unchanged")
     })
 }
 
 /// A name in the same folder that belongs to this process alone.
-fn beside(file: &Path) -> PathBuf {
+fn temporary_of(file: &Path) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(format!(".writing-{}", std::process::id()));
     PathBuf::from(name)

@@ -1,15 +1,13 @@
 //! Files that say which fields of a log are which state variables: `(map FIELD VARIABLE ..)`, `(time COLUMN ..)`, and
 //! declarations of the state variables.
 
-use crate::trouble::{Outcome, Trouble, read_text};
-use apex_logs::{Entry, Mapping, Take};
-use apex_logs::{Format, Topic};
+use crate::{Entry, Format, Mapping, Take, Topic};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::quantity::{Dimension, unit_named};
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
-use std::path::Path;
+use std::fmt;
 
 /// A mapping as it is written.
 #[derive(Debug, Default)]
@@ -24,24 +22,45 @@ pub struct MappingFile {
     pub declarations: Vec<(Symbol, String)>,
 }
 
-/// The mapping that ships for logs of `format`.
-pub fn shipped(format: Format) -> Option<Outcome<MappingFile>> {
+/// Reads one form of PDL; an error has its line in the text, from 1, and says what is wrong.
+pub type ReadForm<'a> = &'a dyn Fn(&str) -> Result<Value, (u32, String)>;
+
+/// A mapping that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MappingError {
+    /// What failed and where, one line.
+    pub message: String,
+    /// Why, if known.
+    pub reason: Option<String>,
+    /// What to do, if known.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for MappingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)?;
+        self.reason.iter().try_for_each(|reason| write!(f, ": {reason}"))
+    }
+}
+
+impl std::error::Error for MappingError {}
+
+/// The mapping that ships for logs of `format`; none for formats that name their fields freely.
+///
+/// # Errors
+/// As [`MappingFile::parse`].
+pub(crate) fn shipped(format: Format, read_form: ReadForm<'_>) -> Option<Result<MappingFile, MappingError>> {
     let (name, text) = match format {
-        Format::ULog => ("px4", include_str!("../../mappings/px4.pdl")),
-        Format::DataFlashBinary | Format::DataFlashText => ("ardupilot", include_str!("../../mappings/ardupilot.pdl")),
-        Format::TelemetryLog => ("mavlink", include_str!("../../mappings/mavlink.pdl")),
+        Format::ULog => ("px4", include_str!("../mappings/px4.pdl")),
+        Format::DataFlashBinary | Format::DataFlashText => ("ardupilot", include_str!("../mappings/ardupilot.pdl")),
+        Format::TelemetryLog => ("mavlink", include_str!("../mappings/mavlink.pdl")),
         Format::Mcap | Format::Csv => return None,
     };
-    Some(parse(&format!("the mapping `{name}`"), text))
+    Some(MappingFile::parse(&format!("the mapping `{name}`"), text, read_form))
 }
 
-/// Reads a mapping from a file.
-pub fn read(path: &Path) -> Outcome<MappingFile> {
-    parse(&path.display().to_string(), &read_text(path)?)
-}
-
-/// Every column of a table as a state variable of its name.
-pub fn of_columns(topic: &Topic, time: Option<&str>) -> MappingFile {
+/// Maps every column of a table but `time` to a state variable with the column's name.
+pub(crate) fn of_columns(topic: &Topic, time: Option<&str>) -> MappingFile {
     let attribute = |column: &str| -> String {
         let letter = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '-' };
         column.chars().map(letter).collect()
@@ -60,6 +79,37 @@ fn plain(field: &str, variable: StateVariable) -> Entry {
 }
 
 impl MappingFile {
+    /// Reads a mapping from a text; `name` says in messages where it is from.
+    ///
+    /// # Errors
+    /// A form that is not part of a mapping.
+    pub fn parse(name: &str, text: &str, read_form: ReadForm<'_>) -> Result<MappingFile, MappingError> {
+        let wrong = |form: &Value, why: String| {
+            let message = format!("{name}: `{}` is no part of a mapping", shortened(form));
+            let help = "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)";
+            MappingError { message, reason: Some(why), help: Some(help.to_string()) }
+        };
+        // One list around all forms, in one line with the first, so that lines in messages are the file's.
+        let whole = read_form(&format!("({text}\n)")).map_err(|(line, what)| MappingError {
+            message: format!("{name}:{line}: {what}"),
+            reason: None,
+            help: None,
+        })?;
+        let mut file = MappingFile { name: name.to_string(), ..MappingFile::default() };
+        for form in whole.as_list().unwrap_or_default() {
+            let items = form.as_list().unwrap_or_default();
+            let head = items.first().and_then(Value::as_symbol).map(Symbol::folded);
+            let read = match head {
+                Some("map") => entry(items).map(|entry| file.entries.push(entry)),
+                Some("time") => time(items).map(|time| file.time = Some(time)),
+                Some("state-variable") => declaration(form, items).map(|known| file.declarations.push(known)),
+                _ => Err("it begins with neither `map` nor `time` nor `state-variable`".to_string()),
+            };
+            read.map_err(|why| wrong(form, why))?;
+        }
+        Ok(file)
+    }
+
     /// The declarations that `library` lacks, as PDL.
     pub fn declarations_beside(&self, library: &Library) -> String {
         let missing =
@@ -71,7 +121,7 @@ impl MappingFile {
     ///
     /// # Errors
     /// A field's unit measures something else than its state variable is declared in.
-    pub fn mapping(self, library: &Library) -> Outcome<Mapping> {
+    pub fn mapping(self, library: &Library) -> Result<Mapping, MappingError> {
         let name = self.name;
         let entries = self.entries.into_iter().map(|(mut entry, unit)| {
             let declared = library.state_variables.get(&entry.variable.attribute);
@@ -80,45 +130,19 @@ impl MappingFile {
             let (scale, dimension) = declared.map_or((1.0, Dimension::NONE), |to| (to.factor, to.dimension));
             if dimension != unit.dimension {
                 let Entry { field, variable, .. } = &entry;
-                return Err(Trouble::user(format!("{name}: the field `{field}` is in {}", unit.name))
-                    .because(format!("{variable} is declared as {dimension}"))
-                    .help(format!(
-                        "declare it: (state-variable ({} ?object) :unit {})",
-                        variable.attribute, unit.name
-                    )));
+                let help = format!("declare it: (state-variable ({} ?object) :unit {})", variable.attribute, unit.name);
+                return Err(MappingError {
+                    message: format!("{name}: the field `{field}` is in {}", unit.name),
+                    reason: Some(format!("{variable} is declared as {dimension}")),
+                    help: Some(help),
+                });
             }
             entry.scale *= unit.factor / scale;
             entry.offset *= unit.factor / scale;
             Ok(entry)
         });
-        Ok(Mapping { entries: entries.collect::<Outcome<_>>()? })
+        Ok(Mapping { entries: entries.collect::<Result<_, _>>()? })
     }
-}
-
-fn parse(name: &str, text: &str) -> Outcome<MappingFile> {
-    let wrong = |form: &Value, why: String| {
-        Trouble::user(format!("{name}: `{}` is no part of a mapping", shortened(form))).because(why).help(
-            "its forms are (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT) [:unit U] [:scale N] [:offset N] [:take roll|pitch|heading] [:missing N] [:words ((N WORD) ..)]), (time \"COLUMN\" [:unit U]) and (state-variable ..)",
-        )
-    };
-    // One list around all forms, in one line with the first, so that lines in messages are the file's.
-    let whole = apex_pdl::read_value(&format!("({text}\n)")).map_err(|diagnostic| {
-        let at = format!("{name}:{}", diagnostic.span.line);
-        Trouble::user(format!("{at}: {}", diagnostic.message))
-    })?;
-    let mut file = MappingFile { name: name.to_string(), ..MappingFile::default() };
-    for form in whole.as_list().unwrap_or_default() {
-        let items = form.as_list().unwrap_or_default();
-        let head = items.first().and_then(Value::as_symbol).map(Symbol::folded);
-        let read = match head {
-            Some("map") => entry(items).map(|entry| file.entries.push(entry)),
-            Some("time") => time(items).map(|time| file.time = Some(time)),
-            Some("state-variable") => declaration(form, items).map(|known| file.declarations.push(known)),
-            _ => Err("it begins with neither `map` nor `time` nor `state-variable`".to_string()),
-        };
-        read.map_err(|why| wrong(form, why))?;
-    }
-    Ok(file)
 }
 
 fn shortened(form: &Value) -> String {
@@ -221,13 +245,20 @@ fn unit(value: &Value) -> Result<Option<&'static apex_model::quantity::Unit>, St
 mod tests {
     use super::*;
 
+    fn read_form(text: &str) -> Result<Value, (u32, String)> {
+        apex_pdl::read_value(text).map_err(|diagnostic| (diagnostic.span.line, diagnostic.message))
+    }
+
     #[test]
     fn shipped_mappings_are_whole_and_their_units_fit() {
         for format in [Format::ULog, Format::DataFlashText, Format::TelemetryLog] {
-            let file = shipped(format).unwrap().unwrap();
+            let file = shipped(format, &read_form).unwrap().unwrap();
             let declarations = file.declarations_beside(&Library::default());
             let source = apex_pdl::SourceText { name: file.name.clone(), text: declarations };
-            let checked = apex_mission::program::check_sources(vec![source], false, &mut |_| Err(String::new()));
+            let checked = apex_pdl::check(
+                vec![source],
+                apex_pdl::CheckOptions { fragment: false, host: &[], resolve: &mut |_| Err(String::new()) },
+            );
             assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
             let attributes: Vec<_> = file.entries.iter().map(|(entry, _)| entry.variable.attribute.clone()).collect();
             assert!(attributes.iter().all(|each| checked.library.state_variables.contains_key(each)), "{attributes:?}");
@@ -247,7 +278,7 @@ mod tests {
             ("(time \"a\" :unit m)", "the unit is no time"),
             ("\n(map \"a", "m:2:"),
         ] {
-            let said = parse("m", text).unwrap_err().to_string();
+            let said = MappingFile::parse("m", text, &read_form).unwrap_err().to_string();
             assert!(said.contains(expected), "{text}: {said}");
         }
     }

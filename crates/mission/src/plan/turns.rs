@@ -1,7 +1,7 @@
 //! What turns cost in a plan, where its vehicle cannot turn at once.
 
-use apex_mission::Mission;
-use apex_mission::problem::{survey, turn_radius_m};
+use crate::Mission;
+use crate::problem::{survey, turn_radius_m};
 use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, SurveillanceProblem};
 
 /// What turning makes a plan's ways take.

@@ -1,0 +1,129 @@
+//! A log file with its mapping, read in order of time as measurements.
+
+use crate::mapping_file::{self, MappingError, MappingFile, ReadForm};
+use crate::{Damages, FieldSummary, Format, LogReader, Message, Ordered, Sampler, Span, survey};
+use apex_model::event::StateVariable;
+use apex_model::library::Library;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+/// A log and how it is to be understood.
+pub struct LogFile {
+    path: PathBuf,
+    format: Format,
+    mapping: Option<MappingFile>,
+    own_time: bool,
+}
+
+/// Why a log cannot be read; `E` is an error of the caller that takes the samples.
+#[derive(Debug)]
+pub enum LogError<E> {
+    /// The file cannot be opened.
+    Open(io::Error),
+    /// The file cannot be read to its end.
+    Read(io::Error),
+    /// The mapping does not fit.
+    Mapping(MappingError),
+    /// The caller refuses a sample.
+    Sink(E),
+}
+
+impl LogFile {
+    /// The log at `path`, understood through `mapping`; with `own_time` its own clock counts, else time begins with the log.
+    pub fn new(path: &Path, format: Format, mapping: Option<MappingFile>, own_time: bool) -> LogFile {
+        LogFile { path: path.to_path_buf(), format, mapping, own_time }
+    }
+
+    /// The path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The format.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The mapping: the given one, else the one that ships for the format, else the names of a table's columns. None where
+    /// nothing says what the fields mean.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn mapping<E>(&mut self, read_form: ReadForm<'_>) -> Result<Option<&MappingFile>, LogError<E>> {
+        if self.mapping.is_none() {
+            self.mapping = match mapping_file::shipped(self.format, read_form) {
+                Some(shipped) => Some(shipped.map_err(LogError::Mapping)?),
+                None => self.of_columns()?,
+            };
+        }
+        Ok(self.mapping.as_ref())
+    }
+
+    fn reader<E>(&self) -> Result<Box<dyn LogReader>, LogError<E>> {
+        let file = File::open(&self.path).map_err(LogError::Open)?;
+        let time = self.mapping.as_ref().and_then(|mapping| mapping.time.clone());
+        Ok(self.format.reader(BufReader::new(file), time))
+    }
+
+    /// The mapping that the names of a table's columns make.
+    fn of_columns<E>(&self) -> Result<Option<MappingFile>, LogError<E>> {
+        if self.format != Format::Csv {
+            return Ok(None);
+        }
+        let mut reader = self.reader()?;
+        reader.next(&mut Message::default()).map_err(LogError::Read)?;
+        Ok(reader.topics().first().map(|topic| mapping_file::of_columns(topic, None)))
+    }
+
+    /// Hands all samples over in order of time, in the units that `library` declares, and returns what could not be read.
+    ///
+    /// # Errors
+    /// The file cannot be read, the mapping does not fit, or the caller refuses a sample.
+    pub fn feed<E>(
+        mut self,
+        library: &Library,
+        sink: &mut dyn FnMut(Time, StateVariable, Value) -> Result<(), E>,
+    ) -> Result<Damages, LogError<E>> {
+        let mut reader = self.reader()?;
+        let mapping = self.mapping.take().unwrap_or_default().mapping(library).map_err(LogError::Mapping)?;
+        let mut sampler = Sampler::new(mapping);
+        let (mut message, mut samples, mut ordered) = (Message::default(), Vec::new(), Ordered::default());
+        let mut origin: Option<Duration> = self.own_time.then_some(Duration::ZERO);
+        loop {
+            let more = reader.next(&mut message).map_err(LogError::Read)?;
+            if more {
+                // Mission time 0 is where the log says that it begins, else its first message.
+                let began = reader.began().unwrap_or(message.at);
+                let origin = *origin.get_or_insert(began - Time::ZERO);
+                message.at = message.at - origin;
+                sampler.sample(reader.topics(), &message, &mut samples);
+                samples.drain(..).for_each(|sampled| ordered.push(sampled));
+            }
+            while let Some(sampled) = ordered.pop(!more) {
+                let Some(entry) = sampler.mapping().entries.get(sampled.entry) else { continue };
+                sink(sampled.at, entry.variable.clone(), sampled.value).map_err(LogError::Sink)?;
+            }
+            if !more {
+                return Ok(reader.damages().clone());
+            }
+        }
+    }
+
+    /// What the log holds, and what could not be read.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<Span>, Damages), LogError<E>> {
+        let mut reader = self.reader()?;
+        let (fields, span) = survey(&mut *reader).map_err(LogError::Read)?;
+        Ok((fields, span, reader.damages().clone()))
+    }
+
+    /// The mapping that was given, or has been found.
+    pub fn known_mapping(&self) -> Option<&MappingFile> {
+        self.mapping.as_ref()
+    }
+}

@@ -1,0 +1,219 @@
+//! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
+//! of its cell.
+
+use super::proof;
+use crate::Mission;
+use crate::deliberation::validate;
+use crate::error::{MissionError, MissionResult};
+use crate::files::{nearby_help, read_text};
+use crate::problem::pose;
+use crate::situation::Situation;
+use apex_model::problem::{Position, Problem};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_planning::validate::TARGETS_MAX;
+use apex_portfolio::cell::Cell;
+use apex_portfolio::formats;
+use std::path::Path;
+
+/// Deliberation time where nobody says one.
+const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
+
+/// A problem with what is needed to plan for it.
+pub struct PlanInput {
+    /// What it is called.
+    pub name: String,
+    /// The problem.
+    pub problem: Problem,
+    /// How long solvers may take.
+    pub budget: Duration,
+    /// What proofs of bounds may take.
+    pub bound_budget: Duration,
+    /// Seed of solvers' chance.
+    pub seed: u64,
+    /// The mission and its goal, if it is one's.
+    pub mission: Option<(Mission, Value)>,
+    /// Statements of a benchmark's file in addition to the problem.
+    pub benchmark: Option<Benchmark>,
+    /// Where the flight begins, if the problem does not say it.
+    pub start: Option<Position>,
+}
+
+impl PlanInput {
+    /// A problem without mission or benchmark.
+    fn new(name: String, problem: Problem) -> PlanInput {
+        let (budget, bound_budget) = (BUDGET_DEFAULT, proof::BUDGET_DEFAULT);
+        PlanInput { name, problem, budget, bound_budget, seed: 1, mission: None, benchmark: None, start: None }
+    }
+}
+
+/// Statements of a benchmark's file in addition to the problem.
+pub struct Benchmark {
+    /// Name of the format.
+    pub format: &'static str,
+    /// What is asked.
+    pub asked: formats::Question,
+    /// Vehicles that the file names.
+    pub vehicles: Option<usize>,
+}
+
+/// Extensions of benchmark files; other files are looked into.
+const BENCHMARKS: &[&str] = &["toptw", "optw", "txt", "oplib", "op", "tsp", "atsp"];
+
+impl PlanInput {
+    /// The input that `path` names if it is a problem's: a cell of test missions, a problem in JSON, a benchmark's file. None
+    /// for everything else, which is a mission's folder or program.
+    ///
+    /// # Errors
+    /// Nothing has that name, or the file holds something else.
+    pub fn find(path: &Path) -> MissionResult<Option<PlanInput>> {
+        let text = path.to_string_lossy();
+        if !path.exists() && !text.contains(['/', '\\', '.']) {
+            of_cell(&text).map(Some)
+        } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            of_file(path).map(Some)
+        } else if path.is_file() {
+            of_benchmark(path)
+        } else {
+            Ok(None)
+        }
+    }
+
+    /// The problem that a mission poses at its start, for the goal and with the budget of its first solver.
+    ///
+    /// # Errors
+    /// There is nothing to plan.
+    pub fn of_mission(mission: Mission) -> MissionResult<PlanInput> {
+        let (goal, budget) = goal_and_budget(&mission);
+        let situation = Situation::default();
+        let problem = pose(&situation.updates.believed(&mission), &situation, Time::ZERO)
+            .map_err(|reason| MissionError::planning("there is nothing to plan").because(reason))?;
+        let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
+        Ok(PlanInput { budget, seed, mission: Some((mission, goal)), ..PlanInput::new(name, problem) })
+    }
+
+    /// A problem in JSON; `place` names the text in messages.
+    ///
+    /// # Errors
+    /// The text is not a problem, or a field has an impossible value.
+    pub fn of_json(text: &str, place: &str) -> MissionResult<PlanInput> {
+        let problem: Problem = serde_json::from_str(text).map_err(|error| {
+            let place = format!("{place}:{}:{}", error.line(), error.column());
+            MissionError::planning("this is no planning problem").at(place)
+                .because(error)
+                .help("docs/reference/planning-problems.md says what a problem holds; `apex plan small-fixed-fixed-4-uniform --problem` prints one")
+        })?;
+        validate(&problem).map_err(|reason| {
+            MissionError::planning("the problem makes no sense")
+                .at(place)
+                .because(reason)
+                .help("docs/reference/schema/planning-problem.schema.json says what each member may hold")
+        })?;
+        Ok(PlanInput::new("problem".into(), problem))
+    }
+
+    /// The mission of the input, if it is one's.
+    pub fn mission(&self) -> Option<&Mission> {
+        self.mission.as_ref().map(|(mission, _)| mission)
+    }
+
+    /// True if the benchmark asks for a shortest tour through all nodes.
+    pub fn is_tour(&self) -> bool {
+        self.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour)
+    }
+}
+
+/// A test mission: the name of its cell, with `@NUMBER` for another one than the first.
+fn of_cell(text: &str) -> MissionResult<PlanInput> {
+    let (cell, number) = text.split_once('@').unwrap_or((text, "0"));
+    let cell: Cell = cell.parse().map_err(|why: String| no_such_name(text, cell, &why))?;
+    let number: u64 = number.parse().map_err(|_| {
+        MissionError::planning(format!("{number} is no number of a test mission"))
+            .help(format!("write for example `{cell}@7`"))
+    })?;
+    let problem = Problem::Surveillance(cell.mission(number));
+    let start = Some(apex_portfolio::test_missions::CENTRE);
+    Ok(PlanInput { start, ..PlanInput::new(format!("{cell}@{number}"), problem) })
+}
+
+/// Nothing is called so: the names that are nearest, and where names are listed.
+fn no_such_name(text: &str, cell: &str, why: &str) -> MissionError {
+    let trouble = MissionError::planning(format!("there is no mission, file or test mission called {text}"));
+    let shipped = Path::new("missions").join(text);
+    if shipped.join("mission.pdl").is_file() {
+        return trouble.because(nearby_help(Path::new(text))).help(format!("did you mean `{}`?", shipped.display()));
+    }
+    let lists = "docs/reference/test-missions.md names them; a mission is named by its folder, a problem by its file";
+    match nearest_cell(cell) {
+        Some(near) => {
+            let number = text.strip_prefix(cell).unwrap_or_default();
+            trouble.because(why).help(format!("did you mean the test mission `{near}{number}`? {lists}"))
+        }
+        None => trouble.because(nearby_help(Path::new(text))).help(format!(
+            "test missions are called SCALE-RATE-COST-COUNT-SPACE, for example `small-clustered-fixed-8-two-cluster@7`; {lists}"
+        )),
+    }
+}
+
+/// Edits between a misspelt name and a known one at most, as a share of its length.
+const MISSPELT_SHARE_MAX: f64 = 0.4;
+
+/// The cell whose name is nearest to `text`, if any is near; the count stays as it is given.
+fn nearest_cell(text: &str) -> Option<Cell> {
+    let count = text.split('-').find_map(|part| part.parse().ok()).filter(|count| (1..=TARGETS_MAX).contains(count));
+    let cells = Cell::all().into_iter().map(|cell| Cell { count: count.unwrap_or(cell.count), ..cell });
+    let letters = text.chars().count();
+    // A name that is far too long is compared with nothing.
+    let near = |cell: Cell| (strsim::damerau_levenshtein(&cell.to_string(), text), cell);
+    let (edits, cell) = (letters <= 80).then(|| cells.map(near).min_by_key(|(edits, _)| *edits)).flatten()?;
+    (edits as f64 <= MISSPELT_SHARE_MAX * letters as f64).then_some(cell)
+}
+
+fn of_file(path: &Path) -> MissionResult<PlanInput> {
+    let mut input = PlanInput::of_json(&read_text(path)?, &path.display().to_string())?;
+    input.name = path.file_stem().map_or(input.name, |name| name.to_string_lossy().into_owned());
+    Ok(input)
+}
+
+/// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.
+fn of_benchmark(path: &Path) -> MissionResult<Option<PlanInput>> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if extension == "pdl" {
+        return Ok(None);
+    }
+    let text = read_text(path)?;
+    if !BENCHMARKS.contains(&extension.as_str()) && !formats::is_one(&text) {
+        return Ok(None);
+    }
+    let name = path.file_stem().map_or_else(|| "problem".into(), |name| name.to_string_lossy().into_owned());
+    let instance = formats::read(&name, &text).map_err(|trouble| {
+        let place = format!("{}:{}:{}", path.display(), trouble.line, trouble.column);
+        MissionError::planning(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
+            .because(trouble.reason)
+            .help(trouble.help)
+    })?;
+    let formats::Instance { name, format, question, vehicles, problem } = instance;
+    let benchmark = Some(Benchmark { format, asked: question, vehicles });
+    Ok(Some(PlanInput { benchmark, ..PlanInput::new(name, Problem::SingleVisit(problem)) }))
+}
+
+/// The goal and budget of the mission's first declared solver.
+fn goal_and_budget(mission: &Mission) -> (Value, Duration) {
+    let declared = mission.library.solvers.first();
+    let budget = declared.and_then(|solver| solver.budget.as_ref()).and_then(|budget| match &budget.kind {
+        apex_model::expression::ExprKind::Constant(Value::Duration(duration)) => Some(*duration),
+        _ => None,
+    });
+    let goal = declared.and_then(|solver| ground(&solver.index));
+    (goal.unwrap_or_else(|| Value::list([Value::symbol("plan")])), budget.unwrap_or(BUDGET_DEFAULT))
+}
+
+/// The goal that an index without variables serves.
+fn ground(index: &apex_model::pattern::Pattern) -> Option<Value> {
+    use apex_model::pattern::Pattern;
+    match index {
+        Pattern::Literal(value) => Some(value.clone()),
+        Pattern::List(items) => items.iter().map(ground).collect::<Option<Vec<_>>>().map(Value::list),
+        _ => None,
+    }
+}

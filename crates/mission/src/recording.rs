@@ -1,0 +1,168 @@
+//! The files of flight records: what may stand where one is to be written or read, said before anything is touched.
+
+use crate::error::{MissionError, MissionResult};
+use crate::files::{nearby_help, unreadable};
+use crate::{Mission, flight};
+use apex_model::library::Library;
+use apex_runtime::RecordError;
+use apex_runtime::ports::Observer;
+use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
+use std::fs::{File, TryLockError};
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// Starts a record of a run of `library`; `fill` adds what else belongs into it. What it then holds is on the disk
+/// before the run begins, so that a record that is cut off can still explain itself.
+///
+/// # Errors
+/// A path that cannot hold a record is the user's mistake (another file stands there, no such folder); a disk that is
+/// full or refuses is a failure. Other files are left as they are.
+pub fn create(
+    path: &Path,
+    library: &Library,
+    options: RecordOptions,
+    fill: impl FnOnce(&mut Recorder) -> Result<(), RecordError>,
+) -> MissionResult<Recorder> {
+    check_place(path)?;
+    refuse_when_held(path)?;
+    let mut recorder = Recorder::create(path, library, options).map_err(|error| match error {
+        RecordError::DiskFull { .. } => {
+            remove_beginning(path);
+            no_room(path)
+        }
+        other => written(other),
+    })?;
+    let filled = recorder.program(library).and_then(|()| fill(&mut recorder)).map_err(|error| error.to_string());
+    let stored = filled.and_then(|()| recorder.flush());
+    if let Err(reason) = stored {
+        drop(recorder);
+        remove_beginning(path);
+        let full = reason.starts_with("The disk is full");
+        return Err(if full { no_room(path) } else { MissionError::record(reason) });
+    }
+    hold(path);
+    Ok(recorder)
+}
+
+/// Starts a record of a flight of `mission`, with its program, data and targets inside.
+///
+/// # Errors
+/// As [`create`].
+pub fn of_mission(path: &Path, mission: &Mission) -> MissionResult<Recorder> {
+    let vehicle = mission.agent.name.printed().to_string();
+    let options = RecordOptions { vehicle: Some(vehicle), ..RecordOptions::default() };
+    create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
+}
+
+/// The record of this run, held until the program ends: closing the file earlier would release SQLite's own locks on it.
+static HELD: OnceLock<File> = OnceLock::new();
+
+/// Marks the record as ours. SQLite's locks do not do that: a flight at a pace gives them back whenever it waits.
+fn hold(path: &Path) {
+    // Where the file system knows no such locks there is only SQLite's to go by.
+    if cfg!(unix)
+        && let Ok(file) = File::open(path)
+        && file.try_lock().is_ok()
+    {
+        HELD.set(file).ok();
+    }
+}
+
+/// A record that another run still writes or serves must not be taken away from it.
+fn refuse_when_held(path: &Path) -> MissionResult {
+    let Ok(file) = File::open(path) else { return Ok(()) };
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) if cfg!(unix) => {
+            Err(MissionError::record(format!("the flight record {} cannot be replaced", path.display()))
+                .because("another run of apex still writes or serves it")
+                .help("wait for its end, or choose another name with `--record`"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The disk has not even room for what every record begins with.
+fn no_room(path: &Path) -> MissionError {
+    MissionError::record(format!("the flight record {} cannot be begun", path.display()))
+        .because("the disk is full")
+        .help("free some space, or record to another disk with `--record`; nothing was run, and no record is left")
+}
+
+/// A record without its whole program explains nothing. If it cannot be removed, it still says that it is incomplete.
+fn remove_beginning(path: &Path) {
+    for suffix in ["", "-wal", "-shm", "-journal"] {
+        let mut name = path.as_os_str().to_owned();
+        name.push(suffix);
+        std::fs::remove_file(name).ok();
+    }
+}
+
+/// Can a record be made here at all?
+fn check_place(path: &Path) -> MissionResult {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let refused = |reason: String, help: &str| {
+        let place = format!("the flight record {} cannot be written", path.display());
+        Err(MissionError::record_file(place).because(reason).help(help))
+    };
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => {}
+        Ok(_) => return refused(format!("{} is no folder", folder.display()), "choose another place with `--record`"),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let help = "make the folder, or choose another place with `--record`";
+            return refused(format!("there is no folder {}", folder.display()), help);
+        }
+        Err(error) => {
+            return refused(format!("{}: {error}", folder.display()), "choose another place with `--record`");
+        }
+    }
+    check_kind(path, "choose another name with `--record`; what stands there is left as it is")
+}
+
+/// Devices, pipes and folders are no records, and opening some of them blocks forever.
+fn check_kind(path: &Path, help: &str) -> MissionResult {
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            let kind = if found.is_dir() { "it is a folder" } else { "it is no ordinary file" };
+            Err(MissionError::record_file(format!("{} is not a flight record", path.display()))
+                .because(kind)
+                .help(help))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Opens a record; a warning says whether it is incomplete.
+///
+/// # Errors
+/// A missing file, another kind of file, a record of a newer Apex, a damaged one.
+pub fn open(path: &Path) -> MissionResult<(RecordReader, Option<String>)> {
+    check_kind(path, "give a file that `apex fly` or `apex run --record` has written")?;
+    if !path.exists() {
+        return Err(MissionError::record_file(format!("there is no flight record at {}", path.display()))
+            .help(nearby_help(path)));
+    }
+    File::open(path).map_err(|error| unreadable(path, &error))?;
+    let reader = RecordReader::open(path).map_err(read)?;
+    let warning = reader.warning().map_err(read)?;
+    Ok((reader, warning))
+}
+
+/// A record that cannot be written, with the exit code that it deserves.
+pub fn written(error: RecordError) -> MissionError {
+    match error {
+        RecordError::NotARecord { .. } => MissionError::record_file(error.to_string()),
+        _ => MissionError::record(error.to_string()),
+    }
+}
+
+/// A record that cannot be read: the user gave the file.
+fn read(error: RecordError) -> MissionError {
+    match error {
+        RecordError::NotARecord { path, found } => {
+            MissionError::record_file(format!("{} is not a flight record", path.display()))
+                .because(found)
+                .help("give a file that `apex fly` or `apex run --record` has written")
+        }
+        other => MissionError::record_file(other.to_string()),
+    }
+}
