@@ -11,12 +11,11 @@ use crate::limits::{LATENESS_TOLD_MIN, SOLVER_LOOK, STEPS_PER_INSTANT_MAX};
 use crate::outbox;
 use crate::pacing::{Pacer, Wait};
 use crate::pool::{Arrival, SolverPool};
-use crate::ports::{Deliberator, Input, Observer, SolverJob, SolverQueue, Vehicle};
+use crate::ports::{Deliberator, Input, Observer, SolverQueue, Vehicle};
 use crate::terms::{Control, EndReason, FlyOptions, Lateness, RunEnd, ScriptedAnswer};
 use apex_executive::Agent;
-use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
-use apex_model::event::{Batch, EventKind, SolverReport};
-use apex_model::symbol::Symbol;
+use apex_model::effect::{Effect, SolveRequest};
+use apex_model::event::{Batch, EventKind};
 use apex_model::time::{Duration, Time};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 
