@@ -92,11 +92,6 @@ impl MissionError {
         MissionError::new(ErrorKind::Flight, message)
     }
 
-    /// A flight record is at fault.
-    pub fn record(message: impl Into<String>) -> MissionError {
-        MissionError::new(ErrorKind::Record, message)
-    }
-
     /// Adds the place.
     #[must_use]
     pub fn at(mut self, place: impl Into<String>) -> MissionError {

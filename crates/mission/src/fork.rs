@@ -5,6 +5,7 @@ use crate::deliberation::{Means, MissionDeliberator};
 use crate::error::{MissionError, MissionResult};
 use crate::flight::{FlightOutcome, MissionFlight};
 use crate::program;
+use crate::recording::read;
 use crate::report::report;
 use apex_model::event::EventKind;
 use apex_model::problem::WindField;
@@ -59,7 +60,7 @@ impl Fork<'_> {
         inputs.extend(changes.inputs);
         let terms = FlyOptions { inputs, solver_timeout: means.patience + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
-        let program = reader.load(&program::load_recorded)?;
+        let program = reader.load(&program::load_recorded).map_err(read)?;
         let flown =
             apex_runtime::fork::fork((reader, &program), at, vehicle, change, &mut deliberator, observers, terms);
         let end =

@@ -4,6 +4,7 @@ use crate::Mission;
 use crate::deliberation::{Means, MissionDeliberator};
 use crate::error::{MissionError, MissionResult};
 use crate::program;
+use crate::recording::read;
 use crate::report::{Report, report};
 use crate::situation::Situation;
 use apex_model::time::Time;
@@ -17,12 +18,12 @@ use std::sync::Arc;
 /// # Errors
 /// A record that cannot be read, a program or data that this version does not accept.
 pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
-    if reader.meta("mission")?.is_none() {
+    if reader.meta("mission").map_err(read)?.is_none() {
         return Ok(None);
     }
-    let data = reader.sources()?.into_iter().filter(|source| source.role == "data");
+    let data = reader.sources().map_err(read)?.into_iter().filter(|source| source.role == "data");
     let data = data.map(|source| (source.name, source.body)).collect();
-    Mission::from_sources(&reader.pdl_sources()?, data).map(Some)
+    Mission::from_sources(&reader.pdl_sources().map_err(read)?, data).map(Some)
 }
 
 /// Replays a record: decisions byte for byte, and every planning problem posed again.
@@ -38,7 +39,7 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
         }
         None => replay_with(reader, &program::load_recorded, &mut NoDeliberator),
     };
-    report.map_err(MissionError::from)
+    report.map_err(read)
 }
 
 /// The situation after the last step not later than `at`.
@@ -47,15 +48,16 @@ pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
 /// A record that cannot be read.
 pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> MissionResult<Situation> {
     // A snapshot of another version may decode into something else; the steps always serve.
-    let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
-    let stored = if ours { reader.situation_before(at)? } else { None };
+    let ours = reader.meta("apex_version").map_err(read)?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
+    let stored = if ours { reader.situation_before(at).map_err(read)? } else { None };
     let stored = stored.and_then(|row| Some((row.batch_number, postcard::from_bytes(&row.body).ok()?)));
     let (last, mut situation): (i64, Situation) = stored.unwrap_or_default();
-    for step in reader.steps_of_all(at)? {
-        let step = step?;
+    for step in reader.steps_of_all(at).map_err(read)? {
+        let step = step.map_err(read)?;
         if step.batch_number > last {
             let effects = step.decoded_effects().map_err(|fault| {
-                MissionError::record(format!("the flight record {} is damaged", reader.path().display())).because(fault)
+                MissionError::record_file(format!("the flight record {} is damaged", reader.path().display()))
+                    .because(fault)
             })?;
             situation.observe(mission, step.agent, &step.batch, &effects);
         }
@@ -69,10 +71,13 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
 /// A record that cannot be read.
 pub fn report_of(reader: &RecordReader, mission: &Mission) -> MissionResult<Report> {
     let situation = situation_at(reader, mission, Time::END)?;
-    let end = match (reader.meta("end_ns")?.and_then(|text| text.parse().ok()), reader.meta("end_reason")?) {
+    let end = match (
+        reader.meta("end_ns").map_err(read)?.and_then(|text| text.parse().ok()),
+        reader.meta("end_reason").map_err(read)?,
+    ) {
         (Some(end), Some(reason)) => (Time(end), reason),
         _ => {
-            let end = reader.span()?.map_or(Time::ZERO, |(_, end)| end);
+            let end = reader.span().map_err(read)?.map_or(Time::ZERO, |(_, end)| end);
             (end, "the record ends here, without the end of the flight".to_string())
         }
     };

@@ -156,7 +156,7 @@ pub fn written(error: RecordError) -> MissionError {
 }
 
 /// A record that cannot be read: the user gave the file.
-fn read(error: RecordError) -> MissionError {
+pub(crate) fn read(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { path, found } => {
             MissionError::record_file(format!("{} is not a flight record", path.display()))
