@@ -15,7 +15,6 @@ mod geodesic;
 mod instants;
 mod joining;
 mod left_lines;
-pub mod model;
 mod motion;
 mod names;
 mod packet;
@@ -33,6 +32,5 @@ mod world;
 
 pub use commands::command_names;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, RadioShadow, ScheduledEvent, Start, WorldConfig};
-pub use model::{Airframe, CameraModel, FuelModel, MODEL_NAMES, ReportIntervals, ScannerModel, VehicleModel};
 pub use packet::{Pace, VARIABLES, Variable};
 pub use world::SimulatedWorld;

@@ -1,3 +1,3 @@
 //! Vehicle models.
 
-pub use apex_sim::{Airframe, VehicleModel};
+pub use apex_vehicle::{Airframe, VehicleModel};

@@ -11,7 +11,7 @@ use apex_model::problem::{
     SurveillancePlan, SurveillanceProblem,
 };
 use apex_planning::surveillance::travel::Ways;
-use apex_sim::Airframe;
+use apex_vehicle::Airframe;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.

@@ -5,7 +5,7 @@
 
 use super::chart::{Chart, Place, Visit, digits};
 use apex_model::problem::{AirspaceZone, ZoneKind};
-use apex_sim::Airframe;
+use apex_vehicle::Airframe;
 use serde_json::{Value, json};
 
 /// Seconds of waiting that are worth an item of their own.
