@@ -124,9 +124,10 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
 #[test]
 fn fires_need_a_scanner() {
     let text = ShippedVehicle::find("predator-b").unwrap().text;
-    let (start, end) = (text.find("  \"scanner\"").unwrap(), text.find("  \"cameras\"").unwrap());
+    let (before, rest) = text.split_once("  \"scanner\"").unwrap();
+    let (_, after) = rest.split_once("  \"cameras\"").unwrap();
     let own = Desk::with_mission("western-states");
-    own.write("m/my-uav.json", &format!("{}{}", &text[..start], &text[end..]));
+    own.write("m/my-uav.json", &format!("{before}  \"cameras\"{after}"));
     own.change("m/mission.pdl", ":model predator-b", ":model \"my-uav.json\"");
     own.apex(&["plan", "m"]).complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner"]);
 }
