@@ -14,6 +14,7 @@ const CORE: &[&str] = &[
     "crates/solvers",
     "crates/mission",
     "crates/portfolio",
+    "crates/vehicle",
     "adapters/sim",
 ];
 /// Entries without which the list would be no list: clocks, threads, platform mathematics, size, tests.

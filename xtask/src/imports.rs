@@ -12,13 +12,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/pdl", &["apex-model"]),
     ("crates/geo", &["apex-model"]),
     ("crates/executive", &["apex-model"]),
-    ("crates/vehicle", &["apex-model"]),
+    ("crates/vehicle", &[]),
     ("crates/observation", &["apex-model", "apex-geo"]),
     ("crates/metrics", &["apex-model", "apex-geo"]),
     ("crates/planning", &["apex-model", "apex-geo", "apex-metrics", "apex-observation"]),
     ("crates/solvers", &["apex-model", "apex-geo", "apex-metrics", "apex-observation", "apex-planning"]),
     ("crates/portfolio", &["apex-model", "apex-geo", "apex-metrics", "apex-observation", "apex-planning"]),
-    // The simulator lends its vehicle models until these are data.
     (
         "crates/mission",
         &[
@@ -33,7 +32,6 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "apex-portfolio",
             "apex-vehicle",
             "apex-runtime",
-            "apex-sim",
         ],
     ),
     ("crates/runtime", &["apex-model", "apex-executive", "apex-planning"]),

@@ -9,7 +9,8 @@ use apex_model::problem::{FOREVER_S, Position, WindField, WindLayer};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::Vehicle;
-use apex_sim::{GroundPatch, Modem, SimulatedWorld, Start, VehicleModel, WorldConfig};
+use apex_sim::{GroundPatch, Modem, SimulatedWorld, Start, WorldConfig};
+use apex_vehicle::VehicleModel;
 
 const DAY_S: f64 = 86_400.0;
 

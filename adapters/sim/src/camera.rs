@@ -1,12 +1,12 @@
 //! A camera on a tilt, or tilt and pan, mount: power-up, pointing and tracking, taking pictures.
 
 use crate::arguments::Spot;
-use crate::model::CameraModel;
 use crate::motion::{State, wrap_pi};
 use crate::path::bearing;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::effect::CommandId;
 use apex_model::time::Time;
+use apex_vehicle::CameraModel;
 use libm::{atan2, cos, sin, sqrt};
 
 /// Pointing is done within this angle.

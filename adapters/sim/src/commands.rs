@@ -5,14 +5,13 @@ use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{Flight, Order};
 use crate::instants;
-use crate::model::Airframe;
 use crate::names::unknown_name;
-use crate::situation::FINAL_HEIGHT_M;
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
+use apex_vehicle::Airframe;
 
 /// A command: name, usage, fewest and most positional arguments, keywords.
 struct Command {
@@ -207,7 +206,7 @@ impl SimulatedWorld {
                 let at = arguments.spot(0, "location")?;
                 let field_m = self.ground.elevation_m_at(at.position);
                 let fixed = self.model.airframe == Airframe::FixedWing;
-                (Order::Land { at }, fixed.then_some(field_m + FINAL_HEIGHT_M))
+                (Order::Land { at }, fixed.then_some(field_m + self.model.final_approach_height_m))
             }
         })
     }

@@ -1,11 +1,11 @@
 //! What a simulated world is made of: vehicle, start, weather, ground, radios, places and scripted events, as plain data.
 
-use crate::model::VehicleModel;
 use apex_geo::geodesy;
 use apex_model::event::StateVariable;
 use apex_model::problem::{Position, WindField};
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_vehicle::VehicleModel;
 use serde::{Deserialize, Serialize};
 
 /// Everything that [`crate::SimulatedWorld::new`] needs.
@@ -53,7 +53,7 @@ impl WorldConfig {
     /// # Errors
     /// A sentence that names what is wrong.
     pub(crate) fn check(&self) -> Result<(), String> {
-        self.model.check()?;
+        self.model.validate(&self.model.name).map_err(|error| error.to_string())?;
         if self.vehicle.trim().is_empty() {
             return Err("the vehicle needs a name".to_owned());
         }

@@ -1,11 +1,11 @@
 //! A fixed wing in the air: coordinated turns with bank and roll-rate limits, first-order lags, drift by the wind.
 
 use crate::atmosphere::{Air, GRAVITY};
-use crate::model::VehicleModel;
 use crate::motion::{Demand, State, climb, lag, moved, wrap_pi, wrap_tau};
 use crate::path::course;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::wind::{Wind, triangle};
+use apex_vehicle::VehicleModel;
 use libm::{atan, cos, sin, sqrt, tan};
 
 /// Turn rate asked for per radian of heading error.
@@ -16,13 +16,11 @@ const SPEED_LAG_S: f64 = 5.0;
 /// Heading error and bank below which it flies straight.
 const STRAIGHT_RAD: f64 = 0.006;
 const LEVEL_RAD: f64 = 0.02;
-/// Share of the greatest bank that circles are planned with; the rest corrects errors.
-const PLANNED_BANK_SHARE: f64 = 0.85;
 
 /// Radius of a turn that can be held at `true_airspeed` all the way round in this wind.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64, wind: Wind) -> f64 {
     let speed = true_airspeed + sqrt(wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps);
-    speed * speed / (GRAVITY * tan(PLANNED_BANK_SHARE * model.bank_deg_max * RAD_PER_DEG))
+    speed * speed / (GRAVITY * tan(model.turns.bank_share * model.bank_deg_max * RAD_PER_DEG))
 }
 
 /// Slowest true airspeed at an altitude.

@@ -6,7 +6,7 @@ use crate::instants;
 use crate::packet::location;
 use crate::path::{Circle, Join, Line, Path, bearing};
 use crate::phase::Phase;
-use crate::situation::{FINAL_HEIGHT_M, FINAL_M, Situation, final_approach};
+use crate::situation::{Situation, final_approach};
 use apex_model::effect::CommandId;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -173,7 +173,7 @@ impl Flight {
             Stage::ClimbOut => (here.altitude_m, slow(1.4)),
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
             Stage::LeadIn | Stage::OnLine if landing => {
-                let slope = FINAL_HEIGHT_M / FINAL_M;
+                let slope = here.model.final_approach_height_m / here.model.final_approach_m;
                 (here.ground_m + slope * self.to_go_m.max(0.0) - 2.0, slow(1.3))
             }
             Stage::Turn(_) if landing => (here.altitude_m, slow(1.3)),

@@ -16,7 +16,6 @@ mod geodesic;
 mod instants;
 mod joining;
 mod left_lines;
-pub mod model;
 mod motion;
 mod names;
 mod packet;
@@ -34,6 +33,5 @@ mod world;
 
 pub use commands::command_names;
 pub use config::{Ground, GroundPatch, Happening, Modem, NamedPlace, RadioShadow, ScheduledEvent, Start, WorldConfig};
-pub use model::{Airframe, CameraModel, FuelModel, MODEL_NAMES, ReportIntervals, ScannerModel, VehicleModel};
 pub use packet::{Pace, VARIABLES, Variable};
 pub use world::SimulatedWorld;

@@ -1,9 +1,9 @@
 //! The vehicle's state, its demands, and what fixed wings and rotorcraft share: climb, moving over the ellipsoid.
 
-use crate::model::VehicleModel;
 use crate::path::Path;
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::problem::Position;
+use apex_vehicle::VehicleModel;
 use libm::{atan2, cos, exp, fmod, sin, sqrt};
 use std::f64::consts::{PI, TAU};
 

@@ -34,13 +34,10 @@ impl SimulatedWorld {
     pub(crate) fn snapshot(&self) -> Snapshot<'_> {
         let height_m = (self.state.altitude_m - self.ground_m).max(0.0);
         let scanner = self.model.scanner.as_ref();
-        let (footprint_m, roll_deg_max) = scanner.map_or((0.0, 0.0), |scanner| {
-            (
-                footprint_m(height_m, self.state.roll_rad, 0.5 * scanner.field_of_view_deg * RAD_PER_DEG),
-                scanner.roll_deg_max,
-            )
+        let footprint_m = scanner.map_or(0.0, |scanner| {
+            footprint_m(height_m, self.state.roll_rad, 0.5 * scanner.field_of_view_deg * RAD_PER_DEG)
         });
-        let level = self.state.roll_rad.abs() <= roll_deg_max * RAD_PER_DEG;
+        let level = self.state.roll_rad.abs() <= self.model.level_roll_deg_max * RAD_PER_DEG;
         let gliding = !self.state.engine_running && !self.state.on_ground;
         let phase = if self.crashed {
             Phase::Crashed

@@ -1,17 +1,13 @@
 //! A rotorcraft: stops, flies in any direction within its airspeed, turns in place.
 
 use crate::atmosphere::GRAVITY;
-use crate::model::VehicleModel;
 use crate::motion::{Demand, State, climb, moved, wrap_pi, wrap_tau};
 use crate::path::{Path, bearing, course};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_geo::wind::{Wind, triangle};
+use apex_vehicle::VehicleModel;
 use libm::{atan, cos, sin, sqrt};
 
-/// Share of its acceleration that braking is planned with.
-const BRAKING_SHARE: f64 = 0.6;
-/// Tilt per metre per second of airspeed, as an acceleration: holding against drag.
-const DRAG_PER_S: f64 = 0.06;
 /// Speed over ground above which the nose follows the track.
 const TRACK_SPEED: f64 = 1.5;
 /// Closer to a point than this, speed falls with distance.
@@ -28,11 +24,11 @@ pub(crate) fn fly(state: &mut State, demand: &Demand, model: &VehicleModel, wind
 
 /// Radius within which it can circle at `true_airspeed`.
 pub(crate) fn turn_radius_m(model: &VehicleModel, true_airspeed: f64) -> f64 {
-    true_airspeed * true_airspeed / (BRAKING_SHARE * model.acceleration_m_s2_max)
+    true_airspeed * true_airspeed / (model.braking_share * model.acceleration_m_s2_max)
 }
 
 fn wanted_velocity(state: &State, demand: &Demand, model: &VehicleModel, wind: Wind) -> (f64, f64) {
-    let braking = BRAKING_SHARE * model.acceleration_m_s2_max;
+    let braking = model.braking_share * model.acceleration_m_s2_max;
     let (course_rad, speed_max) = match &demand.path {
         Path::Straight => return (0.0, 0.0),
         Path::Point(point) | Path::Hover(point) => {
@@ -78,8 +74,8 @@ fn accelerate(state: &mut State, model: &VehicleModel, wind: Wind, wanted: (f64,
     tilt(
         state,
         model,
-        share * change_north / dt + DRAG_PER_S * air_north,
-        share * change_east / dt + DRAG_PER_S * air_east,
+        share * change_north / dt + model.drag_per_s * air_north,
+        share * change_east / dt + model.drag_per_s * air_east,
     );
     change < 0.05 && state.ground_speed() < 0.1
 }

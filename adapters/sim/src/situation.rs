@@ -2,7 +2,6 @@
 
 use crate::arguments::Spot;
 use crate::fixed_wing;
-use crate::model::{Airframe, VehicleModel};
 use crate::motion::{State, moved, wrap_pi};
 use crate::path::{Circle, Line, bearing};
 use crate::rotorcraft;
@@ -10,14 +9,10 @@ use apex_geo::geodesy::{self, RAD_PER_DEG};
 use apex_geo::wind::Wind;
 use apex_model::problem::Position;
 use apex_model::time::Time;
+use apex_vehicle::{Airframe, VehicleModel};
 use libm::atan2;
 use std::f64::consts::PI;
 
-/// Length and height of a fixed wing's final approach.
-pub(crate) const FINAL_M: f64 = 8_000.0;
-pub(crate) const FINAL_HEIGHT_M: f64 = 450.0;
-/// Loitering circles are this much wider than the tightest turn.
-const LOITER_WIDTH: f64 = 1.3;
 /// Altitude error at which a fixed wing or a rotorcraft counts as on its altitude.
 const ALTITUDE_M: (f64, f64) = (40.0, 2.0);
 
@@ -61,7 +56,7 @@ impl Situation<'_> {
 
     /// The circle it flies when it was told none.
     pub(crate) fn loiter_radius_m(&self) -> f64 {
-        LOITER_WIDTH * self.turn_radius_m()
+        self.model.turns.circle_width * self.turn_radius_m()
     }
 
     /// A circle round `centre`, the way round that needs the smaller turn.
@@ -73,17 +68,17 @@ impl Situation<'_> {
     /// Where a rotorcraft can stop.
     pub(crate) fn stopping_place(&self) -> Position {
         let speed = self.state.ground_speed();
-        let seconds = 0.5 * speed / (0.6 * self.model.acceleration_m_s2_max);
+        let seconds = 0.5 * speed / (self.model.braking_share * self.model.acceleration_m_s2_max);
         moved(self.state.position, self.state.north * seconds, self.state.east * seconds)
     }
 }
 
-/// The last eight kilometres to a field, into the wind; without wind from where the vehicle comes.
+/// Returns the final approach to a field: into the wind; without wind, from the direction of the vehicle.
 pub(crate) fn final_approach(at: &Spot, here: &Situation) -> Line {
     let wind = here.wind;
     let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;
     let course_rad =
         if calm { bearing(here.state.position, at.position).0 } else { atan2(-wind.east_mps, -wind.north_mps) };
-    let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, FINAL_M);
+    let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, here.model.final_approach_m);
     Line::new(threshold, at.position)
 }

@@ -10,7 +10,6 @@ use crate::fixed_wing;
 use crate::flight::{Flight, Order, Progress};
 use crate::instants;
 use crate::left_lines::LeftLines;
-use crate::model::{Airframe, VehicleModel};
 use crate::motion::{Demand, State, fuel_flow_kg_s};
 use crate::packet::Reporter;
 use crate::phase::Phase;
@@ -27,13 +26,12 @@ use apex_model::problem::{Position, WindField};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
+use apex_vehicle::{Airframe, VehicleModel};
 use libm::{cos, sin};
 use std::collections::VecDeque;
 
 /// Step while something changes, and the longest step otherwise.
 const STEP_S: f64 = 0.5;
-/// Wings count as level within this where no scanner says otherwise.
-const LEVEL_RAD: f64 = 3.0 * RAD_PER_DEG;
 
 /// Something that the executive sent, waiting for its time.
 #[derive(Clone, Debug)]
@@ -253,7 +251,7 @@ impl SimulatedWorld {
         self.burn(dt, inputs);
         self.meet_ground(inputs);
         self.move_cameras(dt, inputs);
-        let limit = self.model.scanner.as_ref().map_or(LEVEL_RAD, |scanner| scanner.roll_deg_max * RAD_PER_DEG);
+        let limit = self.model.level_roll_deg_max * RAD_PER_DEG;
         // As `situation`, but of single fields, so that the flight may change meanwhile.
         let here = Situation {
             model: &self.model,

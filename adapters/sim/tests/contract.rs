@@ -9,7 +9,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
-use apex_sim::{Happening, Modem, ScheduledEvent, SimulatedWorld, Start, VehicleModel, WorldConfig};
+use apex_sim::{Happening, Modem, ScheduledEvent, SimulatedWorld, Start, WorldConfig};
+use apex_vehicle::VehicleModel;
 use common::{Run, form, location, predator, rmax, wind, word};
 
 fn rough_world() -> WorldConfig {

@@ -164,6 +164,24 @@ fn options_of_the_application_are_told_with_their_place() {
     change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
 }
 
+#[test]
+fn figures_of_the_application_are_checked() {
+    let place = "m/mission.pdl:3:1: ";
+    let add = |option: &str, phrases: &[&str]| {
+        picture("mission.pdl", ":duration 15min", &format!(":duration 15min {option}"), phrases);
+    };
+    add(":end-margin 15min", &[place, "`:end-margin P15M` cannot be read", "shorter than `:duration`"]);
+    add(":end-margin 3m", &["a duration is needed here, but this is length"]);
+    add(":zone-margin -3km", &[place, "`:zone-margin", "`:zone-margin 3km`"]);
+    add(":obstacle-margin 3s", &[place, "`:obstacle-margin", "a length up to 1000km"]);
+    add(":failure 3", &[place, "`:failure 3` cannot be read", "a list of keys", ":probability-per-hour 1e-4"]);
+    add(":failure (:vehicle-cots 3)", &[place, "unknown key :vehicle-cots"]);
+    add(":failure (:vehicle-share 1.5)", &[place, ":vehicle-share is 1.5; expected a number from 0 to 1"]);
+    add(":failure (:mission-cost 3m)", &[place, ":mission-cost is 3m; expected a number"]);
+    add(":failure (:mission-cost 3 :mission-cost 4)", &[place, ":mission-cost is given twice"]);
+    add(":failure (:mission-cost)", &[place, "expected keys, each with a number"]);
+}
+
 /// `structure-watch` whose radio mast has another outline.
 #[track_caller]
 fn mast(outline: &str, phrases: &[&str]) {

@@ -57,6 +57,22 @@ fn every_printed_problem_and_plan_obeys_its_schema() {
     }
 }
 
+#[test]
+fn every_shipped_vehicle_file_obeys_the_schema() {
+    let vehicles = schema("vehicle.schema.json");
+    for shipped in apex_vehicle::SHIPPED {
+        let file = obeys(&vehicles, shipped.text);
+        for (section, member) in [("flight", "wheel_base_m"), ("planning", "mood"), ("fuel", "colour")] {
+            let mut wrong = file.clone();
+            wrong[section][member] = json!(1.0);
+            assert!(!vehicles.is_valid(&wrong), "{section}.{member}");
+        }
+        let mut wrong = file;
+        wrong["flight"].as_object_mut().unwrap().remove("ceiling_m");
+        assert!(!vehicles.is_valid(&wrong));
+    }
+}
+
 /// Problems that have every kind of member between them.
 fn examples() -> Vec<Value> {
     let desk = Desk::new();

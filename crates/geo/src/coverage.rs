@@ -41,9 +41,6 @@ pub struct LineScanner {
 }
 
 impl LineScanner {
-    /// The thermal scanner of the fire mission: 86 degrees, 1.25 mrad.
-    pub const FIRE: LineScanner = LineScanner { field_of_view_deg: 86.0, pixel_mrad: 1.25 };
-
     /// Width on level ground seen from `height_m` above it.
     pub fn swath_m(&self, height_m: f64) -> f64 {
         2.0 * height_m * libm::tan(0.5 * self.field_of_view_deg.clamp(0.0, 178.0) * RAD_PER_DEG)
@@ -361,6 +358,7 @@ mod tests {
     use proptest::prelude::*;
 
     const CENTRE: Position = Position::new(40.0, -120.0);
+    const SCANNER: LineScanner = LineScanner { field_of_view_deg: 86.0, pixel_mrad: 1.25 };
 
     fn settings(swath_m: f64) -> SweepSettings {
         SweepSettings { swath_m, overlap: 0.1, track_deg: None, run_in_m: 0.0 }
@@ -368,9 +366,9 @@ mod tests {
 
     #[test]
     fn the_fire_scanner_sees_as_far_as_its_field_of_view() {
-        assert!((LineScanner::FIRE.swath_m(6000.0) - 11_190.2).abs() < 0.1);
-        assert!((LineScanner::FIRE.resolution_m(6000.0) - 7.5).abs() < 1e-9);
-        assert!((LineScanner::FIRE.height_m_max(10.0) - 8000.0).abs() < 1e-9);
+        assert!((SCANNER.swath_m(6000.0) - 11_190.2).abs() < 0.1);
+        assert!((SCANNER.resolution_m(6000.0) - 7.5).abs() < 1e-9);
+        assert!((SCANNER.height_m_max(10.0) - 8000.0).abs() < 1e-9);
     }
 
     #[test]
@@ -404,7 +402,7 @@ mod tests {
         };
         let at = |altitude_m| {
             let flight = LineFlight { altitude_m, true_airspeed_mps: 95.0, bank_deg: 18.0, start_s: 0.0 };
-            sweep_manoeuvre(&wish, &LineScanner::FIRE, &flight, &WindField::default(), CENTRE)
+            sweep_manoeuvre(&wish, &SCANNER, &flight, &WindField::default(), CENTRE)
         };
         let (low, high) = (at(4500.0).unwrap(), at(8500.0).unwrap());
         assert!(low.duration_s > high.duration_s && low.lines.len() > high.lines.len());

@@ -115,6 +115,7 @@ mod tests {
     use proptest::prelude::*;
 
     const CENTRE: Position = Position::new(40.0, -120.0);
+    const SCANNER: LineScanner = LineScanner { field_of_view_deg: 86.0, pixel_mrad: 1.25 };
 
     fn around(count: usize, reach_m: impl Fn(usize) -> f64) -> Vec<Position> {
         let corner = |index| geodesy::destination(CENTRE, 360.0 * index as f64 / count as f64, reach_m(index));
@@ -158,14 +159,14 @@ mod tests {
         };
         let flight = LineFlight { altitude_m: 6000.0, true_airspeed_mps: 95.0, bank_deg: 18.0, start_s: 0.0 };
         let field = WindField::default();
-        let around = perimeter_manoeuvre(&wish, &LineScanner::FIRE, &flight, &field, CENTRE).unwrap();
-        let over = crate::coverage::sweep_manoeuvre(&wish, &LineScanner::FIRE, &flight, &field, CENTRE).unwrap();
+        let around = perimeter_manoeuvre(&wish, &SCANNER, &flight, &field, CENTRE).unwrap();
+        let over = crate::coverage::sweep_manoeuvre(&wish, &SCANNER, &flight, &field, CENTRE).unwrap();
         assert!(around.duration_s < 0.5 * over.duration_s, "{} {}", around.duration_s, over.duration_s);
         assert!((around.length_m / (80_000.0 * std::f64::consts::PI) - 1.0).abs() < 0.1, "{}", around.length_m);
         assert_eq!(around.quality, over.quality);
         assert_eq!(around.name, "perimeter-6000m");
         let low = LineFlight { altitude_m: 1000.0, ..flight };
-        let refused = perimeter_manoeuvre(&wish, &LineScanner::FIRE, &low, &field, CENTRE).unwrap_err();
+        let refused = perimeter_manoeuvre(&wish, &SCANNER, &low, &field, CENTRE).unwrap_err();
         assert!(refused.contains("not above the ground"), "{refused}");
     }
 

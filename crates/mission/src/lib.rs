@@ -46,16 +46,6 @@ use std::path::Path;
 use std::sync::Arc;
 use vehicle::VehicleModel;
 
-/// What failure costs, in points: one in ten thousand hours, then a whole aircraft of 400 and half of a mission of 300.
-/// Made up, and the same for every mission until mission data say otherwise.
-const FAILURE: FailureTerm = FailureTerm {
-    probability_per_hour: 1e-4,
-    vehicle_share: 1.0,
-    vehicle_cost: 400.0,
-    mission_share: 0.5,
-    mission_cost: 300.0,
-};
-
 /// A mission with all of its data.
 #[derive(Debug, Clone)]
 pub struct Mission {
@@ -128,12 +118,7 @@ impl Mission {
     fn read(library: Arc<Library>, sources: &Sources) -> MissionResult<Mission> {
         let settings = settings::read(&library)?;
         let mut files = Files { sources, place: settings.place.clone(), data: Vec::new() };
-        let model = VehicleModel::named(&settings.model).map_err(|error| {
-            MissionError::setting("the mission's vehicle is unknown")
-                .at(&settings.place)
-                .because(error)
-                .help("write a known `:model` in :vehicle")
-        })?;
+        let model = vehicle::load(&settings.model, &mut files)?;
         let mut targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
         costs::apply(&settings, &library, &mut targets)?;
         let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
@@ -152,7 +137,7 @@ impl Mission {
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
             forecasts,
-            failure: FAILURE,
+            failure: settings.failure,
             start: Position::default(),
             start_altitude_m: 0.0,
             modems: Vec::new(),

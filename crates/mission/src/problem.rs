@@ -2,7 +2,7 @@
 
 use super::situation::Situation;
 use super::{Fire, Mission, Site, TargetKind};
-use crate::vehicle::{Airframe, VehicleModel};
+use crate::vehicle::{Airframe, VehicleModel, line_scanner};
 use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
 use apex_geo::perimeter::perimeter_manoeuvre;
 use apex_geo::travel;
@@ -12,32 +12,6 @@ use apex_model::problem::{
 };
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{Transit, Ways};
-
-/// Time to roll level before a line begins. The turn onto the first line is part of the way to it; each further one is met
-/// antiparallel and close by: median of simulated flights at 95 m/s and 15 degrees of bank.
-const FIRST_JOIN_S: f64 = 30.0;
-const FURTHER_JOIN_S: f64 = 390.0;
-/// Share of the greatest roll angle that turns are planned with; the rest corrects errors.
-const PLANNED_BANK_SHARE: f64 = 0.85;
-/// Who circles around a site does so on a circle this much wider than its tightest turn, and surveillance turns no more tightly
-/// elsewhere: the wind may be stronger than forecast.
-const CIRCLE_WIDTH: f64 = 1.3;
-/// Share of the endurance and fuel that must be left at the end.
-const RESERVE_SHARE: f64 = 0.08;
-/// A plan is back this much before the end of the mission: winds are not as forecast and lines are flown again.
-const END_MARGIN_S: f64 = 3_600.0;
-/// Distance kept from the edges of airspace zones.
-const ZONE_MARGIN_M: f64 = 3_000.0;
-/// Distance kept from obstacles by a vehicle that visits sites.
-const OBSTACLE_MARGIN_M: f64 = 40.0;
-/// Height above a site from which it is looked at by who can hover there.
-const VISIT_HEIGHT_M: f64 = 60.0;
-/// Height above the highest site from which all are looked at by who circles around them.
-const CIRCLING_HEIGHT_M: f64 = 1_000.0;
-/// Steps of altitude among which the planner chooses, above the ground of the target.
-const ALTITUDES_M: [f64; 5] = [4_500.0, 5_500.0, 6_500.0, 7_500.0, 9_000.0];
-/// Cruise altitude of a fixed wing.
-const CRUISE_ALTITUDE_M: f64 = 7_000.0;
 
 /// Why there is no plan. Only the first kind is a reason to end a mission in progress and go home.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +48,7 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
 
 fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<SingleVisitProblem, NoPlan> {
     let model = &mission.model;
+    let planning = &model.planning;
     let now_s = at.seconds();
     let fuel_kg = situation.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
     let endurance_s = situation.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
@@ -104,25 +79,25 @@ fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<Si
         targets,
         vehicle: SingleVisitVehicle {
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
-            cruise_altitude_m: CRUISE_ALTITUDE_M.min(model.ceiling_m),
-            climb_rate_mps: model.climb_rate_m_s_max * 0.5,
-            descent_rate_mps: model.descent_rate_m_s_max * 0.5,
+            cruise_altitude_m: planning.cruise_altitude_m,
+            climb_rate_mps: model.climb_rate_m_s_max * planning.climb_share,
+            descent_rate_mps: model.descent_rate_m_s_max * planning.descent_share,
             fuel_kg,
-            fuel_reserve_kg: model.fuel.capacity_kg * RESERVE_SHARE,
+            fuel_reserve_kg: model.fuel.capacity_kg * planning.reserve_share,
             fuel_flow_kg_per_s: model.fuel.flow_kg_h_reference / 3600.0,
             endurance_s,
-            endurance_reserve_s: mission.settings.duration.seconds() * RESERVE_SHARE,
+            endurance_reserve_s: mission.settings.duration.seconds() * planning.reserve_share,
             turn_radius_m: turn_radius_m(model),
         },
         start,
         start_altitude_m: situation.vehicle.altitude_m.max(mission.start_altitude_m),
         start_s: now_s,
         base: Some(mission.start),
-        end_s: Some(mission.settings.duration.seconds() - END_MARGIN_S),
+        end_s: Some(mission.settings.duration.seconds() - mission.settings.end_margin.seconds()),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.clone(),
-        zone_margin_m: ZONE_MARGIN_M,
+        zone_margin_m: mission.settings.zone_margin_m,
         landing_places: mission.landing_places(),
         landing_distance_m_max: mission.settings.landing_distance_m_max,
         wind: mission.forecast.clone(),
@@ -137,7 +112,7 @@ pub fn turn_radius_m(model: &VehicleModel) -> f64 {
     match model.airframe {
         Airframe::FixedWing => travel::turn_radius_m(
             model.true_airspeed_m_s_cruise,
-            (PLANNED_BANK_SHARE * model.bank_deg_max).to_radians(),
+            (model.turns.bank_share * model.bank_deg_max).to_radians(),
         ),
         Airframe::Rotorcraft => 0.0,
     }
@@ -152,9 +127,9 @@ fn manoeuvres(
     approach: Position,
     now_s: f64,
 ) -> Result<Vec<Manoeuvre>, String> {
-    let scanner = LineScanner {
-        field_of_view_deg: mission.model.scanner.as_ref().map_or(86.0, |scanner| scanner.field_of_view_deg),
-        ..LineScanner::FIRE
+    let Some((scanner, carried)) = line_scanner(&mission.model).zip(mission.model.scanner.as_ref()) else {
+        let name = &mission.model.name;
+        return Err(format!("{}: no way to observe it: the vehicle `{name}` carries no line scanner", target.id));
     };
     let grounds: Vec<Ground> = if target.polygons.is_empty() {
         vec![Ground::Circle { centre: target.position, radius_m: fire.radius_m }]
@@ -163,9 +138,9 @@ fn manoeuvres(
     };
     let mut made: Vec<Manoeuvre> = Vec::new();
     let mut reason = String::new();
-    for height_m in ALTITUDES_M {
+    for height_m in &carried.heights_m {
         let altitude_m = target.elevation_m + height_m;
-        if altitude_m > mission.model.ceiling_m * 0.95 {
+        if altitude_m > mission.model.ceiling_m * mission.model.planning.ceiling_share {
             continue;
         }
         let flight = LineFlight {
@@ -175,7 +150,12 @@ fn manoeuvres(
             start_s: now_s,
         };
         match sweep(&grounds, target.elevation_m, fire, &scanner, &flight, &mission.forecast, approach) {
-            Ok(manoeuvre) => made.push(manoeuvre),
+            Ok(mut manoeuvre) => {
+                // The turn onto the first line is part of the way to it; each further line is met antiparallel and close by.
+                let further = manoeuvre.lines.len().saturating_sub(1) as f64;
+                manoeuvre.duration_s += carried.first_join_s + carried.further_join_s * further;
+                made.push(manoeuvre);
+            }
             Err(error) => reason = error,
         }
     }
@@ -227,9 +207,7 @@ fn sweep(
             }
         }
     }
-    let mut whole = whole.ok_or_else(|| "there is nothing to see".to_string())?;
-    whole.duration_s += FIRST_JOIN_S + FURTHER_JOIN_S * whole.lines.len().saturating_sub(1) as f64;
-    Ok(whole)
+    whole.ok_or_else(|| "there is nothing to see".to_string())
 }
 
 fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<SurveillanceProblem, NoPlan> {
@@ -242,7 +220,7 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         targets.push(site_target(target, site, situation, now_s));
     }
     let travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
-    let endurance_s = situation.vehicle.endurance_s.map(|left| left * (1.0 - RESERVE_SHARE));
+    let endurance_s = situation.vehicle.endurance_s.map(|left| left * (1.0 - mission.model.planning.reserve_share));
     Ok(SurveillanceProblem {
         targets,
         travel,
@@ -259,10 +237,11 @@ fn sites(mission: &Mission) -> impl Iterator<Item = &super::Target> {
 /// Altitude above mean sea level from which a site is looked at.
 pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
     match mission.model.airframe {
-        Airframe::Rotorcraft => site.elevation_m + VISIT_HEIGHT_M,
+        Airframe::Rotorcraft => site.elevation_m + mission.model.planning.visit_height_m,
         Airframe::FixedWing => {
+            let planning = &mission.model.planning;
             let highest_m = sites(mission).map(|site| site.elevation_m).fold(f64::NEG_INFINITY, f64::max);
-            (highest_m + CIRCLING_HEIGHT_M).min(0.95 * mission.model.ceiling_m)
+            (highest_m + planning.visit_height_m).min(planning.ceiling_share * mission.model.ceiling_m)
         }
     }
 }
@@ -277,13 +256,13 @@ pub fn survey(mission: &Mission, positions: &[Position], start: Position, now_s:
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (f64::min(l, m), f64::max(h, m)));
     let transit = Transit {
         true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
-        turn_radius_m: CIRCLE_WIDTH * turn_radius_m(&mission.model),
+        turn_radius_m: mission.model.turns.circle_width * turn_radius_m(&mission.model),
         altitude_m: high_m,
         wind: &mission.forecast,
         time_s: now_s,
         until_s: mission.settings.duration.seconds(),
         zones: &mission.zones,
-        margin_m: OBSTACLE_MARGIN_M,
+        margin_m: mission.settings.obstacle_margin_m,
         altitudes_m: (low_m, high_m),
     };
     Ways::new(start, positions, mission.start, &transit)

@@ -2,6 +2,7 @@
 
 use crate::error::{MissionError, MissionResult};
 use crate::files::read_text;
+use crate::vehicle;
 use apex_executive::Agent;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
@@ -62,7 +63,13 @@ pub fn check_text_with(
     fragment: bool,
     read: &mut dyn FnMut(&Path) -> MissionResult<String>,
 ) -> Checked {
-    check_sources(vec![source], fragment, &mut |requirement| resolve(folder, requirement, read))
+    let checked = check_sources(vec![source.clone()], fragment, &mut |requirement| resolve(folder, requirement, read));
+    // The vehicle is named in the program: only now is it known whose figures its libraries need.
+    let Some(figures) = vehicle::figures_for(&checked.library, folder, read) else { return checked };
+    check_sources(vec![source], fragment, &mut |requirement| match &requirement {
+        Requirement::Library(name) if name == vehicle::FIGURES_LIBRARY => Ok(figures.clone()),
+        _ => resolve(folder, requirement, read),
+    })
 }
 
 /// Checks texts, asking `resolve` for everything they require.

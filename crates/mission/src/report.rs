@@ -2,8 +2,8 @@
 
 use super::problem::pose;
 use super::situation::{Note, Situation, Visit};
+use super::vehicle::line_scanner;
 use super::{Mission, Target, TargetKind};
-use apex_geo::coverage::LineScanner;
 use apex_metrics::eci::{ExpectedCost, expected_cost};
 use apex_metrics::mission_score::{MissionScore, Observation, crew_hours, mission_score};
 use apex_model::problem::{Problem, QualityFactor, QualityFactors, SurveillanceVisit};
@@ -112,7 +112,7 @@ fn observation(mission: &Mission, visit: &Visit) -> Option<Observation> {
     let coverage = (share(seen, all) / fire.share).min(1.0);
     let clarity = share(level, seen);
     let height_m = visit.altitude_m().unwrap_or(target.elevation_m) - target.elevation_m;
-    let obtained_m = LineScanner::FIRE.resolution_m(height_m.max(0.0));
+    let obtained_m = line_scanner(&mission.model).map_or(0.0, |scanner| scanner.resolution_m(height_m.max(0.0)));
     let resolution = if obtained_m > 0.0 { (fire.resolution_m / obtained_m).min(1.0) } else { 0.0 };
     Some(Observation {
         target: target.name.clone(),

@@ -1,7 +1,9 @@
 //! What `(defapplication ..)` says about a mission, read into plain settings.
 
 use crate::error::{MissionError, MissionResult};
+use crate::vehicle::ModelSource;
 use apex_model::library::{Application, Library};
+use apex_model::problem::FailureTerm;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
@@ -15,8 +17,8 @@ pub struct Settings {
     pub place: String,
     /// The mission's title.
     pub name: String,
-    /// The vehicle model's name, for example `predator-b`.
-    pub model: String,
+    /// Where the vehicle's model comes from.
+    pub model: ModelSource,
     /// Where the vehicle stands at the start: a location or the name of a place in the data.
     pub start: Value,
     /// Civil time of mission time zero: seconds since 1970-01-01T00:00Z.
@@ -43,11 +45,36 @@ pub struct Settings {
     pub scenario: Option<String>,
     /// Greatest distance from an emergency landing place, m.
     pub landing_distance_m_max: Option<f64>,
+    /// Time by which a plan returns before `duration`: winds differ from the forecast and lines are flown again.
+    pub end_margin: Duration,
+    /// Distance that flights between fires keep from the edges of airspace zones, m.
+    pub zone_margin_m: f64,
+    /// Distance that flights between structures keep from obstacles, m.
+    pub obstacle_margin_m: f64,
+    /// What failure costs, in points.
+    pub failure: FailureTerm,
     /// Radios as written.
     pub modems: Vec<Value>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
+
+/// Failure if the mission does not state it, in points: one in ten thousand hours, then a whole aircraft of 400 and half of a
+/// mission of 300.
+const FAILURE: FailureTerm = FailureTerm {
+    probability_per_hour: 1e-4,
+    vehicle_share: 1.0,
+    vehicle_cost: 400.0,
+    mission_share: 0.5,
+    mission_cost: 300.0,
+};
+const END_MARGIN: Duration = Duration(3_600_000_000_000);
+const ZONE_MARGIN_M: f64 = 3_000.0;
+const OBSTACLE_MARGIN_M: f64 = 40.0;
+/// Greater margins leave no room to fly in.
+const MARGIN_M_MAX: f64 = 1e6;
+/// Greatest cost that a mission may state.
+const POINTS_MAX: f64 = 1e9;
 
 const KNOWN: &[&str] = &[
     "vehicle",
@@ -62,6 +89,10 @@ const KNOWN: &[&str] = &[
     "people",
     "scenario",
     "landing-distance",
+    "end-margin",
+    "zone-margin",
+    "obstacle-margin",
+    "failure",
     "modems",
     "costs",
     "libraries",
@@ -92,8 +123,8 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
                 .help(format!("known are :{}", KNOWN.join(" :"))));
         }
     }
+    let (model, start) = vehicle_of(application, place.clone())?;
     let reader = Reader { application, place };
-    let (model, start) = reader.vehicle()?;
     let epoch_text = reader.text("start")?;
     Ok(Settings {
         place: reader.place.clone(),
@@ -112,9 +143,21 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         people: reader.text("people")?,
         scenario: reader.text("scenario")?,
         landing_distance_m_max: reader.length("landing-distance")?,
+        end_margin: reader.end_margin()?,
+        zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
+        obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
+        failure: reader.failure()?,
         modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
         costs: reader.costs()?,
     })
+}
+
+/// Reads `:vehicle` of an application at `place`: where the model comes from, and where the vehicle starts.
+///
+/// # Errors
+/// No vehicle, or a form of another shape.
+pub(crate) fn vehicle_of(application: &Application, place: String) -> MissionResult<(ModelSource, Value)> {
+    Reader { application, place }.vehicle()
 }
 
 struct Reader<'a> {
@@ -174,6 +217,60 @@ impl Reader<'_> {
         }
     }
 
+    fn end_margin(&self) -> MissionResult<Duration> {
+        match self.application.option("end-margin") {
+            None => Ok(END_MARGIN),
+            Some(Value::Duration(margin)) if *margin >= Duration::ZERO && *margin < self.duration()? => Ok(*margin),
+            Some(other) => {
+                Err(self.wrong("end-margin", other, "a duration shorter than `:duration`: `:end-margin 1h`"))
+            }
+        }
+    }
+
+    fn margin_m(&self, option: &str, default_m: f64) -> MissionResult<f64> {
+        use apex_model::quantity::Dimension;
+        match self.application.option(option).map(|value| (value, value.as_number())) {
+            None => Ok(default_m),
+            Some((_, Some((si, Dimension::LENGTH | Dimension::NONE)))) if (0.0..=MARGIN_M_MAX).contains(&si) => Ok(si),
+            Some((other, _)) => Err(self.wrong(option, other, &format!("a length up to 1000km: `:{option} 3km`"))),
+        }
+    }
+
+    /// `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
+    fn failure(&self) -> MissionResult<FailureTerm> {
+        use apex_model::quantity::Dimension;
+        let mut term = FAILURE;
+        let Some(found) = self.application.option("failure") else { return Ok(term) };
+        let wrong = |what: String| {
+            self.wrong("failure", found, "`:failure (:probability-per-hour 1e-4 :vehicle-share 1 :vehicle-cost 400 :mission-share 0.5 :mission-cost 300)`; what is left out has these values")
+                .because(what)
+        };
+        let items = found.as_list().ok_or_else(|| wrong("expected a list of keys with numbers".to_string()))?;
+        let mut known: Vec<&str> = Vec::new();
+        for pair in items.chunks(2) {
+            let [Value::Symbol(key), value] = pair else {
+                return Err(wrong("expected keys, each with a number".to_string()));
+            };
+            let (figure, most) = match key.folded() {
+                ":probability-per-hour" => (&mut term.probability_per_hour, 1.0),
+                ":vehicle-share" => (&mut term.vehicle_share, 1.0),
+                ":vehicle-cost" => (&mut term.vehicle_cost, POINTS_MAX),
+                ":mission-share" => (&mut term.mission_share, 1.0),
+                ":mission-cost" => (&mut term.mission_cost, POINTS_MAX),
+                other => return Err(wrong(format!("unknown key {other}"))),
+            };
+            if known.contains(&key.folded()) {
+                return Err(wrong(format!("{key} is given twice")));
+            }
+            known.push(key.folded());
+            match value.as_number() {
+                Some((number, Dimension::NONE)) if (0.0..=most).contains(&number) => *figure = number,
+                _ => return Err(wrong(format!("{key} is {value}; expected a number from 0 to {most}"))),
+            }
+        }
+        Ok(term)
+    }
+
     /// `((TARGET FUNCTION) ..)`
     fn costs(&self) -> MissionResult<Vec<(String, Symbol)>> {
         let Some(found) = self.application.option("costs") else { return Ok(Vec::new()) };
@@ -194,15 +291,15 @@ impl Reader<'_> {
         })
     }
 
-    /// `(sim :model NAME :at PLACE)`
-    fn vehicle(&self) -> MissionResult<(String, Value)> {
+    /// `(sim :model NAME|"FILE" :at PLACE)`
+    fn vehicle(&self) -> MissionResult<(ModelSource, Value)> {
         let Some(form) = self.application.option("vehicle") else {
             return Err(MissionError::setting("the mission names no vehicle")
                 .at(&self.place)
                 .help("add `:vehicle (sim :model predator-b :at (34.9 -117.9))`, or use `apex run`"));
         };
         let items = form.as_list().unwrap_or_default();
-        let wanted = "`:vehicle (sim :model NAME :at PLACE)`";
+        let wanted = "`:vehicle (sim :model NAME :at PLACE)`, or the name of a vehicle file in quotes for NAME";
         match items.first() {
             Some(Value::Symbol(kind)) if kind.is("sim") => {}
             Some(Value::Symbol(kind)) => {
@@ -218,7 +315,10 @@ impl Reader<'_> {
         for pair in items.get(1..).unwrap_or_default().chunks(2) {
             match pair {
                 [Value::Symbol(key), Value::Symbol(name)] if key.is(":model") => {
-                    model = Some(name.folded().to_string())
+                    model = Some(ModelSource::Shipped(name.folded().to_string()));
+                }
+                [Value::Symbol(key), Value::Text(file)] if key.is(":model") => {
+                    model = Some(ModelSource::File(file.to_string()));
                 }
                 [Value::Symbol(key), place] if key.is(":at") => start = Some(place.clone()),
                 _ => return Err(self.wrong("vehicle", form, wanted)),

@@ -30,6 +30,12 @@ impl DataFile {
 }
 
 impl Sources {
+    /// Returns the bytes of a file held in memory; `None` for a folder, and if there is no such file.
+    pub(crate) fn held(&self, name: &str) -> Option<&[u8]> {
+        let Sources::Held(files) = self else { return None };
+        files.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.as_slice())
+    }
+
     /// Reads the file `name`, which the mission names at `named_by`.
     pub(crate) fn read(&self, name: &str, named_by: impl Fn() -> String) -> MissionResult<DataFile> {
         let missing = |place: &str, help: String| {

@@ -8,7 +8,8 @@ use apex_model::problem::{FOREVER_S, WindField, WindLayer};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::{Input, Vehicle};
-use apex_sim::{SimulatedWorld, Start, VehicleModel, WorldConfig};
+use apex_sim::{SimulatedWorld, Start, WorldConfig};
+use apex_vehicle::VehicleModel;
 
 pub(crate) struct Run {
     pub(crate) world: SimulatedWorld,

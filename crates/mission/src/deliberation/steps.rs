@@ -12,7 +12,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::PrintedPlan;
-use apex_sim::Airframe;
+use crate::vehicle::Airframe;
 
 /// A step before it has a line in the procedure's text.
 type Step = (Symbol, PlannedActivity);

@@ -107,7 +107,7 @@ impl Situation {
             }
         }
         if moved && let Some(visit) = self.visits.last_mut().filter(|visit| visit.end.is_none()) {
-            visit.scan(&self.vehicle);
+            visit.scan(&self.vehicle, mission.model.level_roll_deg_max);
         }
         for effect in effects {
             self.take_effect(batch.now, effect);

@@ -8,9 +8,6 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 
-/// Beyond this roll angle a line of the scanner is not valid (missions.md 1).
-const WINGS_LEVEL_DEG: f64 = 3.0;
-
 /// One observation of one target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Visit {
@@ -42,8 +39,9 @@ impl Visit {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// Marks what the scanner of `vehicle` sees now, if it is on and the vehicle is on a line.
-    pub(super) fn scan(&mut self, vehicle: &VehicleState) {
+    /// Marks what the scanner of `vehicle` sees now, if it is on and the vehicle is on a line. Up to `level_roll_deg_max` the
+    /// wings count as level, and what is seen as clear.
+    pub(super) fn scan(&mut self, vehicle: &VehicleState, level_roll_deg_max: f64) {
         let VehicleState { position: Some(position), altitude_m, roll_deg, on_line: true, scanning: true, .. } =
             *vehicle
         else {
@@ -52,7 +50,7 @@ impl Visit {
         self.altitude_m = (self.altitude_m.0 + altitude_m, self.altitude_m.1 + 1);
         self.roll_deg_max = self.roll_deg_max.max(roll_deg.abs());
         for line in &mut self.lines {
-            line.mark(position, roll_deg.abs() <= WINGS_LEVEL_DEG);
+            line.mark(position, roll_deg.abs() <= level_roll_deg_max);
         }
     }
 }

@@ -21,12 +21,15 @@ const OPTIONS: &[&str] = &[
     "airspace",
     "costs",
     "duration",
+    "end-margin",
+    "failure",
     "files",
     "forecast",
     "init",
     "landing-distance",
     "libraries",
     "modems",
+    "obstacle-margin",
     "people",
     "reset",
     "routers",
@@ -39,6 +42,7 @@ const OPTIONS: &[&str] = &[
     "type",
     "vehicle",
     "weather",
+    "zone-margin",
 ];
 
 impl Lowering {
@@ -127,7 +131,7 @@ impl Lowering {
             );
             return false;
         }
-        if let ("duration", [only]) = (group.name, group.values) {
+        if let ("duration" | "end-margin", [only]) = (group.name, group.values) {
             return self.literal_duration(only).is_some();
         }
         group.values.iter().for_each(|value| self.check_quantity_names(value));

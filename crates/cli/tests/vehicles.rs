@@ -1,0 +1,133 @@
+//! A mission's own vehicle file: flown, planned with, visible to PDL, stored in the record, and refused with its field.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test stops where it is surprised")]
+
+mod common;
+
+use apex_vehicle::ShippedVehicle;
+use common::Desk;
+
+/// A shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model's with one change.
+fn desk(mission: &str, name: &str, from: &str, to: &str) -> Desk {
+    let text = ShippedVehicle::find(name).unwrap().text;
+    assert_eq!(text.matches(from).count(), 1, "{from}");
+    let desk = Desk::with_mission(mission);
+    desk.write("m/my-uav.json", &text.replace(from, to));
+    desk.change("m/mission.pdl", &format!(":model {name}"), ":model \"my-uav.json\"");
+    desk
+}
+
+fn trace(desk: &Desk) -> String {
+    desk.apex(&["fly", "m", "--record", "r.apex", "--no-progress"]).well();
+    desk.apex(&["trace", "r.apex"]).well().out
+}
+
+#[test]
+fn a_copy_of_a_shipped_file_flies_like_the_shipped_model() {
+    let shipped = Desk::with_mission("first-picture");
+    let same = "\"airframe\": \"rotorcraft\"";
+    let copied = trace(&desk("first-picture", "rmax", same, same));
+    assert_eq!(trace(&shipped), copied);
+    let slower = desk("first-picture", "rmax", "\"climb_penalty\": 0.3", "\"climb_penalty\": 0.9");
+    assert_ne!(trace(&slower), copied, "the file decides");
+    slower.apex(&["replay", "r.apex"]).well();
+}
+
+#[test]
+fn the_record_holds_the_vehicle_file() {
+    let own = desk("first-picture", "rmax", "\"note\": \"A helicopter", "\"note\": \"OUR OWN helicopter");
+    trace(&own);
+    let holds = |name: &str, words: &str| {
+        let bytes = std::fs::read(own.path(name)).unwrap();
+        bytes.windows(words.len()).any(|window| window == words.as_bytes())
+    };
+    assert!(holds("r.apex", "OUR OWN helicopter"));
+    own.change("m/mission.pdl", "\"my-uav.json\"", "rmax");
+    trace(&own);
+    assert!(holds("r.apex", "library/vehicles/rmax.json"));
+}
+
+#[test]
+fn programs_read_the_figures_of_the_missions_vehicle() {
+    let own = desk(
+        "western-states",
+        "predator-b",
+        "\"level_roll_deg_max\": {\"value\": 3.0",
+        "\"level_roll_deg_max\": {\"value\": 2.5",
+    );
+    own.change(
+        "m/mission.pdl",
+        "(index (fly the mission))",
+        "(index (fly the mission))\n  (step say (print +max-roll-angle-deviation+ +vehicle-ceiling+))",
+    );
+    own.change("m/mission.pdl", "(map the fires)", "(map the fires now)");
+    own.apex(&["fly", "m", "--record", "r.apex", "--no-progress", "--until", "1s"]).well();
+    own.apex(&["trace", "r.apex"]).well().told(&["2.5deg 15240m"]);
+    // The record's own text of the figures, without the mission's folder.
+    std::fs::remove_dir_all(own.path("m")).unwrap();
+    own.apex(&["replay", "r.apex"]).well();
+}
+
+#[test]
+fn plans_follow_the_vehicle_file_and_the_application() {
+    let problem = |desk: &Desk| -> serde_json::Value {
+        let printed = desk.apex(&["plan", "m", "--problem"]).well();
+        serde_json::from_str::<serde_json::Value>(&printed.out).unwrap()["SingleVisit"].take()
+    };
+    let shipped = problem(&Desk::with_mission("western-states"));
+    assert_eq!(shipped["end_s"], 82_800.0);
+    assert_eq!((&shipped["zone_margin_m"], &shipped["failure"]["vehicle_cost"]), (&3_000.0.into(), &400.0.into()));
+    let own = desk(
+        "western-states",
+        "predator-b",
+        "\"reserve_share\": {\"value\": 0.08",
+        "\"reserve_share\": {\"value\": 0.16",
+    );
+    own.change(
+        "m/mission.pdl",
+        ":duration 24h",
+        ":duration 24h :end-margin 2h :zone-margin 5km :failure (:vehicle-cost 900)",
+    );
+    let changed = problem(&own);
+    assert_eq!(
+        changed["vehicle"]["fuel_reserve_kg"].as_f64(),
+        shipped["vehicle"]["fuel_reserve_kg"].as_f64().map(|kg| 2.0 * kg)
+    );
+    assert_eq!((&changed["end_s"], &changed["zone_margin_m"]), (&79_200.0.into(), &5_000.0.into()));
+    assert_eq!(changed["failure"]["vehicle_cost"], 900.0);
+    assert_eq!(changed["failure"]["mission_cost"], 300.0, "what is left out keeps its default");
+}
+
+#[test]
+fn a_wrong_vehicle_file_is_refused_with_its_field() {
+    let refused = |from: &str, to: &str, phrases: &[&str]| {
+        let desk = desk("first-picture", "rmax", from, to);
+        desk.apex(&["fly", "m", "--no-progress", "--record", "r.apex"]).complained(2, phrases);
+        assert_eq!(desk.names(), ["m"], "no record is left behind");
+    };
+    refused(
+        "\"value\": 2500.0, \"source\": \"simulation assumption\"}",
+        "\"value\": -1, \"source\": \"none\"}",
+        &[
+            "vehicle file `m/my-uav.json`: invalid `flight.ceiling_m`",
+            "why: expected a number greater than zero, found -1",
+            "help: correct the figure",
+        ],
+    );
+    refused("\"glide_ratio\"", "\"glide_ration\"", &["invalid `flight.glide_ration`", "did you mean `glide_ratio`?"]);
+    let missing = Desk::with_mission("first-picture");
+    missing.change("m/mission.pdl", ":model rmax", ":model \"their-uav.json\"");
+    let said = missing.apex(&["fly", "m", "--no-progress"]).complained(2, &["cannot read m/their-uav.json"]);
+    assert!(said.err.contains("names it as `:model \"their-uav.json\"`"), "{}", said.err);
+}
+
+#[test]
+fn fires_need_a_scanner() {
+    let text = ShippedVehicle::find("predator-b").unwrap().text;
+    let (before, rest) = text.split_once("  \"scanner\"").unwrap();
+    let (_, after) = rest.split_once("  \"cameras\"").unwrap();
+    let own = Desk::with_mission("western-states");
+    own.write("m/my-uav.json", &format!("{before}  \"cameras\"{after}"));
+    own.change("m/mission.pdl", ":model predator-b", ":model \"my-uav.json\"");
+    own.apex(&["plan", "m"]).complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner"]);
+}
