@@ -2,11 +2,12 @@
 //!
 //! Live it is an observer of a run; afterwards [`trace_record`] makes the same lines from a flight record.
 
+mod field;
 mod filter;
 mod line;
 
+pub use field::seconds_text;
 pub use filter::{KINDS, TraceFilter};
-pub use line::seconds_text;
 
 use crate::error::RecordError;
 use crate::narrator::Narrator;
@@ -104,11 +105,11 @@ impl<W: Write> Tracer<W> {
         if !self.filter.admits(line) || !self.is_of_procedure(line) {
             return Ok(());
         }
-        let text = match self.format {
-            TraceFormat::JsonLines => line.json(),
-            TraceFormat::Text => line.text(),
-        };
-        writeln!(self.out, "{text}")
+        match self.format {
+            TraceFormat::JsonLines => line.write_json(&mut self.out)?,
+            TraceFormat::Text => self.out.write_all(line.text().as_bytes())?,
+        }
+        self.out.write_all(b"\n")
     }
 
     /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
