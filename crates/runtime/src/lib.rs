@@ -29,6 +29,8 @@ pub mod solver_thread;
 pub mod target_state;
 pub mod terms;
 pub mod trace;
+#[cfg(test)]
+mod typescript;
 
 pub use error::{RecordError, RunError};
 pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};

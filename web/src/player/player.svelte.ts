@@ -7,7 +7,16 @@
 
 import { Latest } from '../record/latest';
 import { RecordError, type RecordSource } from '../record/source';
-import type { Growth, Mission, Report, Target, Tasks, Timeline, Track, Why } from '../record/types';
+import type {
+  Growth,
+  Mission,
+  Report,
+  Target,
+  TaskExplanation,
+  Tasks,
+  Timeline,
+  Track,
+} from '../record/types';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
@@ -22,7 +31,7 @@ export class Player {
   targets = $state.raw<Target[]>([]);
   report = $state.raw<Report | null>(null);
   tasks = $state.raw<Tasks | null>(null);
-  why = $state.raw<Why | null>(null);
+  why = $state.raw<TaskExplanation | null>(null);
   whyTrouble = $state<string | null>(null);
 
   atNs = $state(0);
@@ -48,7 +57,7 @@ export class Player {
   private frame = 0;
   private stopWatching: (() => void) | undefined;
   private readonly taskQuestions: Latest<Parameters<RecordSource['tasks']>[0], Tasks>;
-  private readonly whyQuestions: Latest<{ task: number; atNs: number; explain: boolean }, Why>;
+  private readonly whyQuestions: Latest<{ task: number; atNs: number; explain: boolean }, TaskExplanation>;
 
   constructor(readonly source: RecordSource) {
     this.taskQuestions = new Latest(

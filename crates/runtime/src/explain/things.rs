@@ -3,10 +3,11 @@
 use super::answer::{CommandAnswer, Holder, ResourceAnswer};
 use super::chain::Chain;
 use super::link::Link;
-use super::log::{Log, Row};
+use super::log::Log;
 use super::scene::Scene;
 use super::why;
 use crate::error::RecordError;
+use crate::record::view::decisions::DecisionRow as Row;
 use apex_executive::Agent;
 use apex_executive::explanation::describe_task;
 use apex_model::quantity::Dimension;
@@ -34,14 +35,14 @@ pub(super) fn of_resource(
     let whole = |number: f64| if found.dimension == Dimension::NONE { number.to_string() } else { amount(number) };
     let mut holders = Vec::new();
     for holding in &found.holders {
-        let got = log.transition_before(holding.task, "ongoing", i64::MAX)?;
+        let got = log.decisions.transition_before(holding.task, "ongoing", i64::MAX)?;
         let link = link(scene, &log, got)?;
         holders.push(holder(scene, agent, holding.task, Some(whole(holding.amount)), link));
     }
     let mut waiting = Vec::new();
     for task in found.waiting.tasks() {
-        let conflict = log.before(task, "refused", i64::MAX)?;
-        let lost = log.transition_before(task, "interrupted", i64::MAX)?;
+        let conflict = log.decisions.before(task, "refused", i64::MAX)?;
+        let lost = log.decisions.transition_before(task, "interrupted", i64::MAX)?;
         let last = [conflict, lost].into_iter().flatten().max_by_key(|row| row.id);
         let link = link(scene, &log, last)?;
         let mut waiter = holder(scene, agent, task, None, link);
@@ -76,9 +77,9 @@ pub(super) fn of_command(scene: &Scene<'_>, asked: &str) -> Result<Option<Comman
     let words = asked.trim();
     let number = words.strip_prefix("command ").and_then(|number| number.trim().parse().ok());
     let found = match number {
-        Some(number) => log.command(number)?,
+        Some(number) => log.decisions.command(number)?,
         None if words.len() < 3 => None,
-        None => log.command_like(words)?,
+        None => log.decisions.command_like(words)?,
     };
     let form = found.as_ref().map(|row| row.subject.clone()).unwrap_or_default();
     let because = link(scene, &log, found)?;

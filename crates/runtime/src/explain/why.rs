@@ -2,14 +2,14 @@
 
 use super::answer::{Blocked, Choice, Subtask, Unmet, Why};
 use super::chain::Chain;
-use super::history::{self, Conflict, History};
+use super::history::{Conflict, History};
 use super::scene::{Scene, method_text, place_text};
 use crate::error::RecordError;
 use crate::record::TaskRow;
 use apex_executive::Agent;
 use apex_executive::explanation::{self, Reason};
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
-use apex_model::task::TaskId;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
@@ -20,9 +20,10 @@ pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, aske
         return Err(RecordError::Question(format!("There is no task {id} in this flight.")));
     };
     let goals = |task| scene.goal(task);
-    let last = log.last_move(id)?;
-    let because = last.as_ref().map(|row| Chain::new(&log, &goals).link(row, scene.depth)).transpose()?;
-    let history = History::read(scene.reader, id, scene.at)?;
+    let last = log.decisions.last_move(id)?;
+    let chained = last.as_ref().filter(|_| scene.restores());
+    let because = chained.map(|row| Chain::new(&log, &goals).link(row, scene.depth)).transpose()?;
+    let history = History::read(scene.decisions(), id)?;
     let subtasks = subtasks(&scene, id)?;
     let blocked = history.blocked.as_ref().map(|conflict| blocked(&scene, conflict));
     let goal = match history.waits() {
@@ -31,14 +32,14 @@ pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, aske
     };
     let about = scene.about(question, "task", asked);
     let waits = history.waits();
-    let chosen = log.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
+    let chosen = log.decisions.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
         Some(Effect::Decided(Decision { kind: DecisionKind::Selected { method, goal, .. }, .. })) => {
             Some((method, goal))
         }
         _ => None,
     });
     let agent = match (scene.into_agent(), waits) {
-        (Ok(agent), _) => Some(agent),
+        (Ok(agent), _) => agent,
         // What has ended is explained by the record alone.
         (Err(_), false) => None,
         (Err(error), true) => return Err(error),
@@ -120,8 +121,8 @@ fn subtasks(scene: &Scene<'_>, parent: TaskId) -> Result<Vec<Subtask>, RecordErr
         if task.ended.is_some_and(|ended| ended <= scene.at) {
             continue;
         }
-        let state = history::state_at(scene.reader, task.id, scene.at)?;
-        if state != "terminated" {
+        let state = scene.decisions().state(task.id)?.unwrap_or_else(|| TaskState::Pending.word().into());
+        if state != TaskState::Terminated.word() {
             subtasks.push(Subtask { task: task.id.to_string(), goal: scene.whole_goal(task.id), state });
         }
     }

@@ -19,7 +19,7 @@ pub(super) fn answer(scene: Scene<'_>, asked: &str) -> Result<WhyNot, RecordErro
     if name.trim().is_empty() {
         return Err(RecordError::Question("The question names nothing.".into()));
     }
-    if let Some(id) = target::named(&scene, &name)? {
+    if let Some(id) = scene.decisions().target_called(name.trim())? {
         return of_target(scene, asked, &id);
     }
     if let Some(answer) = of_procedure(&scene, asked, &name)? {
@@ -264,7 +264,7 @@ fn near(scene: &Scene<'_>, name: &str, error: RecordError) -> Result<RecordError
     if text.contains("may be one of") || find::is_number(name) {
         return Ok(error);
     }
-    let mut known: Vec<String> = target::names(scene)?;
+    let mut known: Vec<String> = scene.decisions().target_ids()?;
     if let Some(agent) = scene.agent() {
         for site in absence::sites(agent) {
             if let Some(step) = site.get() {
