@@ -5,6 +5,7 @@
 
 pub mod answer_lines;
 pub mod crew;
+pub mod effect_describer;
 pub mod error;
 pub mod explain;
 mod flight;
@@ -15,7 +16,7 @@ pub mod input_lines;
 pub mod invocation;
 pub mod limits;
 pub mod mission_loop;
-pub mod narrator;
+
 pub mod outbox;
 pub mod pacing;
 pub mod pool;

@@ -2,8 +2,8 @@
 
 use super::cause::CauseDetail;
 use super::moment::{MethodDetail, Moment};
+use crate::effect_describer::cause_text;
 use crate::error::RecordError;
-use crate::narrator::cause_text;
 use crate::record::view::decisions::{DecisionRow, Decisions};
 use apex_model::because::{Because, Cause, Strength};
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};

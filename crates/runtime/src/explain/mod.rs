@@ -16,7 +16,7 @@ mod link;
 mod log;
 mod moment;
 mod phrase;
-mod scene;
+mod snapshot;
 mod target;
 mod task;
 mod text;
@@ -33,14 +33,14 @@ pub use cause::{CauseDetail, CausePart, Observation, PartValue};
 pub use find::find_task;
 pub use link::Link;
 pub use moment::{MethodDetail, Moment};
-pub use scene::Question;
+pub use snapshot::Question;
 pub use task::TaskExplanation;
 
 use crate::error::RecordError;
 use crate::record::{LoadProgram, RecordReader};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
-use scene::Scene;
+use snapshot::RecordSnapshot;
 
 /// Answers questions about a recorded flight. Every answer is a typed value; text and JSON are printed from it.
 #[derive(Clone, Copy)]
@@ -80,8 +80,8 @@ impl<'a> Explainer<'a> {
     /// [`RecordError::Question`] with suggestions if nothing has this name; others as [`Explainer::why`].
     pub fn why_not(&self, question: &Question) -> Result<WhyNot, RecordError> {
         match crew::addressed(self.reader, question)? {
-            Some((reader, question)) => why_not::answer(self.on(&reader).scene(&question)?, &question.what),
-            None => why_not::answer(self.scene(question)?, &question.what),
+            Some((reader, question)) => why_not::answer(self.on(&reader).snapshot(&question)?, &question.what),
+            None => why_not::answer(self.snapshot(question)?, &question.what),
         }
     }
 
@@ -91,9 +91,9 @@ impl<'a> Explainer<'a> {
     /// As [`Explainer::why`].
     pub fn task(&self, id: TaskId, at: Time) -> Result<Why, RecordError> {
         let question = Question::new(&id.to_string(), at);
-        let scene = self.scene(&question)?;
-        let id = find_task(&scene.tasks, &question.what, scene.at)?.id;
-        why::of_task(scene, id, "why", &question.what)
+        let snapshot = self.snapshot(&question)?;
+        let id = find_task(&snapshot.tasks, &question.what, snapshot.at)?.id;
+        why::of_task(snapshot, id, "why", &question.what)
     }
 
     /// The same explainer on another reader.
@@ -104,25 +104,26 @@ impl<'a> Explainer<'a> {
         Explainer { reader, load: self.load }
     }
 
-    fn scene(&self, question: &Question) -> Result<Scene<'a>, RecordError> {
-        Scene::set(self.reader, question, self.load)
+    fn snapshot(&self, question: &Question) -> Result<RecordSnapshot<'a>, RecordError> {
+        RecordSnapshot::set(self.reader, question, self.load)
     }
 
     /// Answers from the record of one agent.
     fn why_one(&self, question: &Question) -> Result<Answer, RecordError> {
-        let scene = self.scene(question)?;
-        let name = find::without_agent(&question.what, &scene.name)?;
-        let tagged = scene.tasks.iter().any(|row| row.created <= scene.at && row.tag.eq_ignore_ascii_case(name.trim()));
-        if !tagged && let Some(answer) = things::of_resource(&scene, name, "why")? {
+        let snapshot = self.snapshot(question)?;
+        let name = find::without_agent(&question.what, &snapshot.name)?;
+        let tagged =
+            snapshot.tasks.iter().any(|row| row.created <= snapshot.at && row.tag.eq_ignore_ascii_case(name.trim()));
+        if !tagged && let Some(answer) = things::of_resource(&snapshot, name, "why")? {
             return Ok(Answer::Resource(Box::new(answer)));
         }
-        match find_task(&scene.tasks, name, scene.at).map(|row| row.id) {
-            Ok(id) => why::of_task(scene, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
+        match find_task(&snapshot.tasks, name, snapshot.at).map(|row| row.id) {
+            Ok(id) => why::of_task(snapshot, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
             // A step's tag means its tasks, never a command with the same word in it.
-            Err(error) if tagged => Err(find::of_no_agent(error, name, &scene.name)),
-            Err(error) => match things::of_command(&scene, name)? {
+            Err(error) if tagged => Err(find::of_no_agent(error, name, &snapshot.name)),
+            Err(error) => match things::of_command(&snapshot, name)? {
                 Some(answer) => Ok(Answer::Command(Box::new(answer))),
-                None => Err(find::of_no_agent(error, name, &scene.name)),
+                None => Err(find::of_no_agent(error, name, &snapshot.name)),
             },
         }
     }

@@ -1,7 +1,7 @@
 //! One line of a trace. Keys and words are an interface: programs read them.
 
 use super::field::{FieldValue, LineFormatter};
-use crate::narrator::{Narrator, Told, cause_text};
+use crate::effect_describer::{EffectDescriber, EffectRow, cause_text};
 use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::{Event, EventKind, Message, SolverReport, StateVariable};
 use apex_model::task::{TaskId, TaskState};
@@ -132,7 +132,7 @@ impl Line {
     }
 
     /// The line of an effect of the step at `now`.
-    pub(super) fn of_effect(now: Time, effect: &Effect, told: &Told, narrator: &Narrator) -> Line {
+    pub(super) fn of_effect(now: Time, effect: &Effect, told: &EffectRow, describer: &EffectDescriber) -> Line {
         let mut line = Line::new(now, told.kind, told.subject.clone(), String::new());
         line.task = told.task;
         line.goal = Arc::clone(&told.goal);
@@ -140,7 +140,7 @@ impl Line {
         match effect {
             Effect::Decided(decision) => {
                 line.cause.clone_from(&told.text);
-                line.decided(decision, told, narrator);
+                line.decided(decision, told, describer);
             }
             Effect::Command { command, because, .. } => {
                 line.cause = cause_text(because);
@@ -204,7 +204,7 @@ impl Line {
         line
     }
 
-    fn decided(&mut self, decision: &Decision, told: &Told, narrator: &Narrator) {
+    fn decided(&mut self, decision: &Decision, told: &EffectRow, describer: &EffectDescriber) {
         match &decision.kind {
             DecisionKind::Created { parent, .. } => {
                 self.words = "created".into();
@@ -236,7 +236,7 @@ impl Line {
                 self.text_field("variable", &format!("?{variable}")).field("value", value);
             }
             DecisionKind::Selected { method, .. } => {
-                let method = narrator.method(method);
+                let method = describer.method(method);
                 self.words = format!("selected {method}");
                 self.cause = cause_text(&decision.because);
                 self.text_field("method", &method);

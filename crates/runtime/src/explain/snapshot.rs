@@ -1,4 +1,4 @@
-//! The scene of a question: a record at an instant, its tasks, and the agent as it was then.
+//! A record at the instant of a question: its tasks, and the agent as it was then.
 
 use super::answer::{About, EXPLANATION_VERSION};
 use super::log::Log;
@@ -36,7 +36,7 @@ impl Question {
 }
 
 /// A record at an instant.
-pub(super) struct Scene<'a> {
+pub(super) struct RecordSnapshot<'a> {
     pub(super) reader: &'a RecordReader,
     pub(super) at: Time,
     pub(super) depth: usize,
@@ -46,13 +46,13 @@ pub(super) struct Scene<'a> {
     agent: Option<Result<Box<Agent>, RecordError>>,
 }
 
-impl<'a> Scene<'a> {
-    /// Sets the scene of `question`; without `load` the agent is not restored.
+impl<'a> RecordSnapshot<'a> {
+    /// The snapshot that `question` asks about; without `load` the agent is not restored.
     pub(super) fn set(
         reader: &'a RecordReader,
         question: &Question,
         load: Option<LoadProgram<'_>>,
-    ) -> Result<Scene<'a>, RecordError> {
+    ) -> Result<RecordSnapshot<'a>, RecordError> {
         let Some((start, end)) = reader.span()? else {
             return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
         };
@@ -70,7 +70,7 @@ impl<'a> Scene<'a> {
             Some(Ok(agent)) => agent.name.to_string(),
             Some(Err(_)) | None => reader.meta("agent")?.unwrap_or_default(),
         };
-        Ok(Scene { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
+        Ok(RecordSnapshot { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
     }
 
     /// The agent as it was; none if it was not asked for.
