@@ -2,8 +2,8 @@
 //! poses every planning problem again. Solvers never run again; their answers are inputs.
 
 use crate::crew::Numbering;
-use crate::error::RecordError;
 use crate::effect_describer::{EffectDescriber, EffectRow};
+use crate::error::RecordError;
 use crate::outbox;
 use crate::ports::Deliberator;
 use crate::record::{LoadProgram, ProblemRow, RecordReader, RecordedStep};

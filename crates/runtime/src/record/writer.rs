@@ -4,9 +4,9 @@
 use super::codec::{self, Variables};
 use super::store::Store;
 use super::track::{Track, TrackRow};
+use crate::effect_describer::{EffectDescriber, EffectRow, outcome_word};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
-use crate::effect_describer::{EffectDescriber, EffectRow, outcome_word};
 use crate::ports::{Deliberator, Observer, SolverAnswer};
 use apex_model::agent::Agent;
 use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
@@ -85,7 +85,9 @@ impl Recorder {
             stored_changes: 0,
         };
         for (agent, number) in library.crew().iter().zip(0_i64..) {
-            recorder.agents.push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
+            recorder
+                .agents
+                .push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
             let sql = "INSERT INTO agent VALUES (?1, ?2)";
             recorder.store.write("storing the agents", sql, params![number, agent.name.printed()])?;
         }
