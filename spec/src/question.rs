@@ -2,7 +2,7 @@
 
 use crate::scenario::{self, PROGRAM_NAME, Scenario};
 use apex_runtime::error::RecordError;
-use apex_runtime::explain;
+use apex_runtime::explain::{Explainer, Question};
 use apex_runtime::record::{Program, RecordOptions, RecordReader, Recorder};
 
 /// What `apex why` or `apex why-not`, as `word` says, answers about the scenario's run. `question` is a task, resource or
@@ -15,11 +15,12 @@ pub fn answer(scenario: &Scenario, word: &str, question: &str) -> Result<String,
     let (task, at) = parts.ok_or_else(|| format!("`{word} {question}`: expected a task and an instant, `TASK@2s`"))?;
     let at = scenario::read_time(at).map_err(|reason| format!("`{word} {question}`: {reason}"))?;
     let Recorded { reader, program, .. } = &recorded(scenario)?;
-    let question = explain::Question::new(task.trim(), at);
+    let question = Question::new(task.trim(), at);
     let load = |_: &[apex_model::source::SourceFile]| Ok(program.clone());
+    let explainer = Explainer::new(reader, &load);
     match word {
-        "why-not" => explain::why_not(reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
-        _ => explain::ask(reader, &question, &load).map(|answer| answer.to_string()).map_err(told),
+        "why-not" => explainer.why_not(&question).map(|answer| answer.to_string()).map_err(told),
+        _ => explainer.why(&question).map(|answer| answer.to_string()).map_err(told),
     }
 }
 

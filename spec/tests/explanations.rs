@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 use apex_model::time::Time;
-use apex_runtime::explain::{self, Question};
+use apex_runtime::explain::{Explainer, Question};
 use apex_spec::explained::disagreements;
 use apex_spec::question::{Recorded, recorded};
 use apex_spec::{page, verdict};
@@ -23,6 +23,7 @@ fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> 
     }
     let tasks = reader.tasks().unwrap();
     let stride = tasks.len().div_ceil(TASKS_MAX).max(1);
+    let explainer = Explainer::new(reader, &load);
     for (number, task) in tasks.iter().step_by(stride).enumerate() {
         // Early, late and at its end in turn.
         let at = match number % 3 {
@@ -31,9 +32,9 @@ fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> 
             _ => task.ended.unwrap_or(Time::END),
         };
         let question = Question::new(&task.id.to_string(), at);
-        let why = explain::ask(reader, &question, &load).unwrap();
+        let why = explainer.why(&question).unwrap();
         found.push((serde_json::to_value(&why).unwrap(), why.to_string()));
-        let why_not = explain::why_not(reader, &question, &load).unwrap();
+        let why_not = explainer.why_not(&question).unwrap();
         found.push((serde_json::to_value(&why_not).unwrap(), why_not.to_string()));
     }
     let mut names: Vec<String> = program.0.resources.keys().map(ToString::to_string).collect();
@@ -46,7 +47,7 @@ fn answers(Recorded { reader, program, .. }: &Recorded) -> Vec<(Value, String)> 
     names.dedup();
     let middle = tasks.get(tasks.len() / 2).map_or(Time::END, |task| task.created);
     for name in names.iter().take(2) {
-        let asked = explain::ask(reader, &Question::new(name, middle), &load);
+        let asked = explainer.why(&Question::new(name, middle));
         found.extend(asked.ok().map(|why| (serde_json::to_value(&why).unwrap(), why.to_string())));
     }
     found

@@ -1,7 +1,7 @@
 /** Sherpa on a real flight record in a real browser; what it shows is compared with what the server says. */
 
 import { expect, type Page, test } from '@playwright/test';
-import type { Mission, Target, Task, Tasks, Track, Why } from '../src/record/types';
+import type { Mission, Targets, Task, TaskExplanation, Tasks, Track } from '../src/record/types';
 import { COLOURS, stateColour } from '../src/theme/colours';
 import { countColours } from './pixels';
 import { type Server, startServer } from './server';
@@ -51,9 +51,9 @@ test('the header names the mission, its status and its score', async ({ page }) 
 
 test('the map shows ground, flown track and targets in their states', async ({ page }) => {
   const track = await ask<Track>('track');
-  const targets = (await ask<{ targets: (Target & { state: string })[] }>('targets')).targets;
+  const targets = (await ask<Targets>('targets')).targets;
   const flies = new Set(track.latitude_deg).size > 2;
-  const states = [...new Set(targets.map(target => target.state))];
+  const states = [...new Set(targets.flatMap(target => target.state ?? []))];
   const map = page.getByTestId('map');
 
   await page.keyboard.press('Home');
@@ -90,12 +90,12 @@ test('a task in the tree tells why', async ({ page }) => {
   await expect(row).toHaveAttribute('data-state', child.state);
   await row.click();
 
-  const why = await ask<Why>(`why?task=${child.id}&at=${mission.end_ns}&explain=false`);
+  const why = await ask<TaskExplanation>(`why?task=${child.id}&at=${mission.end_ns}&explain=false`);
   const panel = page.getByTestId('why');
   await expect(panel).toContainText(why.task.goal);
   await expect(panel).toContainText(why.now);
-  expect(why.because.length).toBeGreaterThan(0);
-  await expect(panel.getByTestId('cause')).toHaveCount(why.because.length);
+  expect(why.explanation.history.length).toBeGreaterThan(0);
+  await expect(panel.getByTestId('cause')).toHaveCount(why.explanation.history.length);
   if (why.task.place && !why.task.place.startsWith('<'))
     await expect(panel.getByTestId('source')).toBeVisible();
 });

@@ -5,6 +5,7 @@
 
 pub mod answer_lines;
 pub mod crew;
+pub mod effect_describer;
 pub mod error;
 pub mod explain;
 mod flight;
@@ -16,7 +17,7 @@ pub mod invocation;
 pub mod limits;
 pub mod live_lines;
 pub mod mission_loop;
-pub mod narrator;
+
 pub mod outbox;
 pub mod pacing;
 pub mod pool;
@@ -30,6 +31,8 @@ pub mod solver_thread;
 pub mod target_state;
 pub mod terms;
 pub mod trace;
+#[cfg(test)]
+mod typescript;
 
 pub use error::{RecordError, RunError};
 pub use mission_loop::{Control, EndReason, FlyOptions, RunEnd, ScriptedAnswer, fly, fly_all};

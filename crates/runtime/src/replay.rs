@@ -2,8 +2,8 @@
 //! poses every planning problem again. Solvers never run again; their answers are inputs.
 
 use crate::crew::Numbering;
+use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
-use crate::narrator::{Narrator, Told};
 use crate::outbox;
 use crate::ports::Deliberator;
 use crate::record::{LoadProgram, ProblemRow, RecordReader, RecordedStep};
@@ -119,21 +119,21 @@ fn replay_steps(
     let program = reader.load(load)?;
     let mut agents = Vec::new();
     for agent in 0..reader.agents().len().max(1) {
-        agents.push((reader.fresh_agent_number(&program, agent)?, Narrator::new(&program.0)));
+        agents.push((reader.fresh_agent_number(&program, agent)?, EffectDescriber::new(&program.0)));
     }
     let count = agents.len();
     let mut report = ReplayReport { batches: 0, effects: 0, problems: 0, end: Time::ZERO, difference: None };
     for recorded in reader.steps_of_all(Time::END)? {
         let recorded = recorded?;
-        let Some((agent, narrator)) = agents.get_mut(recorded.agent) else {
+        let Some((agent, describer)) = agents.get_mut(recorded.agent) else {
             return Err(reader.garbled(format!("batch {} is of an agent that does not exist", recorded.batch_number)));
         };
         let effects = step(agent, &recorded.batch);
-        narrator.hear(&recorded.batch);
+        describer.hear(&recorded.batch);
         report.batches += 1;
         report.effects += effects.len() as u64;
         report.end = recorded.batch.now;
-        report.difference = compare(&recorded, &effects, narrator);
+        report.difference = compare(&recorded, &effects, describer);
         if let (None, Some(witness)) = (&report.difference, &mut witness) {
             report.difference = witness.check(&recorded, &effects, Numbering::new(recorded.agent, count));
             report.problems = witness.posed;
@@ -197,7 +197,7 @@ impl<'a> Witness<'a> {
     }
 }
 
-fn compare(recorded: &RecordedStep, effects: &[Effect], narrator: &mut Narrator) -> Option<Difference> {
+fn compare(recorded: &RecordedStep, effects: &[Effect], describer: &mut EffectDescriber) -> Option<Difference> {
     let longest = recorded.effects.len().max(effects.len());
     for index in 0..longest {
         let (stored, made) = (recorded.effects.get(index), effects.get(index));
@@ -206,12 +206,12 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], narrator: &mut Narrator)
             _ => false,
         };
         if !same {
-            let mut twin = narrator.clone();
+            let mut twin = describer.clone();
             let recorded_words = stored.map(|stored| match stored.effect() {
                 Ok(effect) => words(&twin.tell(&effect)),
                 Err(fault) => fault,
             });
-            let replayed_words = made.map(|made| words(&narrator.tell(made)));
+            let replayed_words = made.map(|made| words(&describer.tell(made)));
             // Words that say the same leave the reader helpless: show everything then.
             let (recorded_words, replayed_words) = if recorded_words == replayed_words {
                 let whole = |effect: &Effect| format!("{effect:?}");
@@ -228,14 +228,14 @@ fn compare(recorded: &RecordedStep, effects: &[Effect], narrator: &mut Narrator)
             });
         }
         if let Some(made) = made {
-            narrator.tell(made);
+            describer.tell(made);
         }
     }
     None
 }
 
 /// `transition T3 (power-up camera-1): enabled -> ongoing; it was granted camera-1; from file.pdl:14:3`
-fn words(told: &Told) -> String {
+fn words(told: &EffectRow) -> String {
     let mut words = told.kind.to_owned();
     if let Some(task) = told.task {
         words.push_str(&format!(" {task} {}", told.goal));

@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         agent: 0,
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port,
-        explainer: None,
+        load: None,
         ready: Box::new(|url| println!("{url}")),
     };
     match serve(options) {

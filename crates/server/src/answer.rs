@@ -1,5 +1,6 @@
 //! Answers of the API: JSON bodies, and errors as `{error, help}` with the right status.
 
+use apex_runtime::RecordError;
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -42,11 +43,11 @@ impl ApiError {
     }
 }
 
-impl From<rusqlite::Error> for ApiError {
-    fn from(error: rusqlite::Error) -> ApiError {
+impl From<RecordError> for ApiError {
+    fn from(error: RecordError) -> ApiError {
         ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,
-            error: format!("the flight record could not be read: {error}"),
+            error: error.to_string(),
             help: "if the file is damaged, `apex replay` names the first batch that is".into(),
         }
     }

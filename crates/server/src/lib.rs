@@ -1,20 +1,17 @@
 //! The web face of Apex: serves one flight record, and the page (Sherpa) that draws it, over HTTP and WebSocket.
 //!
-//! What lives here: the only JSON that the web knows (`docs/reference/server-api.md`), read from a flight record
-//! (`docs/reference/flight-record.md`) by read-only queries. A record that is still being written is read the same
-//! way and polled, so that live and recorded flights have one path. What does not live here: decisions, planning,
-//! any writing into the record.
+//! Contents: addresses, parameters, status codes, and the page's files (`docs/reference/server-api.md`). Answers come
+//! from the record view and the explainer of `apex-runtime` and are sent as they are. A record that is still being
+//! written is read the same way and polled, so that live and recorded flights have one path. Out of scope: SQL,
+//! decisions, planning, writing into the record.
 
 mod answer;
 mod assets;
-pub mod explain;
 mod guard;
-mod index;
 mod live;
-mod queries;
-mod record;
+mod params;
 mod router;
 mod serve;
+mod why;
 
-pub use explain::Explainer;
-pub use serve::{ServeError, ServeOptions, serve};
+pub use serve::{LoadSources, ServeError, ServeOptions, serve};

@@ -3,8 +3,8 @@
 //! The record is polled, not the program that writes it: a second process, a crashed one and a finished one look
 //! the same from here. Bound: one small query per client and poll.
 
-use crate::queries::mission::{Growth, growth};
-use crate::router::Hall;
+use crate::router::AppState;
+use apex_runtime::record::view::Growth;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,8 +14,8 @@ const POLL: Duration = Duration::from_millis(250);
 
 /// Sends `{end_ns, batches, status}` at once and whenever it changes, until the client leaves or the record is
 /// complete.
-pub(crate) async fn tell_growth(mut socket: WebSocket, hall: Arc<Hall>) {
-    let mut told: Option<Growth> = None;
+pub(crate) async fn tell_growth(mut socket: WebSocket, state: Arc<AppState>) {
+    let mut sent: Option<Growth> = None;
     let mut tick = tokio::time::interval(POLL);
     loop {
         tokio::select! {
@@ -25,13 +25,13 @@ pub(crate) async fn tell_growth(mut socket: WebSocket, hall: Arc<Hall>) {
             },
             _ = tick.tick() => {}
         }
-        let reader = Arc::clone(&hall);
-        let look = tokio::task::spawn_blocking(move || reader.record.read(|reader| growth(reader))).await;
+        let state = Arc::clone(&state);
+        let look = tokio::task::spawn_blocking(move || state.read(|view| Ok(view.growth()?))).await;
         let Ok(Ok(now)) = look else {
             // The record is busy or gone for the moment; the next look may find it.
             continue;
         };
-        if told.as_ref() == Some(&now) {
+        if sent.as_ref() == Some(&now) {
             continue;
         }
         let Ok(text) = serde_json::to_string(&now) else { return };
@@ -42,6 +42,6 @@ pub(crate) async fn tell_growth(mut socket: WebSocket, hall: Arc<Hall>) {
             let _ = socket.send(Message::Close(None)).await;
             return;
         }
-        told = Some(now);
+        sent = Some(now);
     }
 }

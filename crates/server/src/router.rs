@@ -1,10 +1,10 @@
-//! The table of addresses, and the way from a request to a query and back.
+//! The table of addresses: from a request to the record view and back.
 
 use crate::answer::{Answer, ApiError};
-use crate::explain::Explainer;
-use crate::queries::{events, mission, report, source, targets, tasks, timeline, track, why};
-use crate::record::{Reader, Record};
-use crate::{assets, guard, live};
+use crate::params::{EventsParams, SourceParams, TargetsParams, TasksParams, TimelineParams, TrackParams, WhyParams};
+use crate::serve::LoadSources;
+use crate::{assets, guard, live, why};
+use apex_runtime::record::view::{RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
@@ -16,25 +16,39 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Serialize;
-use std::sync::Arc;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The page needs nothing from elsewhere: no fonts, no tiles, no scripts.
 const CONTENT_RULES: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
 worker-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'";
 
-/// What all requests share.
-pub(crate) struct Hall {
-    /// The record.
-    pub(crate) record: Record,
-    /// The command's explainer, if it gave one.
-    pub(crate) explainer: Option<Arc<dyn Explainer>>,
+/// State shared by all request handlers.
+pub(crate) struct AppState {
+    /// The record's file.
+    pub(crate) record: PathBuf,
+    /// The number of the agent that is shown.
+    pub(crate) agent: usize,
+    /// Checks the recorded sources again; without it instants are not restored.
+    pub(crate) load: Option<LoadSources>,
+    /// The shared connection.
+    pub(crate) view: Mutex<RecordView>,
 }
 
-type Hold = State<Arc<Hall>>;
-type Asked<T> = Result<Query<T>, QueryRejection>;
+impl AppState {
+    /// Reads with the shared connection; blocks while another request reads.
+    pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
+        // A query that panicked has written nothing: the connection is as good as before.
+        let mut view = self.view.lock().unwrap_or_else(PoisonError::into_inner);
+        query(&mut view)
+    }
+}
+
+type Shared = State<Arc<AppState>>;
+type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
 /// All routes; `loopback` keeps out callers that use another name for this machine.
-pub(crate) fn router(hall: Arc<Hall>, loopback: bool) -> Router {
+pub(crate) fn router(state: Arc<AppState>, loopback: bool) -> Router {
     let routes = Router::new()
         .route("/api/mission", get(mission))
         .route("/api/track", get(track))
@@ -49,69 +63,70 @@ pub(crate) fn router(hall: Arc<Hall>, loopback: bool) -> Router {
         .fallback(assets::page)
         .method_not_allowed_fallback(read_only)
         .layer(middleware::from_fn(add_headers))
-        .with_state(hall);
+        .with_state(state);
     if loopback { routes.layer(middleware::from_fn(guard::loopback_names_only)) } else { routes }
 }
 
-async fn mission(State(hall): Hold) -> Answer<Response> {
-    read(hall, mission::mission).await
+async fn mission(State(state): Shared) -> Answer<Response> {
+    read(state, |view| Ok(view.mission()?)).await
 }
 
-async fn track(State(hall): Hold, asked: Asked<track::TrackQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| track::track(reader, &query)).await
+async fn track(State(state): Shared, params: QueryParams<TrackParams>) -> Answer<Response> {
+    let query = checked(params)?.into();
+    read(state, move |view| Ok(view.track(&query)?)).await
 }
 
-async fn tasks(State(hall): Hold, asked: Asked<tasks::TasksQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| tasks::tasks(reader, &query)).await
+async fn tasks(State(state): Shared, params: QueryParams<TasksParams>) -> Answer<Response> {
+    let query = checked(params)?.into();
+    read(state, move |view| Ok(view.tasks(&query)?)).await
 }
 
-async fn timeline(State(hall): Hold, asked: Asked<timeline::TimelineQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| timeline::timeline(reader, &query)).await
+async fn timeline(State(state): Shared, params: QueryParams<TimelineParams>) -> Answer<Response> {
+    let query = checked(params)?.into();
+    read(state, move |view| Ok(view.timeline(&query)?)).await
 }
 
-async fn events(State(hall): Hold, asked: Asked<events::EventsQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| events::events(reader, &query)).await
+async fn events(State(state): Shared, params: QueryParams<EventsParams>) -> Answer<Response> {
+    let query = checked(params)?.into();
+    read(state, move |view| Ok(view.events(&query)?)).await
 }
 
-async fn why(State(hall): Hold, asked: Asked<why::WhyQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    let explainer = hall.explainer.clone().filter(|_| query.explain.unwrap_or(true));
-    let (task, at_ns) = (query.task, query.at);
-    let mut answer = blocking(move || hall.record.read(|reader| why::why(reader, &query))).await?;
-    if let Some(explainer) = explainer {
-        // Restoring an instant may take a while: outside the lock on the record.
-        match blocking(move || Ok(explainer.why(task, at_ns))).await? {
-            Ok(value) => answer.explainer = Some(value),
-            Err(text) => answer.explainer_error = Some(text),
-        }
-    }
+async fn why(State(state): Shared, params: QueryParams<WhyParams>) -> Answer<Response> {
+    let WhyParams { task, at, explain } = checked(params)?;
+    let answer = blocking(move || why::why(&state, task, at, explain.unwrap_or(true))).await?;
     Ok(Json(answer).into_response())
 }
 
-async fn targets(State(hall): Hold, asked: Asked<targets::TargetsQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| targets::targets(reader, &query)).await
+async fn targets(State(state): Shared, params: QueryParams<TargetsParams>) -> Answer<Response> {
+    let at = checked(params)?.at;
+    read(state, move |view| Ok(view.targets(at)?)).await
 }
 
-async fn report(State(hall): Hold) -> Answer<Response> {
-    read(hall, |reader| report::report(reader)).await
+async fn report(State(state): Shared) -> Answer<Response> {
+    read(state, |view| Ok(view.report()?)).await
 }
 
-async fn source(State(hall): Hold, asked: Asked<source::SourceQuery>) -> Answer<Response> {
-    let query = checked(asked)?;
-    read(hall, move |reader| source::source(reader, &query)).await
+async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answer<Response> {
+    let place = checked(params)?.place;
+    let line = SourceLine::parse(&place)
+        .ok_or_else(|| ApiError::bad_request(format!("`{place}` is no place"), "a place is `file:line:column`"))?;
+    read(state, move |view| {
+        view.source(&line)?.ok_or_else(|| {
+            ApiError::not_found(
+                format!("the record has no file `{}`", line.name),
+                "procedures made from plans are in the record's events of kind `procedure-added`",
+            )
+        })
+    })
+    .await
 }
 
-async fn live(State(hall): Hold, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+async fn live(State(state): Shared, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
     if !guard::same_origin(&headers) {
         return ApiError::forbidden("this page comes from another site", "open the page that this server serves")
             .into_response();
     }
-    upgrade.on_upgrade(move |socket| live::tell_growth(socket, hall))
+    upgrade.on_upgrade(move |socket| live::tell_growth(socket, state))
 }
 
 async fn read_only() -> ApiError {
@@ -127,8 +142,8 @@ async fn add_headers(request: axum::extract::Request, next: Next) -> Response {
     response
 }
 
-fn checked<T>(asked: Asked<T>) -> Answer<T> {
-    asked.map(|Query(query)| query).map_err(|rejection| {
+fn checked<T>(params: QueryParams<T>) -> Answer<T> {
+    params.map(|Query(query)| query).map_err(|rejection| {
         ApiError::bad_request(
             rejection.body_text(),
             "times are whole nanoseconds of mission time; docs/reference/server-api.md lists all parameters",
@@ -137,12 +152,12 @@ fn checked<T>(asked: Asked<T>) -> Answer<T> {
 }
 
 /// Runs a query off the network threads and sends its answer as JSON.
-async fn read<T, Q>(hall: Arc<Hall>, query: Q) -> Answer<Response>
+async fn read<T, Q>(state: Arc<AppState>, query: Q) -> Answer<Response>
 where
     T: Serialize + Send + 'static,
-    Q: FnOnce(&mut Reader) -> Answer<T> + Send + 'static,
+    Q: FnOnce(&mut RecordView) -> Answer<T> + Send + 'static,
 {
-    let answer = blocking(move || hall.record.read(query)).await?;
+    let answer = blocking(move || state.read(query)).await?;
     Ok(Json(answer).into_response())
 }
 

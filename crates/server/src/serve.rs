@@ -1,17 +1,22 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
-use crate::explain::Explainer;
-use crate::record::{Record, RecordError};
-use crate::router::{Hall, router};
+use crate::router::{AppState, router};
+use apex_model::source::SourceFile;
+use apex_runtime::RecordError;
+use apex_runtime::record::Program;
+use apex_runtime::record::view::RecordView;
 use std::future::Future;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// How long open connections may hold up the end of the program.
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
+
+/// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
+pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
 
 /// What to serve, and where.
 pub struct ServeOptions {
@@ -23,8 +28,8 @@ pub struct ServeOptions {
     pub address: IpAddr,
     /// The port; 0 takes any free one.
     pub port: u16,
-    /// Answers `/api/why` beyond the rows of the record.
-    pub explainer: Option<Arc<dyn Explainer>>,
+    /// Restores instants for `/api/why`; without it the answers come from the record's decisions alone.
+    pub load: Option<LoadSources>,
     /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
     pub ready: Box<dyn FnOnce(&str) + Send>,
 }
@@ -60,8 +65,9 @@ pub enum ServeError {
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let record = Record::open(&options.record, options.agent)?;
-    let hall = Arc::new(Hall { record, explainer: options.explainer });
+    let view = Mutex::new(RecordView::open(&options.record, options.agent)?);
+    let state = AppState { record: options.record, agent: options.agent, load: options.load, view };
+    let state = Arc::new(state);
     let asked = SocketAddr::new(options.address, options.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
@@ -73,7 +79,7 @@ pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
         let listener = tokio::net::TcpListener::bind(asked).await.map_err(|source| bind_error(asked, source))?;
         let bound = listener.local_addr().map_err(ServeError::Stopped)?;
         ready(&format!("http://{bound}/"));
-        axum::serve(listener, router(hall, bound.ip().is_loopback()))
+        axum::serve(listener, router(state, bound.ip().is_loopback()))
             .with_graceful_shutdown(stop_asked()?)
             .await
             .map_err(ServeError::Stopped)

@@ -4,7 +4,9 @@
 
 mod flight;
 
-use apex_server::{Explainer, ServeError, ServeOptions, serve};
+use apex_model::source::SourceFile;
+use apex_runtime::record::Program;
+use apex_server::{ServeError, ServeOptions, serve};
 use flight::Writer;
 use flight::story::Story;
 use serde_json::{Value, json};
@@ -13,15 +15,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::{Arc, mpsc};
 
-struct Oracle;
-
-impl Explainer for Oracle {
-    fn why(&self, task: u64, _at_ns: i64) -> Result<Value, String> {
-        match task {
-            1 => Ok(json!({"waiting": [{"what": "(on camera-1)", "now": "off"}]})),
-            _ => Err("the instant cannot be restored".into()),
-        }
-    }
+/// Stands for a command that cannot load the recorded sources.
+fn unloadable(_: &[SourceFile]) -> Result<Program, String> {
+    Err("the sources are not PDL".into())
 }
 
 fn options(record: &Path) -> ServeOptions {
@@ -30,7 +26,7 @@ fn options(record: &Path) -> ServeOptions {
         agent: 0,
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port: 0,
-        explainer: Some(Arc::new(Oracle)),
+        load: Some(Arc::new(unloadable)),
         ready: Box::new(|_| ()),
     }
 }
@@ -147,19 +143,27 @@ fn events_are_the_last_of_the_time_asked_for() {
 }
 
 #[test]
-fn why_gives_causes_in_order_and_the_explainers_answer() {
+fn why_gives_the_decisions_in_order_and_the_error_of_restoring() {
     let (_folder, server, story) = complete_record();
     let (status, why) = get(server, &format!("/api/why?task=1&at={}", story.end_ns()));
     assert_eq!(status, 200);
-    let headings: Vec<&str> =
-        why["because"].as_array().unwrap().iter().map(|cause| cause["heading"].as_str().unwrap()).collect();
-    assert_eq!(headings, ["created", "enabled", "method selected", "started", "ended: success"]);
+    let moment =
+        |moment: &Value| (moment["kind"].as_str().unwrap().to_owned(), moment["to"].as_str().map(str::to_owned));
+    let moments: Vec<_> = why["explanation"]["history"].as_array().unwrap().iter().map(moment).collect();
+    let to = |state: &str| ("transition".to_owned(), Some(state.to_owned()));
+    let selected = ("selected".to_owned(), None);
+    assert_eq!(moments, [("created".to_owned(), None), to("enabled"), selected, to("ongoing"), to("terminated")]);
     assert_eq!(why["now"], "T1 has ended (success) because all of its steps have ended");
-    assert_eq!(why["explainer"]["waiting"][0]["now"], "off");
-    let (_, quick) = get(server, &format!("/api/why?task=1&at={}&explain=false", story.end_ns()));
-    assert_eq!(quick["explainer"], Value::Null);
-    let (_, other) = get(server, &format!("/api/why?task=2&at={}", story.end_ns()));
-    assert_eq!(other["explainer_error"], "the instant cannot be restored");
+    assert_eq!((&why["task"]["id"], &why["explanation"]["task"]), (&json!(1), &json!("T1")));
+    assert_eq!(why["explanation_error"], Value::Null);
+    // A task that goes on is explained by the agent; where it cannot be restored, by the decisions alone.
+    let middle = story.end_ns() / 2;
+    let (_, full) = get(server, &format!("/api/why?task=1&at={middle}"));
+    let error = full["explanation_error"].as_str().unwrap();
+    assert!(error.contains("the sources are not PDL"), "{error}");
+    assert_eq!(full["explanation"]["state"], "ongoing");
+    let (_, quick) = get(server, &format!("/api/why?task=1&at={middle}&explain=false"));
+    assert_eq!((&quick["explanation_error"], &quick["now"]), (&Value::Null, &full["now"]));
     let (_, source) = get(server, "/api/source?place=western-states.pdl:6:3");
     assert_eq!(source["lines"][2], "  (step s1 (take-off))");
 }
@@ -286,17 +290,17 @@ fn a_port_in_use_and_files_that_are_no_records_are_named() {
     assert!(error.to_string().contains("--port"), "{error}");
 
     let missing = serve(options(&folder.path().join("none.apex"))).unwrap_err().to_string();
-    assert!(missing.contains("there is no flight record at"), "{missing}");
+    assert!(missing.contains("There is no flight record at"), "{missing}");
 
     let text = folder.path().join("notes.apex");
     std::fs::write(&text, "these are notes, and more than a header of a hundred bytes long ".repeat(20)).unwrap();
     let foreign = serve(options(&text)).unwrap_err().to_string();
-    assert!(foreign.contains("cannot be read as a flight record"), "{foreign}");
+    assert!(foreign.contains("is not a flight record of Apex (it does not begin like one)"), "{foreign}");
 
     let other = folder.path().join("other.apex");
     rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE a (b)").unwrap();
     let foreign = serve(options(&other)).unwrap_err().to_string();
-    assert!(foreign.contains("not a flight record"), "{foreign}");
+    assert!(foreign.contains("is not a flight record of Apex (it is a database of something else)"), "{foreign}");
 }
 
 #[test]

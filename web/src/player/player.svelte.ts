@@ -5,9 +5,18 @@
  * record for the cursor's instant. A growing record only moves the end.
  */
 
-import { Latest } from '../record/latest';
+import { LatestOnly } from '../record/latest';
 import { RecordError, type RecordSource } from '../record/source';
-import type { Growth, Mission, Report, Target, Tasks, Timeline, Track, Why } from '../record/types';
+import type {
+  Growth,
+  Mission,
+  Report,
+  Target,
+  TaskExplanation,
+  Tasks,
+  Timeline,
+  Track,
+} from '../record/types';
 import { advance, clamp, otherSpeed, type Range, shift, speedFor, stepNs, zoom } from './clock';
 
 /** A growing record is read again at most this often; drawing all of it is the dear part. */
@@ -22,7 +31,7 @@ export class Player {
   targets = $state.raw<Target[]>([]);
   report = $state.raw<Report | null>(null);
   tasks = $state.raw<Tasks | null>(null);
-  why = $state.raw<Why | null>(null);
+  why = $state.raw<TaskExplanation | null>(null);
   whyTrouble = $state<string | null>(null);
 
   atNs = $state(0);
@@ -47,19 +56,22 @@ export class Player {
   private restTimer: ReturnType<typeof setTimeout> | undefined;
   private frame = 0;
   private stopWatching: (() => void) | undefined;
-  private readonly taskQuestions: Latest<Parameters<RecordSource['tasks']>[0], Tasks>;
-  private readonly whyQuestions: Latest<{ task: number; atNs: number; explain: boolean }, Why>;
+  private readonly taskQuestions: LatestOnly<Parameters<RecordSource['tasks']>[0], Tasks>;
+  private readonly whyQuestions: LatestOnly<
+    { task: number; atNs: number; explain: boolean },
+    TaskExplanation
+  >;
 
   constructor(readonly source: RecordSource) {
-    this.taskQuestions = new Latest(
+    this.taskQuestions = new LatestOnly(
       question => source.tasks(question),
       answer => {
         this.tasks = answer;
         this.trouble = null;
       },
-      error => this.tell(error),
+      error => this.showError(error),
     );
-    this.whyQuestions = new Latest(
+    this.whyQuestions = new LatestOnly(
       question => source.why(question.task, question.atNs, question.explain),
       (answer, question) => {
         if (question.task !== this.selectedTask) return;
@@ -86,7 +98,7 @@ export class Player {
     try {
       await this.read();
     } catch (error) {
-      this.tell(error);
+      this.showError(error);
       setTimeout(() => void this.open(), REREAD_MS);
       return;
     }
@@ -234,7 +246,7 @@ export class Player {
     try {
       await this.read();
     } catch (error) {
-      this.tell(error);
+      this.showError(error);
       return;
     }
     this.trouble = null;
@@ -261,7 +273,7 @@ export class Player {
     this.mission = mission;
   }
 
-  private tell(error: unknown): void {
+  private showError(error: unknown): void {
     this.trouble =
       error instanceof RecordError
         ? { error: error.message, help: error.help }

@@ -1,10 +1,10 @@
 import { expect, it } from 'vitest';
-import { Latest } from './latest';
+import { LatestOnly } from './latest';
 
 it('asks the newest of the questions that came while one was under way', async () => {
   const asked: number[] = [];
   const answers: number[] = [];
-  const latest = new Latest<number, number>(
+  const latest = new LatestOnly<number, number>(
     async question => {
       asked.push(question);
       await Promise.resolve();
@@ -22,7 +22,7 @@ it('asks the newest of the questions that came while one was under way', async (
 it('goes on after an error', async () => {
   const errors: unknown[] = [];
   const answers: number[] = [];
-  const latest = new Latest<number, number>(
+  const latest = new LatestOnly<number, number>(
     question => (question === 1 ? Promise.reject(new Error('no')) : Promise.resolve(question)),
     answer => answers.push(answer),
     error => errors.push(error),

@@ -1,5 +1,5 @@
 /** Keeps one question under way: while it is, only the newest of the questions that follow is kept. */
-export class Latest<Q, A> {
+export class LatestOnly<Q, A> {
   private waiting: { question: Q } | undefined;
   private busy = false;
 

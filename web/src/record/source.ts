@@ -1,6 +1,18 @@
 /** The one way to a flight record: questions to the server, and news of its growth. */
 
-import type { Events, Growth, Mission, Report, Snippet, Target, Tasks, Timeline, Track, Why } from './types';
+import type {
+  Events,
+  Growth,
+  Mission,
+  Report,
+  Snippet,
+  Target,
+  Targets,
+  TaskExplanation,
+  Tasks,
+  Timeline,
+  Track,
+} from './types';
 
 /** What a panel may ask a record; a finished one and a growing one answer alike. */
 export interface RecordSource {
@@ -11,7 +23,7 @@ export interface RecordSource {
   targets(): Promise<Target[]>;
   events(query: { toNs: number; limit: number; find: string; kinds: string }): Promise<Events>;
   /** `explain` asks for what is awaited too, for which the server restores the instant. */
-  why(task: number, atNs: number, explain: boolean): Promise<Why>;
+  why(task: number, atNs: number, explain: boolean): Promise<TaskExplanation>;
   report(): Promise<Report>;
   source(place: string): Promise<Snippet>;
   /** Calls back on every growth until the record is complete; the answer stops it. */
@@ -38,8 +50,8 @@ export class ServedRecord implements RecordSource {
   track = (): Promise<Track> => this.get('track', { points: 4000 });
   timeline = (): Promise<Timeline> => this.get('timeline', { lanes: 60 });
   report = (): Promise<Report> => this.get('report', {});
-  targets = async (): Promise<Target[]> => (await this.get<{ targets: Target[] }>('targets', {})).targets;
-  why = (task: number, atNs: number, explain: boolean): Promise<Why> =>
+  targets = async (): Promise<Target[]> => (await this.get<Targets>('targets', {})).targets;
+  why = (task: number, atNs: number, explain: boolean): Promise<TaskExplanation> =>
     this.get('why', { task, at: whole(atNs), explain });
   source = (place: string): Promise<Snippet> => this.get('source', { place });
 

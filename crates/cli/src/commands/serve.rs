@@ -3,12 +3,8 @@
 use crate::options::ServeOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
-use apex_model::time::Time;
-use apex_runtime::explain;
-use apex_runtime::record::RecordReader;
-use apex_server::explain::Explainer;
 use std::net::IpAddr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Serves until Ctrl-C.
@@ -40,13 +36,12 @@ pub fn serve(
     port: u16,
     ready: impl FnOnce(&str) + Send + 'static,
 ) -> Outcome {
-    let explainer = RecordExplainer { record: record.to_path_buf(), agent };
     apex_server::serve(apex_server::ServeOptions {
         record: record.to_path_buf(),
         agent,
         address,
         port,
-        explainer: Some(Arc::new(explainer)),
+        load: Some(Arc::new(sources::load_recorded)),
         ready: Box::new(ready),
     })
     .map_err(|error| Trouble::failure(error.to_string()))
@@ -64,21 +59,5 @@ fn open_browser(url: &str) {
         output::complain(format_args!(
             "note: no browser could be opened ({program}: {error}); open the address yourself"
         ));
-    }
-}
-
-/// Answers the page's questions by restoring the agent at the asked instant.
-struct RecordExplainer {
-    record: PathBuf,
-    agent: usize,
-}
-
-impl Explainer for RecordExplainer {
-    fn why(&self, task: u64, at_ns: i64) -> Result<serde_json::Value, String> {
-        let reader = RecordReader::open(&self.record).and_then(|reader| reader.of_agent(self.agent));
-        let reader = reader.map_err(|error| error.to_string())?;
-        let why = explain::why(&reader, &format!("T{task}"), Time(at_ns), &sources::load_recorded)
-            .map_err(|error| error.to_string())?;
-        serde_json::to_value(&why).map_err(|error| error.to_string())
     }
 }

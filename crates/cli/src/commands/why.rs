@@ -5,7 +5,7 @@ use crate::telling::wrapped_line;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
 use apex_model::time::Time;
-use apex_runtime::explain::{self, Question};
+use apex_runtime::explain::{Explainer, Question};
 use serde::Serialize;
 
 /// Explains one thing at one instant.
@@ -16,8 +16,8 @@ pub fn run(options: &WhyOptions) -> Outcome {
     }
     let reader = recording::open(&options.record)?;
     let question = question(&options.task, &options.telling)?;
-    let answer =
-        explain::ask(&reader, &question, &sources::load_recorded).map_err(|error| Trouble::user(error.to_string()))?;
+    let explainer = Explainer::new(&reader, &sources::load_recorded);
+    let answer = explainer.why(&question).map_err(|error| Trouble::user(error.to_string()))?;
     print(&answer, &answer.to_string(), options.telling.json)
 }
 

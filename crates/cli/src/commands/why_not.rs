@@ -4,7 +4,7 @@ use super::why;
 use crate::options::WhyNotOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{recording, sources};
-use apex_runtime::explain;
+use apex_runtime::explain::Explainer;
 
 /// Explains what is not.
 pub fn run(options: &WhyNotOptions) -> Outcome {
@@ -14,7 +14,7 @@ pub fn run(options: &WhyNotOptions) -> Outcome {
     }
     let reader = recording::open(&options.record)?;
     let question = why::question(&options.what, &options.telling)?;
-    let answer = explain::why_not(&reader, &question, &sources::load_recorded)
-        .map_err(|error| Trouble::user(error.to_string()))?;
+    let explainer = Explainer::new(&reader, &sources::load_recorded);
+    let answer = explainer.why_not(&question).map_err(|error| Trouble::user(error.to_string()))?;
     why::print(&answer, &answer.to_string(), options.telling.json)
 }

@@ -4,7 +4,7 @@
 use super::answer::Missing;
 use super::log::Log;
 use super::phrase::Phrase;
-use super::scene::place_text;
+use super::snapshot::place_text;
 use crate::limits::MISSING_STEPS_MAX;
 use apex_executive::Agent;
 use apex_executive::explanation;
@@ -16,12 +16,12 @@ use std::sync::Arc;
 
 /// A step of the program or of a plan.
 #[derive(Clone)]
-pub(super) struct Site {
+pub(super) struct ProgramStep {
     pub(super) step: StepRef,
     procedure: Arc<Procedure>,
 }
 
-impl Site {
+impl ProgramStep {
     /// The step itself.
     pub(super) fn get(&self) -> Option<&Step> {
         self.procedure.steps.get(self.step.step as usize)
@@ -50,22 +50,22 @@ pub(super) struct Absence {
 }
 
 /// All steps of the program and of plans that serve now.
-pub(super) fn sites(agent: &Agent) -> Vec<Site> {
+pub(super) fn program_steps(agent: &Agent) -> Vec<ProgramStep> {
     let stored = agent.library.procedures.iter().zip(0..).map(|(each, number)| (ProcedureRef::Stored(number), each));
     let current = agent.generated.iter().filter(|(_, plan)| plan.current || plan.users > 0);
     let plans = current.map(|(number, plan)| (ProcedureRef::Generated(number), &plan.procedure));
     let of = |(procedure, each): (ProcedureRef, &Arc<Procedure>)| {
         let steps = u32::try_from(each.steps.len()).unwrap_or(u32::MAX);
         let each = Arc::clone(each);
-        (0..steps).map(move |step| Site { step: StepRef { procedure, step }, procedure: Arc::clone(&each) })
+        (0..steps).map(move |step| ProgramStep { step: StepRef { procedure, step }, procedure: Arc::clone(&each) })
     };
     stored.chain(plans).flat_map(of).collect()
 }
 
 /// Steps with this tag, else steps whose activity fits the phrase.
-pub(super) fn named(sites: &[Site], name: &str, phrase: &Phrase) -> Vec<Site> {
-    let tag = |site: &&Site| site.get().is_some_and(|step| step.tag.is(name));
-    let by_tag: Vec<Site> = sites.iter().filter(tag).cloned().collect();
+pub(super) fn named(sites: &[ProgramStep], name: &str, phrase: &Phrase) -> Vec<ProgramStep> {
+    let tag = |site: &&ProgramStep| site.get().is_some_and(|step| step.tag.is(name));
+    let by_tag: Vec<ProgramStep> = sites.iter().filter(tag).cloned().collect();
     if !by_tag.is_empty() || !phrase.is_telling() {
         return by_tag;
     }
@@ -77,7 +77,7 @@ pub(super) fn named(sites: &[Site], name: &str, phrase: &Phrase) -> Vec<Site> {
 }
 
 /// Steps that mention a word, as plans mention their targets.
-pub(super) fn mentioning(sites: &[Site], word: &str) -> Vec<Site> {
+pub(super) fn mentioning(sites: &[ProgramStep], word: &str) -> Vec<ProgramStep> {
     sites.iter().filter(|site| site.activities().any(|activity| activity.mentions(word))).cloned().collect()
 }
 
@@ -93,10 +93,10 @@ fn by_step(agent: &Agent) -> BTreeMap<StepRef, Vec<&Task>> {
 }
 
 /// The shortest way up from one of `wanted` to a task that exists.
-pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[Site], wanted: &[Site]) -> Absence {
+pub(super) fn absence(agent: &Agent, log: &Log<'_>, all: &[ProgramStep], wanted: &[ProgramStep]) -> Absence {
     let tasks = by_step(agent);
     let mut known: BTreeSet<StepRef> = wanted.iter().map(|site| site.step).collect();
-    let mut paths: Vec<(Site, Option<usize>)> = wanted.iter().map(|site| (site.clone(), None)).collect();
+    let mut paths: Vec<(ProgramStep, Option<usize>)> = wanted.iter().map(|site| (site.clone(), None)).collect();
     let mut queue: VecDeque<usize> = (0..paths.len()).collect();
     let mut last = None;
     while let Some(index) = queue.pop_front() {
@@ -134,8 +134,8 @@ fn best<'a>(tasks: &[&'a Task]) -> Option<&'a Task> {
     tasks.iter().find(|task| !task.is_terminated()).or(tasks.last()).copied()
 }
 
-/// A task that has chosen the site's procedure and has not begun it.
-fn beginning<'a>(agent: &'a Agent, site: &Site) -> Option<&'a Task> {
+/// A task that has chosen the step's procedure and has not begun it.
+fn beginning<'a>(agent: &'a Agent, site: &ProgramStep) -> Option<&'a Task> {
     let chose = |task: &&Task| {
         let way = task.selection.as_ref().map(|selection| &selection.way);
         matches!(way, Some(Way::Procedure(reference, _)) if *reference == site.step.procedure)
@@ -144,14 +144,14 @@ fn beginning<'a>(agent: &'a Agent, site: &Site) -> Option<&'a Task> {
 }
 
 /// Steps whose goals the procedure may serve.
-fn callers(all: &[Site], procedure: &Procedure) -> Vec<Site> {
+fn callers(all: &[ProgramStep], procedure: &Procedure) -> Vec<ProgramStep> {
     let index = Phrase::of_pattern(&procedure.index);
-    let calls = |site: &&Site| site.activities().any(|activity| activity.is_telling() && activity.fits(&index));
+    let calls = |site: &&ProgramStep| site.activities().any(|activity| activity.is_telling() && activity.fits(&index));
     all.iter().filter(calls).cloned().collect()
 }
 
 /// Steps whose goals a solver serves: their plans may have any step.
-fn planned(agent: &Agent, all: &[Site]) -> Vec<Site> {
+fn planned(agent: &Agent, all: &[ProgramStep]) -> Vec<ProgramStep> {
     let solvers: Vec<Phrase> = agent.library.solvers.iter().map(|solver| Phrase::of_pattern(&solver.index)).collect();
     let asks = |activity: &Phrase| activity.is_telling() && solvers.iter().any(|solver| solver.fits(activity));
     all.iter().filter(|site| site.activities().any(|activity| asks(&activity))).cloned().collect()
@@ -165,7 +165,7 @@ fn serves_initial(agent: &Agent, procedure: &Procedure) -> bool {
 fn told(
     agent: &Agent,
     log: &Log<'_>,
-    paths: &[(Site, Option<usize>)],
+    paths: &[(ProgramStep, Option<usize>)],
     index: usize,
     task: Option<&Task>,
 ) -> Vec<Missing> {
@@ -199,8 +199,8 @@ fn told(
     missing
 }
 
-/// How the task at the end of the way stands to the site.
-fn reached(agent: &Agent, site: &Site, task: &Task) -> String {
+/// How the task at the end of the way stands to the step.
+fn reached(agent: &Agent, site: &ProgramStep, task: &Task) -> String {
     let name = format!(
         "{} {}",
         task.id,

@@ -10,6 +10,7 @@ pub const EXPLANATION_VERSION: u32 = 1;
 
 /// What every answer says first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct About {
     /// [`EXPLANATION_VERSION`].
     pub version: u32,
@@ -27,6 +28,7 @@ pub struct About {
 
 /// An answer to `why`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(untagged)]
 pub enum Answer {
     /// About a task.
@@ -49,6 +51,7 @@ impl Answer {
 
 /// Who has a resource, and why; who wants it too.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ResourceAnswer {
     /// What every answer says first.
     #[serde(flatten)]
@@ -65,6 +68,7 @@ pub struct ResourceAnswer {
 
 /// A task that holds a resource, or waits for it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Holder {
     /// The task, `T4`.
     pub task: String,
@@ -84,6 +88,7 @@ pub struct Holder {
 
 /// Why a command was sent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CommandAnswer {
     /// What every answer says first.
     #[serde(flatten)]
@@ -96,6 +101,7 @@ pub struct CommandAnswer {
 
 /// A procedure, primitive or solver that could have served a goal.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Choice {
     /// `procedure file.pdl:3:1`
     pub method: String,
@@ -109,6 +115,7 @@ pub struct Choice {
 
 /// An answer to `why-not`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct WhyNot {
     /// What every answer says first.
     #[serde(flatten)]
@@ -127,6 +134,7 @@ pub struct WhyNot {
 
 /// Something that does not exist yet.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Missing {
     /// Its step's tag, or `root`.
     pub step: String,
@@ -144,6 +152,7 @@ pub struct Missing {
 
 /// What became of a target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct TargetMoment {
     /// When, in seconds of mission time.
     pub t: f64,
@@ -155,6 +164,7 @@ pub struct TargetMoment {
 
 /// The explanation of a task.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Why {
     /// What every answer says first.
     #[serde(flatten)]
@@ -195,8 +205,10 @@ pub struct Why {
 
 /// One thing that must still come true.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Unmet {
     /// What kind of thing.
+    #[cfg_attr(test, ts(type = "string"))]
     pub kind: ReasonKind,
     /// The part of the condition as PDL text, or the reason in words.
     pub what: String,
@@ -216,6 +228,7 @@ pub struct Unmet {
 
 /// A lost conflict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Blocked {
     /// The winner, `T4`.
     pub by: String,
@@ -239,6 +252,7 @@ pub struct Blocked {
 
 /// A living subtask.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Subtask {
     /// The task, `T13`.
     pub task: String,

@@ -1,10 +1,13 @@
 //! Chains: a decision, what it rests on, what that rests on, back to a sample, a message or a sentence of the program.
 
+use super::cause::CauseDetail;
+use super::history::{because_of, selected_text};
 use super::link::Link;
-use super::log::{Log, Row};
+use super::log::Log;
+use crate::effect_describer::cause_text;
 use crate::error::RecordError;
 use crate::limits::EXPLANATION_LINKS_MAX;
-use crate::narrator::cause_text;
+use crate::record::view::decisions::DecisionRow as Row;
 use apex_model::because::{Because, Cause, Evidence};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::probing::ProbingEnd;
@@ -37,6 +40,7 @@ impl<'a> Chain<'a> {
             what: self.what(row),
             kind: because.map(|because| because.cause.kind()),
             because: because.map(cause_text).unwrap_or_default(),
+            cause: because.map(CauseDetail::of),
             place: row.place.clone(),
             source: row.place.as_ref().and_then(|place| self.log.source_line(place)),
             causes: Vec::new(),
@@ -44,7 +48,7 @@ impl<'a> Chain<'a> {
         };
         let Some(because) = because else {
             if let (Some(task), true) = (row.task, row.kind == "inform" || row.kind == "solve") {
-                let start = self.log.transition(task, "ongoing", (row.id, row.at))?;
+                let start = self.log.decisions.transition(task, "ongoing", (row.id, row.at))?;
                 self.add(&mut link, start.into_iter().collect(), depth)?;
             }
             return Ok(link);
@@ -81,10 +85,7 @@ impl<'a> Chain<'a> {
                 }
                 DecisionKind::Satisfied { clause, .. } => format!("{clause} of {name} came true"),
                 DecisionKind::Bound { variable, value } => format!("{name} got ?{variable} = {value}"),
-                DecisionKind::Selected { .. } => {
-                    let method = row.text.split_once(" because ").map_or(row.text.as_str(), |(method, _)| method);
-                    format!("{name} is pursued by {method}")
-                }
+                DecisionKind::Selected { .. } => format!("{name} is pursued by {}", selected_text(row)),
                 DecisionKind::Refused { resource, .. } => format!("{name} was refused {resource}"),
                 DecisionKind::ProcedureAdded { summary, .. } => format!("{name} got a plan: {summary}"),
                 DecisionKind::Trouble { .. } => format!("{name} had trouble"),
@@ -102,14 +103,14 @@ impl<'a> Chain<'a> {
         let here = |at: Time| (row.id, at);
         for evidence in because.evidence.iter() {
             let found = match evidence {
-                Evidence::TaskEnd { task, at } => self.log.transition(*task, "terminated", here(*at))?,
+                Evidence::TaskEnd { task, at } => self.log.decisions.transition(*task, "terminated", here(*at))?,
                 Evidence::TaskState { task, state, at } => {
                     let word = state.to_string();
                     let word = if word == "resumed" { "ongoing" } else { word.as_str() };
-                    self.log.transition(*task, word, here(*at))?
+                    self.log.decisions.transition(*task, word, here(*at))?
                 }
                 Evidence::Event { form, at, .. } => {
-                    let said = self.log.inform(&form.to_string(), *at)?;
+                    let said = self.log.decisions.inform(&form.to_string(), *at)?;
                     if said.is_none() {
                         link.causes.push(Link::seen(*at, format!("{form} came from outside")));
                     }
@@ -149,7 +150,7 @@ impl<'a> Chain<'a> {
 
     /// The decisions that a cause names, or that stand behind it without being named.
     fn behind(&self, row: &Row, cause: &Cause) -> Found {
-        let (log, here) = (self.log, (row.id, row.at));
+        let (log, here) = (self.log.decisions, (row.id, row.at));
         let own = row.task.unwrap_or(TaskId(u64::MAX));
         let found = match cause {
             Cause::ParentStarted { parent } | Cause::ItemOf { parent } | Cause::Meanwhile { parent } => {
@@ -225,14 +226,14 @@ impl<'a> Chain<'a> {
     fn of_probing(&self, cause: &Cause, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
         match cause {
             Cause::ProbingStopped { waiting, reason: ProbingEnd::Satisfied, .. } => {
-                self.log.beside(*waiting, "satisfied", here)
+                self.log.decisions.beside(*waiting, "satisfied", here)
             }
             Cause::ProbingStopped { waiting, reason: ProbingEnd::NotAwaited, .. } => {
-                let ended = self.log.transition(*waiting, "terminated", here)?;
+                let ended = self.log.decisions.transition(*waiting, "terminated", here)?;
                 Ok(ended.filter(|row| row.at == here.1))
             }
             Cause::Probes { waiting, .. } | Cause::ProbingStopped { waiting, .. } => {
-                self.log.before(*waiting, "created", here.0)
+                self.log.decisions.before(*waiting, "created", here.0)
             }
             _ => Ok(None),
         }
@@ -240,13 +241,13 @@ impl<'a> Chain<'a> {
 
     /// The change of state, or the clause that came true without one.
     fn either(&self, task: TaskId, state: &str, here: (i64, Time)) -> Result<Option<Row>, RecordError> {
-        let changed = self.log.transition(task, state, here)?.filter(|row| row.at == here.1);
-        if changed.is_some() { Ok(changed) } else { self.log.beside(task, "satisfied", here) }
+        let changed = self.log.decisions.transition(task, state, here)?.filter(|row| row.at == here.1);
+        if changed.is_some() { Ok(changed) } else { self.log.decisions.beside(task, "satisfied", here) }
     }
 
     /// A result stands in the context of the parent.
     fn result(&self, own: TaskId, variable: &str, row: &Row) -> Found {
-        let Some(created) = self.log.before(own, "created", row.id)? else { return Ok(Vec::new()) };
+        let Some(created) = self.log.decisions.before(own, "created", row.id)? else { return Ok(Vec::new()) };
         let parent = match created.effect {
             Some(Effect::Decided(decision)) => match decision.kind {
                 DecisionKind::Created { parent, .. } => parent,
@@ -255,7 +256,7 @@ impl<'a> Chain<'a> {
             _ => None,
         };
         let found = match parent {
-            Some(parent) => self.log.binding(parent, variable, row.id)?,
+            Some(parent) => self.log.decisions.binding(parent, variable, row.id)?,
             None => None,
         };
         Ok(found.into_iter().collect())
@@ -264,29 +265,20 @@ impl<'a> Chain<'a> {
     /// Why a grant came now: whoever was in the way left, and the task had been enabled.
     fn granted(&self, own: TaskId, row: &Row) -> Found {
         let mut rows = Vec::new();
-        let enabled = self.log.transition_before(own, "enabled", row.id)?;
-        let waited = self.log.before(own, "refused", row.id)?;
-        let lost = self.log.transition_before(own, "interrupted", row.id)?;
+        let enabled = self.log.decisions.transition_before(own, "enabled", row.id)?;
+        let waited = self.log.decisions.before(own, "refused", row.id)?;
+        let lost = self.log.decisions.transition_before(own, "interrupted", row.id)?;
         let since = enabled.as_ref().map_or(0, |row| row.id);
         let conflict = [waited, lost].into_iter().flatten().filter(|row| row.id > since).max_by_key(|row| row.id);
         if let Some(Cause::Outranked { by, .. }) = conflict.as_ref().and_then(because_of).map(|because| &because.cause)
         {
             for state in ["terminated", "interrupted"] {
-                let left = self.log.transition(*by, state, (row.id, row.at))?;
+                let left = self.log.decisions.transition(*by, state, (row.id, row.at))?;
                 rows.extend(left.filter(|left| left.at == row.at));
             }
         }
         rows.extend(enabled);
         Ok(rows)
-    }
-}
-
-/// The cause that a row states.
-pub(super) fn because_of(row: &Row) -> Option<&Because> {
-    match row.effect.as_ref()? {
-        Effect::Decided(decision) => Some(&decision.because),
-        Effect::Command { because, .. } => Some(because),
-        _ => None,
     }
 }
 

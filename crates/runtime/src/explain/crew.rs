@@ -1,25 +1,9 @@
 //! Why, where several agents ran: `pilot/T12` names a task, and so does a name that only one of them has.
 
-use super::{Question, Why, find, find_task, why};
+use super::{Question, find, find_task};
 use crate::error::RecordError;
-use crate::record::{LoadProgram, RecordReader};
+use crate::record::RecordReader;
 use apex_model::time::Time;
-
-/// As [`why`], of the agent that `name` begins with (`pilot/T12`), else of the only one that has such a task.
-///
-/// # Errors
-/// As [`why`]; [`RecordError::Question`] with the full names when tasks of several agents are called so.
-pub fn why_of_any(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -> Result<Why, RecordError> {
-    if !reader.has_several_agents() {
-        return why(reader, name, at, load);
-    }
-    let (agent, name) = agent_and_name(reader, name, at)?;
-    let mut found = why(&reader.of_agent(agent)?, name, at, load)?;
-    if let Some(agent) = reader.agents().get(agent) {
-        found.task = format!("{agent}/{}", found.task);
-    }
-    Ok(found)
-}
 
 /// Where several agents ran: the record of the one that is asked, and the question without its name. An agent is named
 /// (`pilot/T12`, `pilot/camera-1`), or it is the only one with such a task.

@@ -1,11 +1,13 @@
 //! A link of an explanation: something that happened, why, and what that rests on.
 
+use super::cause::CauseDetail;
 use apex_model::time::Time;
 use serde::Serialize;
 use std::fmt;
 
 /// Something that happened, with what stands behind it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Link {
     /// When, in seconds of mission time.
     pub t: f64,
@@ -15,8 +17,10 @@ pub struct Link {
     pub what: String,
     /// The kind of cause; none for what came from outside.
     pub kind: Option<String>,
-    /// Why, in words; empty for what came from outside.
+    /// Why, as text; empty for what came from outside.
     pub because: String,
+    /// The cause with its parts; none for what came from outside.
+    pub cause: Option<CauseDetail>,
     /// `file:line:column` of the clause of PDL.
     pub place: Option<String>,
     /// The text of that line.
@@ -39,6 +43,7 @@ impl Link {
             what,
             kind: None,
             because: String::new(),
+            cause: None,
             place: None,
             source: None,
             causes: Vec::new(),

@@ -1,20 +1,24 @@
-//! Explanations of a recorded flight: why a task is as it is, why a resource belongs to somebody, why a command was
-//! sent; and why something is not: not created, not started, not chosen, not granted, not visited.
+//! Explanations of a recorded flight: why a task is in its state, why it holds a resource, why a command was sent; and
+//! why something did not happen: a task not created, started, resumed, chosen or granted, a target not visited.
 //!
-//! An answer is plain data (`answer.rs`); its JSON form is described in `docs/reference/explanations.md`, its text is made
-//! from the same data (`text.rs`).
+//! [`Explainer`] answers with typed values (`answer.rs`, `link.rs`, `moment.rs`, `cause.rs`). Their JSON form is described
+//! in `docs/reference/explanations.md`; text is printed from the same values (`text.rs`).
 
 mod absence;
 mod answer;
+mod cause;
+mod cause_parts;
 mod chain;
 mod crew;
 mod find;
 mod history;
 mod link;
 mod log;
+mod moment;
 mod phrase;
-mod scene;
+mod snapshot;
 mod target;
+mod task;
 mod text;
 mod things;
 mod why;
@@ -25,69 +29,102 @@ pub use answer::{
     About, Answer, Blocked, Choice, CommandAnswer, EXPLANATION_VERSION, Holder, Missing, ResourceAnswer, Subtask,
     TargetMoment, Unmet, Why, WhyNot,
 };
-pub use crew::why_of_any;
+pub use cause::{CauseDetail, CausePart, Observation, PartValue};
 pub use find::find_task;
-pub use history::Moment;
 pub use link::Link;
-pub use scene::Question;
+pub use moment::{MethodDetail, Moment};
+pub use snapshot::Question;
+pub use task::TaskExplanation;
 
 use crate::error::RecordError;
 use crate::record::{LoadProgram, RecordReader};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
-use scene::Scene;
+use snapshot::RecordSnapshot;
 
-/// Explains the task called `name` (`T12`, `12`, or words of its goal or tag) as it was at `at`, or at the end of the
-/// record where that comes first.
-///
-/// # Errors
-/// [`RecordError::Question`] with candidates for an ambiguous or unknown name; others when the record cannot be read
-/// or its mission not loaded.
-pub fn why(reader: &RecordReader, name: &str, at: Time, load: LoadProgram<'_>) -> Result<Why, RecordError> {
-    let question = Question::new(name, at);
-    let scene = Scene::set(reader, &question, load)?;
-    let id = find_task(&scene.tasks, find::without_agent(name, &scene.name)?, scene.at)?.id;
-    why::of_task(scene, id, "why", name)
+/// Answers questions about a recorded flight. Every answer is a typed value; text and JSON are printed from it.
+#[derive(Clone, Copy)]
+pub struct Explainer<'a> {
+    reader: &'a RecordReader,
+    load: Option<LoadProgram<'a>>,
 }
 
-/// Explains a task, else a resource (`camera-1`), else a command (`command 7`, or words of its form).
-///
-/// # Errors
-/// As [`why`].
-pub fn ask(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<Answer, RecordError> {
-    if let Some((reader, question)) = crew::addressed(reader, question)? {
-        return ask_one(&reader, &question, load).map(|answer| answer.of_crew());
+impl<'a> Explainer<'a> {
+    /// An explainer that restores the agent at the instant of each question; `load` checks the recorded sources again.
+    pub fn new(reader: &'a RecordReader, load: LoadProgram<'a>) -> Explainer<'a> {
+        Explainer { reader, load: Some(load) }
     }
-    ask_one(reader, question, load)
-}
 
-/// Asks the record of one agent.
-fn ask_one(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<Answer, RecordError> {
-    let scene = Scene::set(reader, question, load)?;
-    let name = find::without_agent(&question.what, &scene.name)?;
-    let tagged = scene.tasks.iter().any(|row| row.created <= scene.at && row.tag.eq_ignore_ascii_case(name.trim()));
-    if !tagged && let Some(answer) = things::of_resource(&scene, name, "why")? {
-        return Ok(Answer::Resource(Box::new(answer)));
+    /// An explainer that reads the record's decisions and restores nothing: it answers at once, and its answers lack
+    /// what only the agent knows (conditions that are waited for, priorities, choices) and chains of causes.
+    pub fn of_decisions(reader: &'a RecordReader) -> Explainer<'a> {
+        Explainer { reader, load: None }
     }
-    match find_task(&scene.tasks, name, scene.at).map(|row| row.id) {
-        Ok(id) => why::of_task(scene, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
-        // A step's tag means its tasks, never a command with the same word in it.
-        Err(error) if tagged => Err(find::of_no_agent(error, name, &scene.name)),
-        Err(error) => match things::of_command(&scene, name)? {
-            Some(answer) => Ok(Answer::Command(Box::new(answer))),
-            None => Err(find::of_no_agent(error, name, &scene.name)),
-        },
-    }
-}
 
-/// Explains why something is not: a task by number, tag or goal, a step or a goal of the program, a procedure by its
-/// place, a resource, a target.
-///
-/// # Errors
-/// [`RecordError::Question`] with what may have been meant when nothing has this name; others as [`why`].
-pub fn why_not(reader: &RecordReader, question: &Question, load: LoadProgram<'_>) -> Result<WhyNot, RecordError> {
-    if let Some((reader, question)) = crew::addressed(reader, question)? {
-        return why_not::answer(Scene::set(&reader, &question, load)?, &question.what);
+    /// Explains a task, else a resource (`camera-1`), else a command (`command 7`, or words of its form).
+    ///
+    /// # Errors
+    /// [`RecordError::Question`] with candidates for an ambiguous or unknown name; others if the record cannot be read
+    /// or its mission not loaded.
+    pub fn why(&self, question: &Question) -> Result<Answer, RecordError> {
+        match crew::addressed(self.reader, question)? {
+            Some((reader, question)) => self.on(&reader).why_one(&question).map(Answer::of_crew),
+            None => self.why_one(question),
+        }
     }
-    let scene = Scene::set(reader, question, load)?;
-    why_not::answer(scene, &question.what)
+
+    /// Explains why something is not: a task by number, tag or goal, a step or a goal of the program, a procedure by
+    /// its place, a resource, a target.
+    ///
+    /// # Errors
+    /// [`RecordError::Question`] with suggestions if nothing has this name; others as [`Explainer::why`].
+    pub fn why_not(&self, question: &Question) -> Result<WhyNot, RecordError> {
+        match crew::addressed(self.reader, question)? {
+            Some((reader, question)) => why_not::answer(self.on(&reader).snapshot(&question)?, &question.what),
+            None => why_not::answer(self.snapshot(question)?, &question.what),
+        }
+    }
+
+    /// Explains task `id` as it was at `at`, or at the end of the record if that comes first.
+    ///
+    /// # Errors
+    /// As [`Explainer::why`].
+    pub fn task(&self, id: TaskId, at: Time) -> Result<Why, RecordError> {
+        let question = Question::new(&id.to_string(), at);
+        let snapshot = self.snapshot(&question)?;
+        let id = find_task(&snapshot.tasks, &question.what, snapshot.at)?.id;
+        why::of_task(snapshot, id, "why", &question.what)
+    }
+
+    /// The same explainer on another reader.
+    fn on<'b>(&self, reader: &'b RecordReader) -> Explainer<'b>
+    where
+        'a: 'b,
+    {
+        Explainer { reader, load: self.load }
+    }
+
+    fn snapshot(&self, question: &Question) -> Result<RecordSnapshot<'a>, RecordError> {
+        RecordSnapshot::set(self.reader, question, self.load)
+    }
+
+    /// Answers from the record of one agent.
+    fn why_one(&self, question: &Question) -> Result<Answer, RecordError> {
+        let snapshot = self.snapshot(question)?;
+        let name = find::without_agent(&question.what, &snapshot.name)?;
+        let tagged =
+            snapshot.tasks.iter().any(|row| row.created <= snapshot.at && row.tag.eq_ignore_ascii_case(name.trim()));
+        if !tagged && let Some(answer) = things::of_resource(&snapshot, name, "why")? {
+            return Ok(Answer::Resource(Box::new(answer)));
+        }
+        match find_task(&snapshot.tasks, name, snapshot.at).map(|row| row.id) {
+            Ok(id) => why::of_task(snapshot, id, "why", &question.what).map(|why| Answer::Task(Box::new(why))),
+            // A step's tag means its tasks, never a command with the same word in it.
+            Err(error) if tagged => Err(find::of_no_agent(error, name, &snapshot.name)),
+            Err(error) => match things::of_command(&snapshot, name)? {
+                Some(answer) => Ok(Answer::Command(Box::new(answer))),
+                None => Err(find::of_no_agent(error, name, &snapshot.name)),
+            },
+        }
+    }
 }

@@ -3,10 +3,11 @@
 use super::answer::{CommandAnswer, Holder, ResourceAnswer};
 use super::chain::Chain;
 use super::link::Link;
-use super::log::{Log, Row};
-use super::scene::Scene;
+use super::log::Log;
+use super::snapshot::RecordSnapshot;
 use super::why;
 use crate::error::RecordError;
+use crate::record::view::decisions::DecisionRow as Row;
 use apex_executive::Agent;
 use apex_executive::explanation::describe_task;
 use apex_model::quantity::Dimension;
@@ -22,46 +23,52 @@ pub(super) fn resource<'a>(agent: &'a Agent, name: &str) -> Option<&'a Resource>
 
 /// Who has the resource called `name`, and why; none when there is no such resource.
 pub(super) fn of_resource(
-    scene: &Scene<'_>,
+    snapshot: &RecordSnapshot<'_>,
     name: &str,
     question: &'static str,
 ) -> Result<Option<ResourceAnswer>, RecordError> {
-    let Some((agent, found)) = scene.agent().and_then(|agent| Some((agent, resource(agent, name)?))) else {
+    let Some((agent, found)) = snapshot.agent().and_then(|agent| Some((agent, resource(agent, name)?))) else {
         return Ok(None);
     };
-    let log = scene.log()?;
+    let log = snapshot.log()?;
     let amount = |number: f64| Value::measured(number, found.dimension).to_string();
     let whole = |number: f64| if found.dimension == Dimension::NONE { number.to_string() } else { amount(number) };
     let mut holders = Vec::new();
     for holding in &found.holders {
-        let got = log.transition_before(holding.task, "ongoing", i64::MAX)?;
-        let link = link(scene, &log, got)?;
-        holders.push(holder(scene, agent, holding.task, Some(whole(holding.amount)), link));
+        let got = log.decisions.transition_before(holding.task, "ongoing", i64::MAX)?;
+        let link = link(snapshot, &log, got)?;
+        holders.push(holder(snapshot, agent, holding.task, Some(whole(holding.amount)), link));
     }
     let mut waiting = Vec::new();
     for task in found.waiting.tasks() {
-        let conflict = log.before(task, "refused", i64::MAX)?;
-        let lost = log.transition_before(task, "interrupted", i64::MAX)?;
+        let conflict = log.decisions.before(task, "refused", i64::MAX)?;
+        let lost = log.decisions.transition_before(task, "interrupted", i64::MAX)?;
         let last = [conflict, lost].into_iter().flatten().max_by_key(|row| row.id);
-        let link = link(scene, &log, last)?;
-        let mut waiter = holder(scene, agent, task, None, link);
+        let link = link(snapshot, &log, last)?;
+        let mut waiter = holder(snapshot, agent, task, None, link);
         waiter.waits_for = why::waiting(agent, task);
         waiting.push(waiter);
     }
-    let about = scene.about(question, "resource", name);
+    let about = snapshot.about(question, "resource", name);
     Ok(Some(ResourceAnswer { about, resource: found.name.to_string(), total: whole(found.total), holders, waiting }))
 }
 
-fn link(scene: &Scene<'_>, log: &Log<'_>, row: Option<Row>) -> Result<Option<Link>, RecordError> {
-    let goals = |task| scene.goal(task);
-    row.map(|row| Chain::new(log, &goals).link(&row, scene.depth)).transpose()
+fn link(snapshot: &RecordSnapshot<'_>, log: &Log<'_>, row: Option<Row>) -> Result<Option<Link>, RecordError> {
+    let goals = |task| snapshot.goal(task);
+    row.map(|row| Chain::new(log, &goals).link(&row, snapshot.depth)).transpose()
 }
 
-fn holder(scene: &Scene<'_>, agent: &Agent, task: TaskId, amount: Option<String>, because: Option<Link>) -> Holder {
+fn holder(
+    snapshot: &RecordSnapshot<'_>,
+    agent: &Agent,
+    task: TaskId,
+    amount: Option<String>,
+    because: Option<Link>,
+) -> Holder {
     let view = describe_task(agent, task);
     Holder {
         task: task.to_string(),
-        goal: scene.goal(task),
+        goal: snapshot.goal(task),
         amount,
         priority: view.as_ref().map_or(0.0, |view| view.priority),
         interrupt_cost: view.and_then(|view| view.interrupt_cost).unwrap_or_default(),
@@ -71,16 +78,16 @@ fn holder(scene: &Scene<'_>, agent: &Agent, task: TaskId, amount: Option<String>
 }
 
 /// Why the command `asked` was sent: `command 7`, or words of its form, of which the last one sent is meant.
-pub(super) fn of_command(scene: &Scene<'_>, asked: &str) -> Result<Option<CommandAnswer>, RecordError> {
-    let log = scene.log()?;
+pub(super) fn of_command(snapshot: &RecordSnapshot<'_>, asked: &str) -> Result<Option<CommandAnswer>, RecordError> {
+    let log = snapshot.log()?;
     let words = asked.trim();
     let number = words.strip_prefix("command ").and_then(|number| number.trim().parse().ok());
     let found = match number {
-        Some(number) => log.command(number)?,
+        Some(number) => log.decisions.command(number)?,
         None if words.len() < 3 => None,
-        None => log.command_like(words)?,
+        None => log.decisions.command_like(words)?,
     };
     let form = found.as_ref().map(|row| row.subject.clone()).unwrap_or_default();
-    let because = link(scene, &log, found)?;
-    Ok(because.map(|because| CommandAnswer { about: scene.about("why", "command", asked), form, because }))
+    let because = link(snapshot, &log, found)?;
+    Ok(because.map(|because| CommandAnswer { about: snapshot.about("why", "command", asked), form, because }))
 }

@@ -2,43 +2,49 @@
 
 use super::answer::{Blocked, Choice, Subtask, Unmet, Why};
 use super::chain::Chain;
-use super::history::{self, Conflict, History};
-use super::scene::{Scene, method_text, place_text};
+use super::history::{Conflict, History};
+use super::snapshot::{RecordSnapshot, method_text, place_text};
 use crate::error::RecordError;
 use crate::record::TaskRow;
 use apex_executive::Agent;
 use apex_executive::explanation::{self, Reason};
 use apex_model::effect::{Decision, DecisionKind, Effect, Method};
-use apex_model::task::TaskId;
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 
 /// Explains the task of `row`.
-pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, asked: &str) -> Result<Why, RecordError> {
-    let log = scene.log()?;
-    let Some(row) = scene.row(id).cloned() else {
+pub(super) fn of_task(
+    snapshot: RecordSnapshot<'_>,
+    id: TaskId,
+    question: &'static str,
+    asked: &str,
+) -> Result<Why, RecordError> {
+    let log = snapshot.log()?;
+    let Some(row) = snapshot.row(id).cloned() else {
         return Err(RecordError::Question(format!("There is no task {id} in this flight.")));
     };
-    let goals = |task| scene.goal(task);
-    let last = log.last_move(id)?;
-    let because = last.as_ref().map(|row| Chain::new(&log, &goals).link(row, scene.depth)).transpose()?;
-    let history = History::read(scene.reader, id, scene.at)?;
-    let subtasks = subtasks(&scene, id)?;
-    let blocked = history.blocked.as_ref().map(|conflict| blocked(&scene, conflict));
+    let goals = |task| snapshot.goal(task);
+    let last = log.decisions.last_move(id)?;
+    let chained = last.as_ref().filter(|_| snapshot.restores());
+    let because = chained.map(|row| Chain::new(&log, &goals).link(row, snapshot.depth)).transpose()?;
+    let history = History::read(snapshot.decisions(), id)?;
+    let subtasks = subtasks(&snapshot, id)?;
+    let blocked = history.blocked.as_ref().map(|conflict| blocked(&snapshot, conflict));
     let goal = match history.waits() {
-        true => scene.whole_goal(id),
+        true => snapshot.whole_goal(id),
         false => history.goal.clone().unwrap_or_else(|| row.goal.clone()),
     };
-    let about = scene.about(question, "task", asked);
+    let about = snapshot.about(question, "task", asked);
     let waits = history.waits();
-    let chosen = log.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
+    let chosen = log.decisions.before(id, "selected", i64::MAX)?.and_then(|row| match row.effect {
         Some(Effect::Decided(Decision { kind: DecisionKind::Selected { method, goal, .. }, .. })) => {
             Some((method, goal))
         }
         _ => None,
     });
-    let agent = match (scene.into_agent(), waits) {
-        (Ok(agent), _) => Some(agent),
+    let agent = match (snapshot.into_agent(), waits) {
+        (Ok(agent), _) => agent,
         // What has ended is explained by the record alone.
         (Err(_), false) => None,
         (Err(error), true) => return Err(error),
@@ -65,10 +71,10 @@ pub(super) fn of_task(scene: Scene<'_>, id: TaskId, question: &'static str, aske
     })
 }
 
-fn blocked(scene: &Scene<'_>, conflict: &Conflict) -> Blocked {
+fn blocked(snapshot: &RecordSnapshot<'_>, conflict: &Conflict) -> Blocked {
     Blocked {
         by: conflict.by.to_string(),
-        goal: scene.goal(conflict.by),
+        goal: snapshot.goal(conflict.by),
         resource: conflict.resource.clone(),
         since: conflict.since.seconds(),
         winner_priority: conflict.winner.total(),
@@ -112,17 +118,17 @@ fn unmet(agent: &Agent, reason: Reason) -> Unmet {
     }
 }
 
-fn subtasks(scene: &Scene<'_>, parent: TaskId) -> Result<Vec<Subtask>, RecordError> {
+fn subtasks(snapshot: &RecordSnapshot<'_>, parent: TaskId) -> Result<Vec<Subtask>, RecordError> {
     let mut subtasks = Vec::new();
-    let lives = |task: &&TaskRow| task.parent == Some(parent) && task.created <= scene.at;
-    for task in scene.tasks.iter().filter(lives) {
+    let lives = |task: &&TaskRow| task.parent == Some(parent) && task.created <= snapshot.at;
+    for task in snapshot.tasks.iter().filter(lives) {
         // A task that ended long ago and did not come back needs no look at its decisions.
-        if task.ended.is_some_and(|ended| ended <= scene.at) {
+        if task.ended.is_some_and(|ended| ended <= snapshot.at) {
             continue;
         }
-        let state = history::state_at(scene.reader, task.id, scene.at)?;
-        if state != "terminated" {
-            subtasks.push(Subtask { task: task.id.to_string(), goal: scene.whole_goal(task.id), state });
+        let state = snapshot.decisions().state(task.id)?.unwrap_or_else(|| TaskState::Pending.word().into());
+        if state != TaskState::Terminated.word() {
+            subtasks.push(Subtask { task: task.id.to_string(), goal: snapshot.whole_goal(task.id), state });
         }
     }
     Ok(subtasks)

@@ -1,10 +1,10 @@
 //! Why something is not: not created, not started, not gone on, not chosen, not granted, not visited.
 
-use super::absence::{self, Site};
+use super::absence::{self, ProgramStep};
 use super::answer::{Missing, TargetMoment, Why, WhyNot};
 use super::find;
 use super::phrase::Phrase;
-use super::scene::{Scene, place_text};
+use super::snapshot::{RecordSnapshot, place_text};
 use super::{target, things, why};
 use crate::error::RecordError;
 use crate::record::TaskRow;
@@ -14,29 +14,29 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 
 /// Answers `why-not` about `asked`.
-pub(super) fn answer(scene: Scene<'_>, asked: &str) -> Result<WhyNot, RecordError> {
-    let name = find::without_agent(asked, &scene.name)?.to_owned();
+pub(super) fn answer(snapshot: RecordSnapshot<'_>, asked: &str) -> Result<WhyNot, RecordError> {
+    let name = find::without_agent(asked, &snapshot.name)?.to_owned();
     if name.trim().is_empty() {
         return Err(RecordError::Question("The question names nothing.".into()));
     }
-    if let Some(id) = target::named(&scene, &name)? {
-        return of_target(scene, asked, &id);
+    if let Some(id) = snapshot.decisions().target_called(name.trim())? {
+        return of_target(snapshot, asked, &id);
     }
-    if let Some(answer) = of_procedure(&scene, asked, &name)? {
-        return finished(scene, answer);
+    if let Some(answer) = of_procedure(&snapshot, asked, &name)? {
+        return finished(snapshot, answer);
     }
-    if let Some(id) = instance(&scene, &name) {
-        return of_task(scene, asked, id);
+    if let Some(id) = instance(&snapshot, &name) {
+        return of_task(snapshot, asked, id);
     }
-    if let Some(answer) = of_resource(&scene, asked, &name)? {
-        return finished(scene, answer);
+    if let Some(answer) = of_resource(&snapshot, asked, &name)? {
+        return finished(snapshot, answer);
     }
-    if let Some(answer) = of_step(&scene, asked, &name)? {
-        return finished(scene, answer);
+    if let Some(answer) = of_step(&snapshot, asked, &name)? {
+        return finished(snapshot, answer);
     }
-    match find::find_task(&scene.tasks, &name, scene.at).map(|row| row.id) {
-        Ok(id) => of_task(scene, asked, id),
-        Err(error) => Err(find::of_no_agent(near(&scene, &name, error)?, &name, &scene.name)),
+    match find::find_task(&snapshot.tasks, &name, snapshot.at).map(|row| row.id) {
+        Ok(id) => of_task(snapshot, asked, id),
+        Err(error) => Err(find::of_no_agent(near(&snapshot, &name, error)?, &name, &snapshot.name)),
     }
 }
 
@@ -46,42 +46,42 @@ struct Draft {
     task: Option<TaskId>,
 }
 
-fn finished(scene: Scene<'_>, draft: Draft) -> Result<WhyNot, RecordError> {
+fn finished(snapshot: RecordSnapshot<'_>, draft: Draft) -> Result<WhyNot, RecordError> {
     let Draft { mut answer, task } = draft;
     if let Some(task) = task {
         let asked = answer.about.asked.clone();
-        answer.task = Some(Box::new(why::of_task(scene, task, "why-not", &asked)?));
+        answer.task = Some(Box::new(why::of_task(snapshot, task, "why-not", &asked)?));
     }
     Ok(answer)
 }
 
-fn draft(scene: &Scene<'_>, kind: &'static str, asked: &str, answer: String) -> WhyNot {
-    let about = scene.about("why-not", kind, asked);
+fn draft(snapshot: &RecordSnapshot<'_>, kind: &'static str, asked: &str, answer: String) -> WhyNot {
+    let about = snapshot.about("why-not", kind, asked);
     let (missing, target, others) = (Vec::new(), Vec::new(), Vec::new());
     WhyNot { about, answer, missing, task: None, target, others }
 }
 
 /// The task that is meant: by number, tag or goal, variables standing for anything; a living one before others, a later
 /// one before earlier ones.
-fn instance(scene: &Scene<'_>, name: &str) -> Option<TaskId> {
+fn instance(snapshot: &RecordSnapshot<'_>, name: &str) -> Option<TaskId> {
     let number = name.trim().trim_start_matches(['T', 't']).parse::<u64>().ok();
     if let Some(number) = number {
-        return scene.row(TaskId(number)).filter(|row| row.created <= scene.at).map(|row| row.id);
+        return snapshot.row(TaskId(number)).filter(|row| row.created <= snapshot.at).map(|row| row.id);
     }
     let phrase = Phrase::read(name);
     let listed = matches!(phrase, Phrase::List(_));
     let meant = |row: &&TaskRow| {
-        row.created <= scene.at
+        row.created <= snapshot.at
             && (row.tag.eq_ignore_ascii_case(name.trim())
                 || listed && phrase.is_telling() && Phrase::read(&row.goal).fits(&phrase))
     };
-    let lives = |row: &TaskRow| row.ended.is_none_or(|ended| ended > scene.at);
-    scene.tasks.iter().filter(meant).max_by_key(|row| (lives(row), row.id)).map(|row| row.id)
+    let lives = |row: &TaskRow| row.ended.is_none_or(|ended| ended > snapshot.at);
+    snapshot.tasks.iter().filter(meant).max_by_key(|row| (lives(row), row.id)).map(|row| row.id)
 }
 
-fn of_task(scene: Scene<'_>, asked: &str, id: TaskId) -> Result<WhyNot, RecordError> {
-    let mut answer = draft(&scene, "task", asked, String::new());
-    let task = why::of_task(scene, id, "why-not", asked)?;
+fn of_task(snapshot: RecordSnapshot<'_>, asked: &str, id: TaskId) -> Result<WhyNot, RecordError> {
+    let mut answer = draft(&snapshot, "task", asked, String::new());
+    let task = why::of_task(snapshot, id, "why-not", asked)?;
     answer.answer = sentence(&task);
     answer.task = Some(Box::new(task));
     Ok(answer)
@@ -104,42 +104,42 @@ fn sentence(task: &Why) -> String {
 }
 
 /// A step or goal of the program that no task stands for.
-fn of_step(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
-    let Some(agent) = scene.agent() else { return Ok(None) };
-    let all = absence::sites(agent);
+fn of_step(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
+    let Some(agent) = snapshot.agent() else { return Ok(None) };
+    let all = absence::program_steps(agent);
     let phrase = Phrase::read(name);
     let wanted = absence::named(&all, name.trim(), &phrase);
     if wanted.is_empty() {
-        return Ok(unasked(scene, asked, &phrase));
+        return Ok(unasked(snapshot, asked, &phrase));
     }
-    let mut answer = draft(scene, "step", asked, String::new());
-    let task = follow(scene, agent, &all, &wanted, &mut answer)?;
+    let mut answer = draft(snapshot, "step", asked, String::new());
+    let task = follow(snapshot, agent, &all, &wanted, &mut answer)?;
     let goal = answer.missing.first().map(|missing| missing.activity.clone()).unwrap_or_default();
     let state = task.and_then(|task| agent.task(task)).map(|task| task.state);
     let reason = match (task, state) {
         (None, _) => "nothing in the program leads to it".to_owned(),
-        (Some(task), Some(TaskState::Terminated) | None) => format!("{task} {} has ended", scene.goal(task)),
+        (Some(task), Some(TaskState::Terminated) | None) => format!("{task} {} has ended", snapshot.goal(task)),
         (Some(task), Some(TaskState::Ongoing)) => {
-            format!("{task} {} is ongoing, and does not lead to it now", scene.goal(task))
+            format!("{task} {} is ongoing, and does not lead to it now", snapshot.goal(task))
         }
-        (Some(task), Some(state)) => format!("all waits for {task} {}, which is {state}", scene.goal(task)),
+        (Some(task), Some(state)) => format!("all waits for {task} {}, which is {state}", snapshot.goal(task)),
     };
-    answer.answer = format!("No task pursues {goal} at {}: {reason}.", scene.at);
+    answer.answer = format!("No task pursues {goal} at {}: {reason}.", snapshot.at);
     Ok(Some(Draft { answer, task }))
 }
 
 /// Follows the missing steps up; fills in what is missing and what else may be meant.
 fn follow(
-    scene: &Scene<'_>,
+    snapshot: &RecordSnapshot<'_>,
     agent: &Agent,
-    all: &[Site],
-    wanted: &[Site],
+    all: &[ProgramStep],
+    wanted: &[ProgramStep],
     answer: &mut WhyNot,
 ) -> Result<Option<TaskId>, RecordError> {
-    let log = scene.log()?;
+    let log = snapshot.log()?;
     let found = absence::absence(agent, &log, all, wanted);
     let first = found.missing.first().map(|missing| missing.place.clone());
-    let other = |site: &&Site| site.get().is_some_and(|step| Some(place_text(agent, step.place)) != first);
+    let other = |site: &&ProgramStep| site.get().is_some_and(|step| Some(place_text(agent, step.place)) != first);
     answer.others =
         wanted.iter().filter(other).take(crate::limits::CANDIDATES_MAX).map(|site| site.text(agent)).collect();
     answer.missing = found.missing;
@@ -147,8 +147,8 @@ fn follow(
 }
 
 /// A procedure or primitive has this goal, and no step asks for it.
-fn unasked(scene: &Scene<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
-    let agent = scene.agent()?;
+fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
+    let agent = snapshot.agent()?;
     let telling = matches!(phrase, Phrase::List(_)) && phrase.is_telling();
     let procedures = agent.library.procedures.iter().map(|each| (&each.index, each.place, "procedure"));
     let primitives = agent.library.primitives.iter().map(|each| (&each.index, each.place, "primitive"));
@@ -156,13 +156,13 @@ fn unasked(scene: &Scene<'_>, asked: &str, phrase: &Phrase) -> Option<Draft> {
         procedures.chain(primitives).find(|(index, ..)| telling && Phrase::of_pattern(index).fits(phrase))?;
     let (index, place) = (explanation::pattern(index), place_text(agent, place));
     let text = format!("No step of the program asks for {asked}; only the {word} {index} at {place} would serve it.");
-    Some(Draft { answer: draft(scene, "procedure", asked, text), task: None })
+    Some(Draft { answer: draft(snapshot, "procedure", asked, text), task: None })
 }
 
 /// A procedure or primitive by its place: who could pursue it, and what is chosen instead.
-fn of_procedure(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
+fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
     let Some((file, line)) = name.trim().rsplit_once(':') else { return Ok(None) };
-    let (Ok(line), Some(agent)) = (line.parse::<u32>(), scene.agent()) else { return Ok(None) };
+    let (Ok(line), Some(agent)) = (line.parse::<u32>(), snapshot.agent()) else { return Ok(None) };
     let procedures = agent.library.procedures.iter().map(|each| (&each.index, each.place));
     let primitives = agent.library.primitives.iter().map(|each| (&each.index, each.place));
     let here = |place: apex_model::source::Place| {
@@ -176,10 +176,10 @@ fn of_procedure(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Dra
         return Ok(None);
     };
     let (phrase, words, place) = (Phrase::of_pattern(index), explanation::pattern(index), place_text(agent, place));
-    let goals = scene.tasks.iter().filter(|row| row.created <= scene.at && Phrase::read(&row.goal).fits(&phrase));
+    let goals = snapshot.tasks.iter().filter(|row| row.created <= snapshot.at && Phrase::read(&row.goal).fits(&phrase));
     let method = |row: &&TaskRow| row.method.as_ref().is_some_and(|method| method.ends_with(&place));
     let (mine, others): (Vec<&TaskRow>, Vec<&TaskRow>) = goals.partition(method);
-    let lives = |row: &&TaskRow| row.ended.is_none_or(|ended| ended > scene.at);
+    let lives = |row: &&TaskRow| row.ended.is_none_or(|ended| ended > snapshot.at);
     let chosen = others.into_iter().max_by_key(|row| (lives(row), row.id));
     let text = match (mine.last(), chosen) {
         (_, Some(row)) => format!(
@@ -189,28 +189,28 @@ fn of_procedure(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Dra
             row.method.as_deref().unwrap_or("nothing yet")
         ),
         (Some(row), None) => format!("{words} at {place} was chosen for {} {}.", row.id, row.goal),
-        (None, None) => return of_step(scene, asked, &words),
+        (None, None) => return of_step(snapshot, asked, &words),
     };
     let task = chosen.or(mine.last().copied()).map(|row| row.id);
-    Ok(Some(Draft { answer: draft(scene, "procedure", asked, text), task }))
+    Ok(Some(Draft { answer: draft(snapshot, "procedure", asked, text), task }))
 }
 
 /// A resource: who has it.
-fn of_resource(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
-    let Some(found) = things::of_resource(scene, name, "why-not")? else { return Ok(None) };
+fn of_resource(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Result<Option<Draft>, RecordError> {
+    let Some(found) = things::of_resource(snapshot, name, "why-not")? else { return Ok(None) };
     let names = |list: &[super::Holder]| {
         let names: Vec<String> = list.iter().map(|each| format!("{} {}", each.task, each.goal)).collect();
         names.join(" and ")
     };
     let text = match (found.holders.as_slice(), found.waiting.as_slice()) {
-        ([], []) => format!("{} is free at {}, and nobody waits for it.", found.resource, scene.at),
+        ([], []) => format!("{} is free at {}, and nobody waits for it.", found.resource, snapshot.at),
         (some, []) => {
-            format!("{} belongs to {} at {}, and nobody waits for it.", found.resource, names(some), scene.at)
+            format!("{} belongs to {} at {}, and nobody waits for it.", found.resource, names(some), snapshot.at)
         }
         ([], some) => format!(
             "{} is free at {}, and {} waits for it and for something else.",
             found.resource,
-            scene.at,
+            snapshot.at,
             names(some)
         ),
         (holders, some) => {
@@ -219,24 +219,24 @@ fn of_resource(scene: &Scene<'_>, asked: &str, name: &str) -> Result<Option<Draf
     };
     let first = found.waiting.first().or(found.holders.first()).map(|each| each.task.clone());
     let task = first.and_then(|task| task.trim_start_matches('T').parse().ok()).map(TaskId);
-    Ok(Some(Draft { answer: draft(scene, "resource", asked, text), task }))
+    Ok(Some(Draft { answer: draft(snapshot, "resource", asked, text), task }))
 }
 
 /// A target: what became of it, and the step of the plan that is to visit it.
-fn of_target(scene: Scene<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
-    let moments = target::moments(&scene, id)?;
-    let mut answer = draft(&scene, "target", asked, target_sentence(id, scene.at, moments.last()));
+fn of_target(snapshot: RecordSnapshot<'_>, asked: &str, id: &str) -> Result<WhyNot, RecordError> {
+    let moments = target::moments(&snapshot, id)?;
+    let mut answer = draft(&snapshot, "target", asked, target_sentence(id, snapshot.at, moments.last()));
     let done = moments.last().is_some_and(|last| last.state == "observed");
     answer.target = moments;
     let mut task = None;
-    if let Some(agent) = scene.agent().filter(|_| !done) {
-        let all = absence::sites(agent);
+    if let Some(agent) = snapshot.agent().filter(|_| !done) {
+        let all = absence::program_steps(agent);
         let wanted = absence::mentioning(&all, id);
         if !wanted.is_empty() {
-            task = follow(&scene, agent, &all, &wanted, &mut answer)?;
+            task = follow(&snapshot, agent, &all, &wanted, &mut answer)?;
         }
     }
-    finished(scene, Draft { answer, task })
+    finished(snapshot, Draft { answer, task })
 }
 
 fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
@@ -259,14 +259,14 @@ fn target_sentence(id: &str, at: Time, last: Option<&TargetMoment>) -> String {
 }
 
 /// The error with names that look like what was asked.
-fn near(scene: &Scene<'_>, name: &str, error: RecordError) -> Result<RecordError, RecordError> {
+fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result<RecordError, RecordError> {
     let RecordError::Question(text) = &error else { return Ok(error) };
     if text.contains("may be one of") || find::is_number(name) {
         return Ok(error);
     }
-    let mut known: Vec<String> = target::names(scene)?;
-    if let Some(agent) = scene.agent() {
-        for site in absence::sites(agent) {
+    let mut known: Vec<String> = snapshot.decisions().target_ids()?;
+    if let Some(agent) = snapshot.agent() {
+        for site in absence::program_steps(agent) {
             if let Some(step) = site.get() {
                 known.push(step.tag.to_string());
                 known.push(explanation::activity(&step.activity));
@@ -276,7 +276,7 @@ fn near(scene: &Scene<'_>, name: &str, error: RecordError) -> Result<RecordError
     }
     known.sort();
     known.dedup();
-    Ok(RecordError::Question(find::unknown(name, scene.at, &known)))
+    Ok(RecordError::Question(find::unknown(name, snapshot.at, &known)))
 }
 
 impl Missing {

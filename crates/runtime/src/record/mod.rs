@@ -1,4 +1,5 @@
-//! The flight record: one SQLite file per flight. Schema, writer, reader, restoring (`docs/reference/flight-record.md`).
+//! The flight record: one SQLite file per flight. Schema, writer, reader, restoring, and the
+//! view that answers questions (`docs/reference/flight-record.md`).
 
 mod codec;
 mod problems;
@@ -11,6 +12,7 @@ mod store;
 #[cfg(test)]
 mod tests;
 mod track;
+pub mod view;
 mod writer;
 
 pub use problems::{ProblemRow, SituationRow};

@@ -86,7 +86,7 @@ impl RecordReader {
         RecordReader::open_at(&self.path, agent)
     }
 
-    fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
+    pub(super) fn open_at(path: &Path, agent: usize) -> Result<RecordReader, RecordError> {
         let connection = schema::open(path)?;
         let fail = |error| read_error(path, "the agents", error);
         let agents = schema::agents(&connection).map_err(fail)?;
@@ -314,11 +314,6 @@ impl RecordReader {
             .query_row(sql, params![to.0], |row| Ok((row.get(0)?, row.get(1)?)))
             .optional()
             .map_err(|error| self.damaged("the snapshots", error))
-    }
-
-    /// For queries of other services of the shell.
-    pub(crate) fn connection(&self) -> &Connection {
-        &self.connection
     }
 
     fn rows<T>(

@@ -4,9 +4,9 @@
 use super::codec::{self, Variables};
 use super::store::Store;
 use super::track::{Track, TrackRow};
+use crate::effect_describer::{EffectDescriber, EffectRow, outcome_word};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
-use crate::narrator::{Narrator, Told, outcome_word};
 use crate::ports::{Deliberator, Observer, SolverAnswer};
 use apex_model::agent::Agent;
 use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
@@ -45,7 +45,7 @@ pub struct Recorder {
 
 /// What is kept of each agent while its steps are stored.
 struct RecordedAgent {
-    narrator: Narrator,
+    describer: EffectDescriber,
     snapshots: Snapshots,
 }
 
@@ -85,7 +85,9 @@ impl Recorder {
             stored_changes: 0,
         };
         for (agent, number) in library.crew().iter().zip(0_i64..) {
-            recorder.agents.push(RecordedAgent { narrator: Narrator::new(library), snapshots: Snapshots::default() });
+            recorder
+                .agents
+                .push(RecordedAgent { describer: EffectDescriber::new(library), snapshots: Snapshots::default() });
             let sql = "INSERT INTO agent VALUES (?1, ?2)";
             recorder.store.write("storing the agents", sql, params![number, agent.name.printed()])?;
         }
@@ -139,7 +141,7 @@ impl Recorder {
         if let Some(agent) = self.agents.get_mut(self.turn) {
             agent.snapshots.batches_since += 1;
             agent.snapshots.input_bytes_since += bytes.len();
-            agent.narrator.hear(batch);
+            agent.describer.hear(batch);
         }
         self.bytes = bytes;
         match self.track.as_mut().and_then(|track| track.hear(batch)) {
@@ -168,7 +170,7 @@ impl Recorder {
 
     fn store_effect(&mut self, effect: &Effect) -> Result<(), RecordError> {
         let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
-        let told = agent.narrator.tell(effect);
+        let told = agent.describer.tell(effect);
         let body = postcard::to_stdvec(effect).map_err(|error| self.store.unstorable(told.kind, error))?;
         self.effect += 1;
         let states = (told.from.map(TaskState::word), told.to.map(TaskState::word));
@@ -199,7 +201,7 @@ impl Recorder {
     }
 
     /// Brings the row of the decision's task up to date.
-    fn keep_task(&mut self, decision: &Decision, told: &Told) -> Result<(), RecordError> {
+    fn keep_task(&mut self, decision: &Decision, told: &EffectRow) -> Result<(), RecordError> {
         let Some(task) = decision.task.map(|task| task.0 as i64) else { return Ok(()) };
         let doing = "keeping the tasks";
         let (now, agent) = (self.store.now.0, self.turn as i64);
@@ -210,7 +212,7 @@ impl Recorder {
                 params![task, parent.map(|parent| parent.0 as i64), told.tag, told.subject, now, told.place, agent],
             ),
             DecisionKind::Selected { method, .. } => {
-                let method = self.agents.get(self.turn).map(|agent| agent.narrator.method(method));
+                let method = self.agents.get(self.turn).map(|agent| agent.describer.method(method));
                 self.store.write(
                     doing,
                     "UPDATE task SET goal = ?2, method = ?3 WHERE id = ?1 AND agent = ?4",

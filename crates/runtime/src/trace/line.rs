@@ -1,12 +1,16 @@
 //! One line of a trace. Keys and words are an interface: programs read them.
 
-use crate::narrator::{Narrator, Told, cause_text};
-use apex_model::effect::{DecisionKind, Effect};
+use super::field::{FieldValue, LineFormatter};
+use crate::effect_describer::{EffectDescriber, EffectRow, cause_text};
+use apex_model::effect::{Decision, DecisionKind, Effect};
 use apex_model::event::{Event, EventKind, Message, SolverReport, StateVariable};
 use apex_model::task::{TaskId, TaskState};
-use apex_model::time::{NANOSECONDS_PER_SECOND, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 /// Columns that the instant takes in text, so that lines of one hour stand under each other.
@@ -24,8 +28,8 @@ pub(super) struct Line {
     /// What the filter by object looks at besides the goal.
     pub(super) subject: String,
     pub(super) place: Option<String>,
-    /// Keys between `goal` and `cause`, with JSON texts.
-    fields: Vec<(&'static str, String)>,
+    /// Keys between `goal` and `cause`, with their values.
+    fields: Vec<(&'static str, FieldValue)>,
     cause: String,
     /// The sentence of the text form, without task, cause and place.
     words: String,
@@ -38,12 +42,11 @@ impl Line {
     }
 
     fn text_field(&mut self, key: &'static str, text: &str) -> &mut Line {
-        self.fields.push((key, json_text(text)));
-        self
+        self.field(key, FieldValue::Text(text.to_owned()))
     }
 
-    fn field(&mut self, key: &'static str, json: String) -> &mut Line {
-        self.fields.push((key, json));
+    fn field(&mut self, key: &'static str, value: impl Into<FieldValue>) -> &mut Line {
+        self.fields.push((key, value.into()));
         self
     }
 
@@ -75,16 +78,16 @@ impl Line {
                     Err(reason) => format!("{name} failed: {reason}"),
                 };
                 let mut line = line("acknowledged", name, words);
-                line.field("command", command.0.to_string());
+                line.field("command", command.0);
                 match result {
-                    Ok(value) => line.field("value", json_value(value)),
+                    Ok(value) => line.field("value", value),
                     Err(reason) => line.text_field("error", reason),
                 };
                 line
             }
             EventKind::SolverReported(request, report) => {
                 let mut line = line("solver", format!("request {}", request.0), String::new());
-                line.field("request", request.0.to_string());
+                line.field("request", request.0);
                 match report {
                     SolverReport::Plan(plan) => {
                         line.words = format!("{} answers request {}: {}", plan.solver, request.0, plan.summary);
@@ -100,7 +103,7 @@ impl Line {
             EventKind::OperatorAnswered(question, value) => {
                 let name = format!("question {}", question.0);
                 let mut line = line("answer", name.clone(), format!("operator answers {name}: {value}"));
-                line.field("question", question.0.to_string()).field("value", json_value(value));
+                line.field("question", question.0).field("value", value);
                 line
             }
             EventKind::Woken => line("wake", String::new(), "wake".into()),
@@ -110,7 +113,7 @@ impl Line {
     fn of_measurement(at: Time, variable: &StateVariable, value: &Value) -> Line {
         let name = variable.to_string();
         let mut line = Line::new(at, "measurement", name.clone(), format!("{name} = {value}"));
-        line.text_field("variable", &name).field("value", json_value(value));
+        line.text_field("variable", &name).field("value", value);
         line
     }
 
@@ -129,7 +132,7 @@ impl Line {
     }
 
     /// The line of an effect of the step at `now`.
-    pub(super) fn of_effect(now: Time, effect: &Effect, told: &Told, narrator: &Narrator) -> Line {
+    pub(super) fn of_effect(now: Time, effect: &Effect, told: &EffectRow, describer: &EffectDescriber) -> Line {
         let mut line = Line::new(now, told.kind, told.subject.clone(), String::new());
         line.task = told.task;
         line.goal = Arc::clone(&told.goal);
@@ -137,27 +140,27 @@ impl Line {
         match effect {
             Effect::Decided(decision) => {
                 line.cause.clone_from(&told.text);
-                line.decided(&decision.kind, told, narrator);
+                line.decided(decision, told, describer);
             }
             Effect::Command { command, because, .. } => {
                 line.cause = cause_text(because);
                 line.words = format!("command {} {}", command.0, told.subject);
-                line.field("command", command.0.to_string()).text_field("form", &told.subject);
+                line.field("command", command.0).text_field("form", &told.subject);
             }
             Effect::WithdrawCommand { command, reason } => {
                 line.words = format!("command {} withdrawn: {reason}", command.0);
-                line.field("command", command.0.to_string()).text_field("reason", reason);
+                line.field("command", command.0).text_field("reason", reason);
             }
             Effect::Solve(request) => {
                 line.words = format!("asks for a plan: {}", told.text);
-                line.field("request", request.request.0.to_string()).text_field("solver", request.solver.printed());
+                line.field("request", request.request.0).text_field("solver", request.solver.printed());
                 if let Some(budget) = request.budget {
-                    line.field("budget_s", seconds_text(Time(budget.0)));
+                    line.field("budget_s", Time(budget.0));
                 }
             }
             Effect::CancelSolve(request) => {
                 line.words = format!("request {} cancelled", request.0);
-                line.field("request", request.0.to_string());
+                line.field("request", request.0);
             }
             Effect::Inform { .. } => {
                 line.kind = "event";
@@ -170,19 +173,18 @@ impl Line {
             }
             Effect::Ask { question, options, by, default, .. } => {
                 line.words = format!("asks {:?} ({})", told.subject, told.text);
-                line.field("question", question.0.to_string()).text_field("text", &told.subject);
-                let options: Vec<String> = options.iter().map(json_value).collect();
-                line.field("options", format!("[{}]", options.join(",")));
+                line.field("question", question.0).text_field("text", &told.subject);
+                line.field("options", FieldValue::List(options.iter().map(FieldValue::from).collect()));
                 if let Some(by) = by {
-                    line.field("by", seconds_text(*by));
+                    line.field("by", *by);
                 }
                 if let Some(default) = default {
-                    line.field("default", json_value(default));
+                    line.field("default", default);
                 }
             }
             Effect::WithdrawQuestion { question, reason } => {
                 line.words = format!("question {} withdrawn: {reason}", question.0);
-                line.field("question", question.0.to_string()).text_field("reason", reason);
+                line.field("question", question.0).text_field("reason", reason);
             }
             Effect::Tell { to, message, .. } => {
                 let names: Vec<String> = to.iter().map(ToString::to_string).collect();
@@ -202,8 +204,8 @@ impl Line {
         line
     }
 
-    fn decided(&mut self, kind: &DecisionKind, told: &Told, narrator: &Narrator) {
-        match kind {
+    fn decided(&mut self, decision: &Decision, told: &EffectRow, describer: &EffectDescriber) {
+        match &decision.kind {
             DecisionKind::Created { parent, .. } => {
                 self.words = "created".into();
                 let tag = told.tag.as_deref().unwrap_or_default();
@@ -221,22 +223,22 @@ impl Line {
                 }
                 if let Some(value) = &told.value {
                     let _ = write!(self.words, " with {value}");
-                    self.field("value", json_value(value));
+                    self.field("value", value);
                 }
             }
             DecisionKind::Satisfied { clause, interval } => {
                 self.words = format!("{clause} satisfied");
                 self.text_field("clause", clause);
-                self.field("start", seconds_text(interval.0)).field("end", seconds_text(interval.1));
+                self.field("start", interval.0).field("end", interval.1);
             }
             DecisionKind::Bound { variable, value } => {
                 self.words.clone_from(&told.subject);
-                self.text_field("variable", &format!("?{variable}")).field("value", json_value(value));
+                self.text_field("variable", &format!("?{variable}")).field("value", value);
             }
             DecisionKind::Selected { method, .. } => {
-                let method = narrator.method(method);
+                let method = describer.method(method);
                 self.words = format!("selected {method}");
-                self.cause = told.text.strip_prefix(&format!("{method} because ")).unwrap_or(&told.text).to_owned();
+                self.cause = cause_text(&decision.because);
                 self.text_field("method", &method);
             }
             DecisionKind::Refused { winner, .. } => {
@@ -246,7 +248,7 @@ impl Line {
             DecisionKind::ProcedureAdded { request, summary, .. } => {
                 self.kind = "plan";
                 self.words = format!("plan added: {summary}");
-                self.field("request", request.0.to_string()).text_field("summary", summary);
+                self.field("request", request.0).text_field("summary", summary);
             }
             DecisionKind::Trouble { message } => {
                 self.words = format!("trouble: {message}");
@@ -256,27 +258,12 @@ impl Line {
     }
 
     /// `{"t":1.5,"kind":"transition","task":"T3","goal":"..",..,"cause":"..","place":".."}`
-    pub(super) fn json(&self) -> String {
-        let mut json = format!("{{\"t\":{},\"kind\":\"{}\"", seconds_text(self.at), self.kind);
-        let mut put = |key: &str, value: &str| {
-            let _ = write!(json, ",\"{key}\":{value}");
-        };
-        if let Some(agent) = &self.agent {
-            put("agent", &json_text(agent));
-        }
-        if let Some(task) = self.task {
-            put("task", &json_text(&task.to_string()));
-            put("goal", &json_text(&self.goal));
-        }
-        self.fields.iter().for_each(|(key, value)| put(key, value));
-        if !self.cause.is_empty() {
-            put("cause", &json_text(&self.cause));
-        }
-        if let Some(place) = &self.place {
-            put("place", &json_text(place));
-        }
-        json.push('}');
-        json
+    ///
+    /// # Errors
+    /// The output's own.
+    pub(super) fn write_json(&self, out: &mut impl Write) -> io::Result<()> {
+        let mut serializer = serde_json::Serializer::with_formatter(out, LineFormatter);
+        self.serialize(&mut serializer).map_err(io::Error::from)
     }
 
     /// `       12.5s  T3 (power-up camera-1): enabled -> ongoing because it was granted camera-1; from file.pdl:14:3`
@@ -305,50 +292,27 @@ impl Line {
     }
 }
 
-/// Seconds as the shortest exact decimal: `1.5`, `0.3`, `-2`, never `0.30000000000000004`.
-pub fn seconds_text(time: Time) -> String {
-    let total = time.0.unsigned_abs();
-    let second = NANOSECONDS_PER_SECOND.unsigned_abs();
-    let sign = if time.0 < 0 { "-" } else { "" };
-    let digits = format!("{:09}", total % second);
-    match digits.trim_end_matches('0') {
-        "" => format!("{sign}{}", total / second),
-        fraction => format!("{sign}{}.{fraction}", total / second),
-    }
-}
-
-fn json_text(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-/// A number for a plain number, PDL text in a string for everything else.
-fn json_value(value: &Value) -> String {
-    match value {
-        Value::Integer(integer) => integer.to_string(),
-        Value::Real(real) if real.is_finite() => format!("{real:?}"),
-        Value::Text(text) => json_text(text),
-        other => json_text(&other.to_string()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn seconds_are_exact_and_short() {
-        let cases =
-            [(300_000_000, "0.3"), (1_500_000_000, "1.5"), (-2_000_000_000, "-2"), (1, "0.000000001"), (0, "0")];
-        for (nanoseconds, text) in cases {
-            assert_eq!(seconds_text(Time(nanoseconds)), text);
+impl Serialize for Line {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("t", &FieldValue::Seconds(self.at))?;
+        map.serialize_entry("kind", self.kind)?;
+        if let Some(agent) = &self.agent {
+            map.serialize_entry("agent", &**agent)?;
         }
-    }
-
-    #[test]
-    fn values_are_json_whatever_they_hold() {
-        assert_eq!(json_value(&Value::Real(f64::NAN)), "\"NaN\"");
-        assert_eq!(json_value(&Value::Real(1e300)), "1e300");
-        assert_eq!(json_value(&Value::text("say \"hi\"\n")), r#""say \"hi\"\n""#);
-        assert_eq!(json_value(&Value::list([Value::Integer(1), Value::symbol("A")])), "\"(1 A)\"");
+        if let Some(task) = self.task {
+            map.serialize_entry("task", &task.to_string())?;
+            map.serialize_entry("goal", &*self.goal)?;
+        }
+        for (key, value) in &self.fields {
+            map.serialize_entry(key, value)?;
+        }
+        if !self.cause.is_empty() {
+            map.serialize_entry("cause", &self.cause)?;
+        }
+        if let Some(place) = &self.place {
+            map.serialize_entry("place", place)?;
+        }
+        map.end()
     }
 }

@@ -2,14 +2,15 @@
 //!
 //! Live it is an observer of a run; afterwards [`trace_record`] makes the same lines from a flight record.
 
+mod field;
 mod filter;
 mod line;
 
+pub use field::seconds_text;
 pub use filter::{KINDS, TraceFilter};
-pub use line::seconds_text;
 
+use crate::effect_describer::EffectDescriber;
 use crate::error::RecordError;
-use crate::narrator::Narrator;
 use crate::ports::Observer;
 use crate::record::RecordReader;
 use apex_model::effect::{DecisionKind, Effect, Method};
@@ -36,16 +37,16 @@ pub struct Tracer<W: Write> {
     out: W,
     format: TraceFormat,
     filter: TraceFilter,
-    voices: Vec<Voice>,
+    agents: Vec<AgentTrace>,
     /// Whose steps are told.
     turn: usize,
 }
 
 /// What must be known of an agent to tell its steps.
-struct Voice {
+struct AgentTrace {
     /// Its name, where several agents run.
     name: Option<Arc<str>>,
-    narrator: Narrator,
+    describer: EffectDescriber,
     tasks: BTreeMap<TaskId, Ancestry>,
 }
 
@@ -60,13 +61,13 @@ impl<W: Write> Tracer<W> {
     /// A tracer for a run of `library` with all of its agents, from the run's first step on.
     pub fn new(out: W, format: TraceFormat, filter: TraceFilter, library: &Library) -> Tracer<W> {
         let several = library.has_several_agents();
-        let voice = |agent: &AgentDeclaration| Voice {
+        let agent = |agent: &AgentDeclaration| AgentTrace {
             name: several.then(|| Arc::from(agent.name.printed())),
-            narrator: Narrator::new(library),
+            describer: EffectDescriber::new(library),
             tasks: BTreeMap::new(),
         };
-        let voices = library.crew().iter().map(voice).collect();
-        Tracer { out, format, filter, voices, turn: 0 }
+        let agents = library.crew().iter().map(agent).collect();
+        Tracer { out, format, filter, agents, turn: 0 }
     }
 
     /// Writes what is left and gives the output back.
@@ -79,16 +80,16 @@ impl<W: Write> Tracer<W> {
     }
 
     fn trace(&mut self, batch: &Batch, effects: &[Effect]) -> io::Result<()> {
-        let Some(voice) = self.voices.get_mut(self.turn) else { return Ok(()) };
-        voice.narrator.hear(batch);
+        let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
+        agent.describer.hear(batch);
         for event in &batch.events {
             self.write_own(Line::of_event(event))?;
         }
         for effect in effects {
-            let Some(voice) = self.voices.get_mut(self.turn) else { return Ok(()) };
-            voice.remember(effect);
-            let told = voice.narrator.tell(effect);
-            let line = Line::of_effect(batch.now, effect, &told, &voice.narrator);
+            let Some(agent) = self.agents.get_mut(self.turn) else { return Ok(()) };
+            agent.remember(effect);
+            let told = agent.describer.tell(effect);
+            let line = Line::of_effect(batch.now, effect, &told, &agent.describer);
             self.write_own(line)?;
         }
         Ok(())
@@ -96,7 +97,7 @@ impl<W: Write> Tracer<W> {
 
     /// Writes a line of the agent whose turn it is.
     fn write_own(&mut self, mut line: Line) -> io::Result<()> {
-        line.agent = self.voices.get(self.turn).and_then(|voice| voice.name.clone());
+        line.agent = self.agents.get(self.turn).and_then(|agent| agent.name.clone());
         self.write(&line)
     }
 
@@ -104,25 +105,25 @@ impl<W: Write> Tracer<W> {
         if !self.filter.admits(line) || !self.is_of_procedure(line) {
             return Ok(());
         }
-        let text = match self.format {
-            TraceFormat::JsonLines => line.json(),
-            TraceFormat::Text => line.text(),
-        };
-        writeln!(self.out, "{text}")
+        match self.format {
+            TraceFormat::JsonLines => line.write_json(&mut self.out)?,
+            TraceFormat::Text => self.out.write_all(line.text().as_bytes())?,
+        }
+        self.out.write_all(b"\n")
     }
 
     /// The place filter admits what the procedure's own lines caused, its tasks, and the tasks of its steps.
     fn is_of_procedure(&self, line: &Line) -> bool {
         let Some(place) = &self.filter.place else { return true };
-        let Some(voice) = self.voices.get(self.turn) else { return true };
-        let own = line.task.and_then(|task| voice.tasks.get(&task));
-        let parent = own.and_then(|own| own.parent).and_then(|parent| voice.tasks.get(&parent));
+        let Some(agent) = self.agents.get(self.turn) else { return true };
+        let own = line.task.and_then(|task| agent.tasks.get(&task));
+        let parent = own.and_then(|own| own.parent).and_then(|parent| agent.tasks.get(&parent));
         let methods = [own, parent].into_iter().flatten().filter_map(|ancestry| ancestry.method.as_deref());
         methods.chain(line.place.as_deref()).any(|found| filter::is_place_within(found, place))
     }
 }
 
-impl Voice {
+impl AgentTrace {
     fn remember(&mut self, effect: &Effect) {
         let Effect::Decided(decision) = effect else { return };
         let Some(task) = decision.task else { return };
@@ -131,7 +132,7 @@ impl Voice {
                 self.tasks.insert(task, Ancestry { parent: *parent, method: None });
             }
             DecisionKind::Selected { method: Method::Procedure(place) | Method::Primitive(place), .. } => {
-                self.tasks.entry(task).or_default().method = Some(self.narrator.place(*place));
+                self.tasks.entry(task).or_default().method = Some(self.describer.place(*place));
             }
             _ => {}
         }

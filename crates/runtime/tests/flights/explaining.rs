@@ -2,12 +2,21 @@
 
 use crate::support::{camera, load};
 use apex_model::time::Time;
-use apex_runtime::explain::why;
+use apex_runtime::explain::{Answer, Explainer, Question, Why};
+use apex_runtime::record::RecordReader;
+
+fn why(reader: &RecordReader, name: &str, seconds: f64) -> Why {
+    let question = Question::new(name, Time::from_seconds(seconds));
+    match Explainer::new(reader, &load).why(&question).unwrap() {
+        Answer::Task(why) => *why,
+        other => panic!("{name} is no task: {other}"),
+    }
+}
 
 #[test]
 fn why_a_task_waits_and_since_when() {
     let reader = camera().reader_kept();
-    let waiting = why(&reader.0, "high", Time::from_seconds(2.0), &load).unwrap();
+    let waiting = why(&reader.0, "high", 2.0);
     assert_eq!(waiting.state, "pending");
     assert_eq!(waiting.waiting.len(), 1, "{waiting:?}");
     assert!(waiting.waiting[0].now.contains("(altitude ac-1) = 6500"), "{waiting:?}");
@@ -19,24 +28,24 @@ fn why_a_task_waits_and_since_when() {
 #[test]
 fn why_a_task_is_interrupted_and_by_whom() {
     let reader = camera().reader_kept();
-    let interrupted = why(&reader.0, "patrol", Time::from_seconds(5.0), &load).unwrap();
+    let interrupted = why(&reader.0, "patrol", 5.0);
     assert_eq!(interrupted.state, "interrupted");
     let blocked = interrupted.blocked.clone().unwrap();
     assert_eq!((blocked.goal.as_str(), blocked.resource.as_str()), ("(look-at fire)", "flight-path"));
     assert!((blocked.since - 3.5).abs() < 1e-9 && blocked.winner_priority > blocked.loser_priority);
     assert!(interrupted.to_string().contains("It lost flight-path to T2 (look-at fire) at 3.5s"), "{interrupted}");
-    let later = why(&reader.0, "patrol", Time::from_seconds(10.0), &load).unwrap();
+    let later = why(&reader.0, "patrol", 10.0);
     assert_eq!((later.state.as_str(), later.blocked), ("ongoing", None));
 }
 
 #[test]
 fn why_a_task_ended_and_what_an_ongoing_one_works_through() {
     let reader = camera().reader_kept();
-    let ended = why(&reader.0, "look-at fire", Time::from_seconds(19.0), &load).unwrap();
+    let ended = why(&reader.0, "look-at fire", 19.0);
     assert_eq!((ended.state.as_str(), ended.waiting.len()), ("terminated", 0));
     let last = ended.history.last().unwrap();
     assert!(last.because.contains("its duration of P5S is over"), "{ended}");
-    let root = why(&reader.0, "T0", Time::from_seconds(2.0), &load).unwrap();
+    let root = why(&reader.0, "T0", 2.0);
     assert_eq!(root.goal, "(do-domain)");
     assert!(root.subtasks.iter().any(|task| task.goal == "(patrol)" && task.state == "ongoing"), "{root}");
     let json = serde_json::to_value(&root).unwrap();

@@ -6,31 +6,11 @@
 
 pub mod story;
 
+use apex_model::library::Library;
+use apex_runtime::record::{RecordOptions, Recorder};
 use rusqlite::{Connection, params};
 use std::path::Path;
 use story::{Entry, Sample, Story};
-
-const SCHEMA: &str = "
-PRAGMA application_id = 0x41504558;
-PRAGMA user_version = 4;
-PRAGMA journal_mode = WAL;
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT);
-CREATE TABLE source (position INTEGER PRIMARY KEY, name TEXT, role TEXT, body BLOB);
-CREATE TABLE variable (id INTEGER PRIMARY KEY, name TEXT);
-CREATE TABLE agent (id INTEGER PRIMARY KEY, name TEXT);
-INSERT INTO agent VALUES (0, 'predator-1');
-CREATE TABLE batch (id INTEGER PRIMARY KEY, t_ns INTEGER, events BLOB);
-CREATE TABLE effect (id INTEGER PRIMARY KEY, batch INTEGER, t_ns INTEGER, kind TEXT, task INTEGER, from_state TEXT,
-  to_state TEXT, outcome TEXT, subject TEXT, text TEXT, place TEXT, body BLOB);
-CREATE TABLE task (id INTEGER PRIMARY KEY, parent INTEGER, tag TEXT, goal TEXT, created_ns INTEGER, ended_ns INTEGER,
-  outcome TEXT, method TEXT, place TEXT);
-CREATE TABLE snapshot (batch INTEGER PRIMARY KEY, t_ns INTEGER, body BLOB);
-CREATE TABLE track (t_ns INTEGER PRIMARY KEY, latitude_deg REAL, longitude_deg REAL, altitude_m REAL,
-  heading_deg REAL, roll_deg REAL, ground_speed_mps REAL, fuel_kg REAL);
-CREATE TABLE target (id TEXT PRIMARY KEY, name TEXT, latitude_deg REAL, longitude_deg REAL, value REAL, geometry TEXT);
-CREATE TABLE target_state (target TEXT, t_ns INTEGER, state TEXT, detail TEXT);
-CREATE TABLE report (position INTEGER PRIMARY KEY, section TEXT, body TEXT);
-";
 
 /// A record on disk that can be written bit by bit, as a live flight does.
 pub struct Writer {
@@ -42,20 +22,25 @@ pub struct Writer {
 impl Writer {
     /// A new record at `path` with the mission's files and targets, and nothing flown.
     pub fn new(path: &Path, story: &Story) -> Writer {
+        // The tables are the recorder's; the rows are made up.
+        drop(Recorder::create(path, &Library::default(), RecordOptions::default()).unwrap());
         let connection = Connection::open(path).unwrap();
-        connection.execute_batch(SCHEMA).unwrap();
         let meta = [
-            ("apex_version", "0.1.0"),
             ("mission", "western-states"),
             ("agent", "pilot-1"),
             ("vehicle", "predator-b"),
             ("epoch_utc", "2007-09-08T01:00:00Z"),
         ];
         for (key, value) in meta {
-            connection.execute("INSERT INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+            connection.execute("INSERT OR REPLACE INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
         }
         let pdl = story::PDL.as_bytes();
-        connection.execute("INSERT INTO source VALUES (1, 'western-states.pdl', 'pdl', ?1)", [pdl]).unwrap();
+        connection
+            .execute(
+                "INSERT INTO source (position, name, role, body) VALUES (1, 'western-states.pdl', 'pdl', ?1)",
+                [pdl],
+            )
+            .unwrap();
         for target in &story.targets {
             let row = params![target.id, target.name, target.latitude_deg, target.longitude_deg, target.value, ""];
             connection.execute("INSERT INTO target VALUES (?1, ?2, ?3, ?4, ?5, ?6)", row).unwrap();
@@ -80,7 +65,7 @@ impl Writer {
     pub fn complete(self, story: &Story) {
         let end = story.end_ns().to_string();
         for (key, value) in [("end_ns", end.as_str()), ("end_reason", "the root task ended"), ("complete", "1")] {
-            self.connection.execute("INSERT INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
+            self.connection.execute("INSERT OR REPLACE INTO meta VALUES (?1, ?2)", [key, value]).unwrap();
         }
         let sections = [
             ("score", r#"{"score": 0.87, "value_observed": 38.5, "value_possible": 44.2}"#),
@@ -96,12 +81,14 @@ impl Writer {
 
     fn entry(&mut self, t_ns: i64, entry: &Entry) {
         self.batches += 1;
-        self.connection.execute("INSERT INTO batch VALUES (?1, ?2, x'')", params![self.batches, t_ns]).unwrap();
+        self.connection
+            .execute("INSERT INTO batch (id, t_ns, events, agent) VALUES (?1, ?2, x'', 0)", params![self.batches, t_ns])
+            .unwrap();
         match entry {
             Entry::Created { task, parent, tag, goal, place, text } => {
                 let row = params![*task as i64, parent.map(|id| id as i64), tag, goal, t_ns, place];
                 self.connection
-                    .execute("INSERT INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6)", row)
+                    .execute("INSERT INTO task VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, NULL, ?6, 0)", row)
                     .unwrap();
                 self.effect(t_ns, "created", Some(*task), [None, None, None], goal, text, place);
             }
@@ -143,7 +130,7 @@ impl Writer {
         let task = task.map(|id| id as i64);
         let row = params![self.effects, self.batches, t_ns, kind, task, from, to, outcome, subject, text, place];
         self.connection
-            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'')", row)
+            .execute("INSERT INTO effect VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, x'', 0)", row)
             .unwrap();
     }
 

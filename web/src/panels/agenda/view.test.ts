@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Task } from '../../record/types';
-import { counts, neighbour, rowsOf, slice, stateWord, tone } from './view';
+import { counts, neighbour, rowsOf, slice, stateLabel, tone } from './view';
 
 function task(
   id: number,
@@ -45,10 +45,10 @@ describe('the tree', () => {
 
 describe('a row', () => {
   it('says how a task ended', () => {
-    expect(stateWord(task(1, null))).toBe('ongoing');
-    expect(stateWord(task(1, null, 'terminated', 'success'))).toBe('done');
-    expect(stateWord(task(1, null, 'terminated', 'failure'))).toBe('failed');
-    expect(stateWord(task(1, null, 'terminated'))).toBe('ended');
+    expect(stateLabel(task(1, null))).toBe('ongoing');
+    expect(stateLabel(task(1, null, 'terminated', 'success'))).toBe('done');
+    expect(stateLabel(task(1, null, 'terminated', 'failure'))).toBe('failed');
+    expect(stateLabel(task(1, null, 'terminated'))).toBe('ended');
     expect(tone(task(1, null, 'terminated', 'failure'))).toBe('skipped');
   });
 

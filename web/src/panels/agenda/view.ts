@@ -44,7 +44,7 @@ function opensByItself(task: Task, depth: number): boolean {
 }
 
 /** The word for a task's state: how it ended, when it has. */
-export function stateWord(task: Task): string {
+export function stateLabel(task: Task): string {
   if (task.state !== 'terminated') return task.state;
   const outcome = (task.outcome ?? '').toLowerCase();
   if (outcome.startsWith('success')) return 'done';
@@ -55,7 +55,7 @@ export function stateWord(task: Task): string {
 
 /** The colour's name for a task: failures stand out among what has ended. */
 export function tone(task: Task): string {
-  const word = stateWord(task);
+  const word = stateLabel(task);
   if (word === 'failed') return 'skipped';
   return word === 'done' ? 'observed' : task.state;
 }

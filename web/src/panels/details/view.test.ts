@@ -1,25 +1,51 @@
 import { describe, expect, it } from 'vitest';
-import type { Cause, Why } from '../../record/types';
-import { hasSource, logLines, reportView, snippetLines, toneOf, whyView, withoutPlace } from './view';
+import type { EventRow, Moment, TaskExplanation, Why } from '../../record/types';
+import { hasSource, logLines, reportView, snippetLines, toneOf, whyView } from './view';
 
-function cause(id: number, more: Partial<Cause> = {}): Cause {
+function moment(id: number, more: Partial<Moment> = {}): Moment {
   return {
     id,
-    t_ns: id * 1e9,
+    t: id,
     kind: 'transition',
-    heading: 'started',
-    task: 4,
-    from_state: 'enabled',
-    to_state: 'ongoing',
-    outcome: null,
-    subject: null,
-    text: 'it needs no resources; from a.pdl:3:1',
+    what: 'enabled -> ongoing',
+    because: 'it needs no resources',
     place: 'a.pdl:3:1',
+    from: 'enabled',
+    to: 'ongoing',
+    outcome: null,
+    subject: '(take-off)',
+    method: null,
+    cause: { kind: 'resources-granted', parts: [], evidence: [] },
     ...more,
   };
 }
 
-const why: Why = {
+const explanation: Why = {
+  version: 1,
+  question: 'why',
+  kind: 'task',
+  asked: 'T4',
+  agent: 'pilot',
+  t: 65,
+  task: 'T4',
+  tag: 's1',
+  goal: '(take-off)',
+  state: 'ongoing',
+  since: 5,
+  outcome: null,
+  priority: 3,
+  holds: [],
+  method: 'primitive a.pdl:9:1',
+  place: 'a.pdl:3:1',
+  because: null,
+  choices: [],
+  history: [moment(1), moment(2)],
+  waiting: [],
+  blocked: null,
+  subtasks: [],
+};
+
+const why: TaskExplanation = {
   at_ns: 65e9,
   task: {
     id: 4,
@@ -30,59 +56,112 @@ const why: Why = {
     outcome: null,
     since_ns: 5e9,
     created_ns: 0,
-    method: 'primitive at a.pdl:9:1',
+    method: 'primitive a.pdl:9:1',
     place: 'a.pdl:3:1',
   },
-  now: 'T4 is ongoing; because it needs no resources',
-  because: [cause(1), cause(2)],
+  now: 'T4 is ongoing because it needs no resources',
+  explanation,
   left_out: false,
   children: [],
-  explainer: null,
-  explainer_error: null,
+  explanation_error: null,
 };
 
+function withHistory(...history: Moment[]): TaskExplanation {
+  return { ...why, explanation: { ...explanation, history } };
+}
+
 describe('why', () => {
-  it('has the newest cause first, with its place as a link and not in the text', () => {
+  it('has the newest moment first, with its place as a link beside the text', () => {
     const view = whyView(why, null);
     expect(view.causes.map(entry => entry.id)).toEqual([2, 1]);
-    expect(view.causes[0]?.text).toBe('it needs no resources');
-    expect(view.causes[0]?.place).toBe('a.pdl:3:1');
+    expect(view.causes[0]).toMatchObject({ atNs: 2e9, text: 'it needs no resources', places: ['a.pdl:3:1'] });
     expect(view.facts.find(fact => fact.name === 'for')?.value).toBe('1 min 00 s');
   });
 
-  it('adds what the explainer says and passes over what it does not understand', () => {
-    const waiting = [
-      { what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' },
-      { what: 'x' },
-      3,
-      { now: 'y' },
-    ];
+  it('names what happened from the fields of a moment', () => {
+    const selected = moment(3, {
+      kind: 'selected',
+      from: null,
+      to: null,
+      because: 'it is the most specific of 2 matches',
+      method: { kind: 'procedure', place: 'a.pdl:9:1', name: null },
+    });
+    const print = moment(4, { kind: 'print', what: 'prints hello', because: '', subject: '', place: null });
+    const refused = moment(5, { kind: 'refused', subject: 'camera-1', because: 'T9 outranks it' });
+    const view = whyView(
+      withHistory(
+        moment(1, { kind: 'created', from: null, to: null }),
+        moment(2, { from: 'interrupted' }),
+        selected,
+        print,
+        refused,
+        moment(6, { to: 'terminated', outcome: 'success' }),
+      ),
+      null,
+    );
+    expect(view.causes.reverse().map(({ heading, text }) => [heading, text])).toEqual([
+      ['created', 'it needs no resources'],
+      ['resumed', 'it needs no resources'],
+      ['method selected', 'procedure — it is the most specific of 2 matches'],
+      ['print', 'prints hello'],
+      ['resource refused', 'camera-1 — T9 outranks it'],
+      ['ended: success', 'it needs no resources'],
+    ]);
+    expect(view.causes[2]?.places).toEqual(['a.pdl:3:1', 'a.pdl:9:1']);
+  });
+
+  it('says what is waited for and who has the resource', () => {
+    const waiting = {
+      kind: 'condition',
+      what: '(on camera-1)',
+      now: 'off',
+      since: null,
+      until: null,
+      distance: null,
+      task: null,
+      place: 'a.pdl:4:2',
+    };
     const blocked = {
       by: 'T9',
       goal: '(pan)',
       resource: 'camera',
+      since: 4,
+      winner_priority: 7.1,
+      loser_priority: 3,
+      winner_cost: 0.1,
+      loser_cost: 0,
       strengths: '7 + interrupt cost 0.1 against 3',
     };
-    const view = whyView({ ...why, explainer: { waiting, blocked } }, '2007-09-08T01:00:00Z');
+    const full = { ...why, explanation: { ...explanation, waiting: [waiting], blocked } };
+    const view = whyView(full, '2007-09-08T01:00:00Z');
     expect(view.sentences).toEqual([
       why.now,
       'camera is with T9 (pan), priority 7 + interrupt cost 0.1 against 3',
     ]);
-    expect(view.waiting).toEqual([
-      { what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' },
-      { what: 'x', now: '', place: null },
-    ]);
-    expect(whyView({ ...why, explainer: { waiting: 5, blocked: 'no' } }, null).sentences).toEqual([why.now]);
+    expect(view.waiting).toEqual([{ what: '(on camera-1)', now: 'off', place: 'a.pdl:4:2' }]);
     expect(view.facts[0]?.value).toBe('T+0:00:05 · 2007-09-08 01:00:05Z');
   });
 });
 
 it('the log names ends by their outcome, and trouble by its colour', () => {
-  const lines = logLines([cause(1), cause(2, { outcome: 'failure', to_state: 'terminated' })]);
+  const event = (id: number, more: Partial<EventRow>): EventRow => ({
+    id,
+    t_ns: id * 1e9,
+    kind: 'transition',
+    task: 4,
+    from_state: 'enabled',
+    to_state: 'ongoing',
+    outcome: null,
+    subject: '(take-off)',
+    text: 'it needs no resources',
+    place: 'a.pdl:3:1',
+    ...more,
+  });
+  const lines = logLines([event(1, {}), event(2, { outcome: 'failure', to_state: 'terminated' })]);
   expect(lines.map(line => line.what)).toEqual(['failure', 'ongoing']);
+  expect(lines[1]?.text).toBe('(take-off) — it needs no resources');
   expect(lines[0]?.tone).toBe('skipped');
-  expect(toneOf(cause(3, { kind: 'refused' }))).toBe('interrupted');
-  expect(withoutPlace('all is well', 'b:1:1')).toBe('all is well');
+  expect(toneOf('refused', null, null)).toBe('interrupted');
 });
 
 it('a report of any JSON can be drawn', () => {

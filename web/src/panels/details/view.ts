@@ -1,7 +1,7 @@
 /** What is told about one task, the log and the report; pure. */
 
-import type { EventRow, Report, Snippet, Task, Why } from '../../record/types';
-import { civilTime, missionTime, span } from '../../time/format';
+import type { Blocked, EventRow, Moment, Report, Snippet, Task, TaskExplanation } from '../../record/types';
+import { civilTime, missionTime, NANOSECONDS_PER_SECOND, span } from '../../time/format';
 
 export interface CauseView {
   id: number;
@@ -10,7 +10,8 @@ export interface CauseView {
   heading: string;
   tone: string;
   text: string;
-  place: string | null;
+  /** Places in PDL: the clause, then the selected method. */
+  places: string[];
 }
 
 export interface WhyView {
@@ -21,26 +22,64 @@ export interface WhyView {
   facts: { name: string; value: string }[];
 }
 
-export function whyView(why: Why, epochUtc: string | null): WhyView {
-  const { task } = why;
+export function whyView(why: TaskExplanation, epochUtc: string | null): WhyView {
+  const { task, explanation } = why;
   return {
-    sentences: [why.now, ...blockedOf(why.explainer?.blocked)],
-    waiting: waitingOf(why.explainer?.waiting),
-    causes: why.because
-      .map(cause => ({
-        id: cause.id,
-        atNs: cause.t_ns,
-        time: missionTime(cause.t_ns),
-        heading: cause.heading,
-        tone: toneOf(cause),
-        text: [subjectOf(cause, task.goal), withoutPlace(cause.text, cause.place)]
-          .filter(Boolean)
-          .join(' — '),
-        place: cause.place,
-      }))
-      .reverse(),
+    sentences: [why.now, ...blockedSentences(explanation.blocked)],
+    waiting: explanation.waiting.map(({ what, now, place }) => ({ what, now, place })),
+    causes: explanation.history.map(moment => causeView(moment, task.goal)).reverse(),
     facts: facts(task, why.at_ns, epochUtc),
   };
+}
+
+function causeView(moment: Moment, goal: string): CauseView {
+  const atNs = Math.round(moment.t * NANOSECONDS_PER_SECOND);
+  return {
+    id: moment.id,
+    atNs,
+    time: missionTime(atNs),
+    heading: headingOf(moment),
+    tone: toneOf(moment.kind, moment.to, moment.outcome),
+    text: moment.because === '' ? moment.what : joined(subjectOf(moment, goal), moment.because),
+    places: [moment.place, moment.method?.place ?? null].filter(place => place !== null),
+  };
+}
+
+/** Two or three words: `created`, `started`, `interrupted`, `ended: success`. */
+function headingOf({ kind, from, to, outcome }: Moment): string {
+  switch (kind) {
+    case 'transition':
+      if (to === 'terminated') return outcome ? `ended: ${outcome}` : 'ended';
+      if (to === 'ongoing') return from === 'interrupted' ? 'resumed' : 'started';
+      return to ?? kind;
+    case 'satisfied':
+      return 'condition satisfied';
+    case 'bound':
+      return 'variable bound';
+    case 'selected':
+      return 'method selected';
+    case 'refused':
+      return 'resource refused';
+    default:
+      return kind;
+  }
+}
+
+/** What a moment is about, unless the panel's title says it. */
+function subjectOf(moment: Moment, goal: string): string {
+  const { method, subject } = moment;
+  if (method) return method.name ? `${method.kind} ${method.name}` : method.kind;
+  return subject === goal ? '' : subject;
+}
+
+function joined(...parts: (string | null)[]): string {
+  return parts.filter(Boolean).join(' — ');
+}
+
+function blockedSentences(blocked: Blocked | null): string[] {
+  if (!blocked) return [];
+  const { resource, by, goal, strengths } = blocked;
+  return [`${resource} is with ${by} ${goal}, priority ${strengths}`];
 }
 
 function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['facts'] {
@@ -56,45 +95,12 @@ function facts(task: Task, atNs: number, epochUtc: string | null): WhyView['fact
   return list.filter(fact => fact.value !== '');
 }
 
-/** The causes' own texts end with their place; the page shows places as links. */
-export function withoutPlace(text: string | null, place: string | null): string {
-  if (!text) return '';
-  return place && text.endsWith(`; from ${place}`) ? text.slice(0, -`; from ${place}`.length) : text;
-}
-
-/** What an event is about, unless that is said already. */
-function subjectOf(event: EventRow, said: string): string {
-  return event.subject === null || event.subject === said ? '' : event.subject;
-}
-
-/** The colour's name for an event. */
-export function toneOf(event: EventRow): string {
-  if (event.kind === 'trouble' || event.outcome?.startsWith('fail')) return 'skipped';
-  if (event.outcome?.startsWith('success')) return 'observed';
-  if (event.kind === 'transition') return event.to_state ?? 'pending';
-  return event.kind === 'refused' ? 'interrupted' : 'planned';
-}
-
-/** The parts of conditions that do not hold yet, as the explainer names them; members of another shape are passed over. */
-function waitingOf(value: unknown): WhyView['waiting'] {
-  if (!Array.isArray(value)) return [];
-  return value.filter(isObject).flatMap(({ what, now, place }) => {
-    if (typeof what !== 'string') return [];
-    return { what, now: textOr(now, ''), place: typeof place === 'string' ? place : null };
-  });
-}
-
-function blockedOf(value: unknown): string[] {
-  if (!isObject(value) || typeof value.by !== 'string') return [];
-  const { by, strengths } = value;
-  const priorities = typeof strengths === 'string' ? `, priority ${strengths}` : '';
-  return [
-    `${textOr(value.resource, 'Its resource')} is with ${by} ${textOr(value.goal, '')}${priorities}`.trim(),
-  ];
-}
-
-function textOr(value: unknown, otherwise: string): string {
-  return typeof value === 'string' ? value : otherwise;
+/** The colour's name for a decision. */
+export function toneOf(kind: string, to: string | null, outcome: string | null): string {
+  if (kind === 'trouble' || outcome?.startsWith('fail')) return 'skipped';
+  if (outcome?.startsWith('success')) return 'observed';
+  if (kind === 'transition') return to ?? 'pending';
+  return kind === 'refused' ? 'interrupted' : 'planned';
 }
 
 /** The kinds of events that the log can be narrowed to. */
@@ -126,8 +132,8 @@ export function logLines(events: readonly EventRow[]): LogLine[] {
       time: missionTime(event.t_ns),
       task: event.task,
       what: event.kind === 'transition' ? (event.outcome ?? event.to_state ?? '') : event.kind,
-      text: [subjectOf(event, ''), withoutPlace(event.text, event.place)].filter(Boolean).join(' — '),
-      tone: toneOf(event),
+      text: joined(event.subject, event.text),
+      tone: toneOf(event.kind, event.to_state, event.outcome),
     }))
     .reverse();
 }

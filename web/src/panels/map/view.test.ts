@@ -53,6 +53,9 @@ describe('targets', () => {
     longitude_deg: -119.8,
     value: 5,
     geometry: null,
+    state: null,
+    detail: null,
+    since_ns: null,
     history: [
       { t_ns: 10, state: 'observing', detail: null },
       { t_ns: 10, state: 'observed', detail: 'three lines' },

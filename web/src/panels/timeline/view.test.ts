@@ -96,6 +96,9 @@ it('visits last from observing to the result; a skipped target is a mark', () =>
     longitude_deg: 0,
     value: 1,
     geometry: null,
+    state: null,
+    detail: null,
+    since_ns: null,
     history: history.map(([t_ns, state]) => ({ t_ns, state, detail: null })),
   });
   const visits = visitsOf(

@@ -1,8 +1,9 @@
-//! The scene of a question: a record at an instant, its tasks, and the agent as it was then.
+//! A record at the instant of a question: its tasks, and the agent as it was then.
 
 use super::answer::{About, EXPLANATION_VERSION};
 use super::log::Log;
 use crate::error::RecordError;
+use crate::record::view::decisions::Decisions;
 use crate::record::{LoadProgram, RecordReader, TaskRow};
 use apex_executive::{Agent, explanation};
 use apex_model::effect::Method;
@@ -35,22 +36,23 @@ impl Question {
 }
 
 /// A record at an instant.
-pub(super) struct Scene<'a> {
+pub(super) struct RecordSnapshot<'a> {
     pub(super) reader: &'a RecordReader,
     pub(super) at: Time,
     pub(super) depth: usize,
     pub(super) tasks: Vec<TaskRow>,
     pub(super) name: String,
-    agent: Result<Box<Agent>, RecordError>,
+    /// The agent as it was; none if it is not asked for.
+    agent: Option<Result<Box<Agent>, RecordError>>,
 }
 
-impl<'a> Scene<'a> {
-    /// Sets the scene of `question`.
+impl<'a> RecordSnapshot<'a> {
+    /// The snapshot that `question` asks about; without `load` the agent is not restored.
     pub(super) fn set(
         reader: &'a RecordReader,
         question: &Question,
-        load: LoadProgram<'_>,
-    ) -> Result<Scene<'a>, RecordError> {
+        load: Option<LoadProgram<'_>>,
+    ) -> Result<RecordSnapshot<'a>, RecordError> {
         let Some((start, end)) = reader.span()? else {
             return Err(RecordError::Question("Nothing happened yet: the record holds no steps.".into()));
         };
@@ -58,29 +60,35 @@ impl<'a> Scene<'a> {
         if at < start {
             return Err(RecordError::Question(format!("The flight begins at {start}; nothing was decided by {at}.")));
         }
-        let agent = reader.restore(at, load).map(|mut agent| {
+        let agent = load.map(|load| {
+            let mut agent = Box::new(reader.restore(at, load)?);
             // Nothing happens between the last step and `at`, but silences grow: "no sample for 4 s".
             apex_executive::step(&mut agent, &Batch { now: at, events: Vec::new() });
-            Box::new(agent)
+            Ok(agent)
         });
         let name = match &agent {
-            Ok(agent) => agent.name.to_string(),
-            Err(_) => reader.meta("agent")?.unwrap_or_default(),
+            Some(Ok(agent)) => agent.name.to_string(),
+            Some(Err(_)) | None => reader.meta("agent")?.unwrap_or_default(),
         };
-        Ok(Scene { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
+        Ok(RecordSnapshot { reader, at, depth: question.depth.max(1), tasks: reader.tasks()?, name, agent })
     }
 
-    /// The agent as it was.
+    /// The agent as it was; none if it was not asked for.
     ///
     /// # Errors
     /// Why it cannot be restored.
-    pub(super) fn into_agent(self) -> Result<Box<Agent>, RecordError> {
-        self.agent
+    pub(super) fn into_agent(self) -> Result<Option<Box<Agent>>, RecordError> {
+        self.agent.transpose()
     }
 
-    /// The agent as it was; none when this Apex cannot restore it.
+    /// The agent as it was; none if it was not asked for, or this Apex cannot restore it.
     pub(super) fn agent(&self) -> Option<&Agent> {
-        self.agent.as_deref().ok()
+        self.agent.as_ref()?.as_deref().ok()
+    }
+
+    /// True if the agent was asked for: chains of causes are only followed then.
+    pub(super) fn restores(&self) -> bool {
+        self.agent.is_some()
     }
 
     /// What every answer says first.
@@ -90,11 +98,16 @@ impl<'a> Scene<'a> {
     }
 
     /// The record's decisions up to the instant.
+    pub(super) fn decisions(&self) -> Decisions<'a> {
+        Decisions { reader: self.reader, until: self.at }
+    }
+
+    /// What chains of causes read: decisions, samples, and the lines of the program and of plans.
     pub(super) fn log(&self) -> Result<Log<'a>, RecordError> {
         let plans = self.agent().into_iter().flat_map(|agent| agent.generated.iter());
         let mut sources: Vec<SourceFile> = plans.map(|(_, plan)| plan.source.clone()).collect();
         sources.extend(self.reader.pdl_sources()?);
-        Ok(Log { reader: self.reader, until: self.at, sources })
+        Ok(Log { decisions: self.decisions(), sources })
     }
 
     /// The goal of a task as known at the instant; of one that is gone, as known last. Long ones are cut.

@@ -1,6 +1,6 @@
-//! The narrator: says in words what an effect is about. Record, trace and explanations use the same words.
+//! Describes effects as rows of text. Record, trace and explanations print the same text.
 //!
-//! It remembers the goal of each task and the sources that plans bring, so that every line can name its task and its
+//! A describer remembers the goal of each task and the sources that plans bring, so that every line can name its task and its
 //! place in PDL.
 
 use apex_model::because::Because;
@@ -14,9 +14,9 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// One effect in words: the columns of the record's `effect` table and the keys of a trace line.
+/// An effect as text: the columns of the record's `effect` table and the keys of a trace line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct EffectRow {
     /// The kind, as in the record.
     pub kind: &'static str,
     /// The task it is about.
@@ -43,20 +43,20 @@ pub struct Told {
     pub place: Option<String>,
 }
 
-/// Remembers what is needed to tell effects.
+/// Describes the effects of one agent, which must come in order and completely.
 #[derive(Clone, Debug)]
-pub struct Narrator {
+pub struct EffectDescriber {
     /// Only its sources are used and extended.
     library: Library,
     goals: BTreeMap<TaskId, Arc<str>>,
     plans: BTreeMap<SolveRequestId, SourceFile>,
 }
 
-impl Narrator {
-    /// A narrator for a run of `library`, from the run's first step on.
-    pub fn new(library: &Library) -> Narrator {
+impl EffectDescriber {
+    /// A describer for a run of `library`, from the run's first step on.
+    pub fn new(library: &Library) -> EffectDescriber {
         let library = Library { sources: library.sources.clone(), ..Library::default() };
-        Narrator { library, goals: BTreeMap::new(), plans: BTreeMap::new() }
+        EffectDescriber { library, goals: BTreeMap::new(), plans: BTreeMap::new() }
     }
 
     /// `file.pdl:14:3`, also for places inside of plans.
@@ -79,7 +79,7 @@ impl Narrator {
     }
 
     /// Tells one effect. Effects must be told in order, all of them.
-    pub fn tell(&mut self, effect: &Effect) -> Told {
+    pub fn tell(&mut self, effect: &Effect) -> EffectRow {
         match effect {
             Effect::Decided(decision) => self.decided(decision),
             Effect::Command { command, task, form, because } => {
@@ -121,13 +121,13 @@ impl Narrator {
         }
     }
 
-    fn said(&self, kind: &'static str, task: Option<TaskId>, subject: String, text: String) -> Told {
+    fn said(&self, kind: &'static str, task: Option<TaskId>, subject: String, text: String) -> EffectRow {
         let goal = task.map(|task| self.goal(task)).unwrap_or_default();
         let (parent, tag, from, to) = (None, None, None, None);
-        Told { kind, task, goal, parent, tag, from, to, outcome: None, value: None, subject, text, place: None }
+        EffectRow { kind, task, goal, parent, tag, from, to, outcome: None, value: None, subject, text, place: None }
     }
 
-    fn decided(&mut self, decision: &Decision) -> Told {
+    fn decided(&mut self, decision: &Decision) -> EffectRow {
         let because = &decision.because;
         let mut told = self.said("trouble", decision.task, String::new(), cause_text(because));
         let mut place = because.place;
@@ -175,7 +175,7 @@ impl Narrator {
         told
     }
 
-    fn set_goal(&mut self, told: &mut Told, goal: &Value) {
+    fn set_goal(&mut self, told: &mut EffectRow, goal: &Value) {
         told.subject = goal.to_string();
         told.goal = Arc::from(&*told.subject);
         if let Some(task) = told.task {

@@ -2,89 +2,65 @@
 //!
 //! Bound: each effect row is read once; memory is one small entry per state change.
 
-use rusqlite::types::{FromSql, FromSqlError, FromSqlResult, ValueRef};
+use super::state::StateWord;
+use apex_model::task::TaskState;
 use rusqlite::{Connection, Row};
-use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// The five states of a task.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum State {
-    Pending,
-    Enabled,
-    Ongoing,
-    Interrupted,
-    Terminated,
-}
-
-impl FromSql for State {
-    fn column_result(value: ValueRef<'_>) -> FromSqlResult<Self> {
-        match value.as_str()? {
-            "pending" => Ok(State::Pending),
-            "enabled" => Ok(State::Enabled),
-            "ongoing" => Ok(State::Ongoing),
-            "interrupted" => Ok(State::Interrupted),
-            "terminated" => Ok(State::Terminated),
-            other => Err(FromSqlError::Other(format!("`{other}` is no state of a task").into())),
-        }
-    }
-}
 
 /// A task and the changes of its state, oldest first.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Task {
-    pub(crate) parent: Option<u64>,
-    pub(crate) tag: String,
-    pub(crate) goal: String,
-    pub(crate) method: Option<String>,
-    pub(crate) place: Option<String>,
-    pub(crate) created_ns: i64,
-    pub(crate) changes: Vec<Change>,
+pub(super) struct IndexedTask {
+    pub(super) parent: Option<u64>,
+    pub(super) tag: String,
+    pub(super) goal: String,
+    pub(super) method: Option<String>,
+    pub(super) place: Option<String>,
+    pub(super) created_ns: i64,
+    pub(super) changes: Vec<Change>,
 }
 
 /// From `at_ns` on the task is in `state`.
 #[derive(Clone, Debug)]
-pub(crate) struct Change {
-    pub(crate) at_ns: i64,
-    pub(crate) state: State,
+pub(super) struct Change {
+    pub(super) at_ns: i64,
+    pub(super) state: StateWord,
     /// How it ended, when it did. A step that repeats leaves the ended state again.
-    pub(crate) outcome: Option<Box<str>>,
+    pub(super) outcome: Option<Box<str>>,
 }
 
 /// All tasks by number.
 #[derive(Default)]
-pub(crate) struct TaskIndex {
+pub(super) struct TaskIndex {
     seen_effect: i64,
-    tasks: BTreeMap<u64, Task>,
+    tasks: BTreeMap<u64, IndexedTask>,
 }
 
 /// Reads a task's number; SQLite knows signed numbers only.
-pub(crate) fn task_number(row: &Row<'_>, column: usize) -> Result<Option<u64>, rusqlite::Error> {
+pub(super) fn task_number(row: &Row<'_>, column: usize) -> Result<Option<u64>, rusqlite::Error> {
     Ok(row.get::<_, Option<i64>>(column)?.map(i64::cast_unsigned))
 }
 
 /// A stretch of time in one state; the last one of a task that has not ended is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval {
-    pub(crate) state: State,
-    pub(crate) from_ns: i64,
-    pub(crate) to_ns: i64,
+pub(super) struct Interval {
+    pub(super) state: StateWord,
+    pub(super) from_ns: i64,
+    pub(super) to_ns: i64,
 }
 
 impl TaskIndex {
     /// All tasks by number.
-    pub(crate) fn tasks(&self) -> &BTreeMap<u64, Task> {
+    pub(super) fn tasks(&self) -> &BTreeMap<u64, IndexedTask> {
         &self.tasks
     }
 
     /// One task.
-    pub(crate) fn get(&self, id: u64) -> Option<&Task> {
+    pub(super) fn get(&self, id: u64) -> Option<&IndexedTask> {
         self.tasks.get(&id)
     }
 
     /// Reads the rows that were written since the last call.
-    pub(crate) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
+    pub(super) fn refresh(&mut self, connection: &Connection) -> Result<(), rusqlite::Error> {
         let mut touched = BTreeSet::new();
         let mut statement = connection.prepare_cached(
             "SELECT id, t_ns, kind, task, to_state, outcome FROM effect WHERE id > ?1 AND task IS NOT NULL \
@@ -98,7 +74,7 @@ impl TaskIndex {
             match kind.as_str() {
                 "created" => {
                     task.created_ns = at_ns;
-                    task.changes.push(Change { at_ns, state: State::Pending, outcome: None });
+                    task.changes.push(Change { at_ns, state: StateWord(TaskState::Pending), outcome: None });
                 }
                 "transition" => {
                     let outcome = row.get::<_, Option<Box<str>>>(5)?.filter(|word| !word.is_empty());
@@ -130,19 +106,19 @@ impl TaskIndex {
     }
 }
 
-impl Task {
+impl IndexedTask {
     /// The state at `at_ns`, with the time it began; none before the task was created.
-    pub(crate) fn state_at(&self, at_ns: i64) -> Option<&Change> {
+    pub(super) fn state_at(&self, at_ns: i64) -> Option<&Change> {
         let later = self.changes.partition_point(|change| change.at_ns <= at_ns);
         later.checked_sub(1).and_then(|last| self.changes.get(last))
     }
 
     /// The stretches in each state but the last (ended), cut to `from_ns..=to_ns`.
-    pub(crate) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
+    pub(super) fn intervals(&self, from_ns: i64, to_ns: i64) -> impl Iterator<Item = Interval> + '_ {
         let ends = self.changes.iter().skip(1).map(|next| next.at_ns).chain(std::iter::once(i64::MAX));
         self.changes.iter().zip(ends).filter_map(move |(change, end)| {
             let interval = Interval { state: change.state, from_ns: change.at_ns.max(from_ns), to_ns: end.min(to_ns) };
-            (change.state != State::Terminated && interval.from_ns <= interval.to_ns).then_some(interval)
+            (change.state.is_alive() && interval.from_ns <= interval.to_ns).then_some(interval)
         })
     }
 }
@@ -151,29 +127,30 @@ impl Task {
 mod tests {
     use super::*;
 
-    fn task(changes: &[(i64, State)]) -> Task {
-        let changes = changes.iter().map(|&(at_ns, state)| Change { at_ns, state, outcome: None }).collect();
-        Task { changes, ..Task::default() }
+    fn task(changes: &[(i64, TaskState)]) -> IndexedTask {
+        let changes =
+            changes.iter().map(|&(at_ns, state)| Change { at_ns, state: StateWord(state), outcome: None }).collect();
+        IndexedTask { changes, ..IndexedTask::default() }
     }
 
     #[test]
     fn the_last_change_of_an_instant_counts() {
-        let task = task(&[(5, State::Pending), (5, State::Enabled), (9, State::Ongoing)]);
+        let task = task(&[(5, TaskState::Pending), (5, TaskState::Enabled), (9, TaskState::Ongoing)]);
         assert!(task.state_at(4).is_none());
-        assert_eq!(task.state_at(5).unwrap().state, State::Enabled);
-        assert_eq!(task.state_at(8).unwrap().state, State::Enabled);
-        assert_eq!(task.state_at(9).unwrap().state, State::Ongoing);
+        assert_eq!(task.state_at(5).unwrap().state, StateWord(TaskState::Enabled));
+        assert_eq!(task.state_at(8).unwrap().state, StateWord(TaskState::Enabled));
+        assert_eq!(task.state_at(9).unwrap().state, StateWord(TaskState::Ongoing));
     }
 
     #[test]
     fn intervals_are_cut_to_the_window_and_leave_the_ended_state_out() {
-        let task = task(&[(0, State::Pending), (10, State::Ongoing), (30, State::Terminated)]);
+        let task = task(&[(0, TaskState::Pending), (10, TaskState::Ongoing), (30, TaskState::Terminated)]);
         let seen: Vec<Interval> = task.intervals(5, 20).collect();
         assert_eq!(
             seen,
             [
-                Interval { state: State::Pending, from_ns: 5, to_ns: 10 },
-                Interval { state: State::Ongoing, from_ns: 10, to_ns: 20 },
+                Interval { state: StateWord(TaskState::Pending), from_ns: 5, to_ns: 10 },
+                Interval { state: StateWord(TaskState::Ongoing), from_ns: 10, to_ns: 20 },
             ]
         );
     }

@@ -1,66 +1,82 @@
-//! `/api/timeline`: lanes of task states over time.
+//! The timeline: lanes of task states over time.
 //!
 //! A lane holds the tasks that one step of one procedure made (same parent lane, same tag), so that a step that
 //! repeats for hours stays one lane. Tasks of a lane that overlap lie in rows below each other.
 
-use crate::answer::Answer;
-use crate::index::{Interval, State, Task, TaskIndex};
-use crate::queries::mission;
-use crate::record::Reader;
-use serde::{Deserialize, Serialize};
+use super::RecordView;
+use super::index::{IndexedTask, Interval, TaskIndex};
+use super::state::StateWord;
+use crate::error::RecordError;
+use apex_model::task::TaskState;
+use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Lanes in one answer unless asked otherwise.
+/// Maximum number of lanes of an answer, unless the query states one.
 const LANES_DEFAULT: usize = 40;
-/// Lanes in one answer at most.
+/// Maximum number of lanes of any answer.
 const LANES_MAX: usize = 400;
-/// Rows in one lane at most: more tasks at once than this cannot be told apart in a picture.
+/// Maximum number of rows of a lane: more tasks at once than this cannot be told apart in a picture.
 const ROWS_MAX: usize = 8;
-/// Intervals in one lane at most: about one for every second pixel of a wide screen.
+/// Maximum number of intervals of a lane: about one for every second pixel of a wide screen.
 const INTERVALS_MAX: usize = 800;
 
-/// Parameters.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct TimelineQuery {
-    from: Option<i64>,
-    to: Option<i64>,
-    lanes: Option<usize>,
+/// A query of the timeline.
+#[derive(Clone, Debug, Default)]
+pub struct TimelineQuery {
+    /// Start of the window in nanoseconds of mission time; default: the record's start.
+    pub from_ns: Option<i64>,
+    /// End of the window in nanoseconds of mission time; default: the record's end.
+    pub to_ns: Option<i64>,
+    /// Maximum number of lanes; default 40, at most 400.
+    pub lanes: Option<usize>,
 }
 
-/// The answer.
-#[derive(Debug, Serialize)]
-pub(crate) struct Timeline {
-    from_ns: i64,
-    to_ns: i64,
-    /// As in the task tree: a lane comes before the lanes below it.
-    lanes: Vec<Lane>,
-    /// Lanes of tasks that worked less than those given.
-    left_out: usize,
+/// Lanes of task states over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Timeline {
+    /// Start of the window, nanoseconds of mission time.
+    pub from_ns: i64,
+    /// End of the window, nanoseconds of mission time.
+    pub to_ns: i64,
+    /// In the order of the task tree: a lane comes before the lanes below it.
+    pub lanes: Vec<Lane>,
+    /// Number of lanes that the limit leaves out; their tasks were active for less time.
+    pub left_out: usize,
 }
 
-#[derive(Debug, Serialize)]
-struct Lane {
-    tag: String,
+/// The tasks of one step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Lane {
+    /// The step's tag.
+    pub tag: String,
     /// The goal of the first task.
-    goal: String,
-    /// How many steps above, counted over all lanes.
-    depth: usize,
-    /// How many tasks.
-    tasks: usize,
-    /// Time in which its tasks worked or waited for resources.
-    active_ns: i64,
-    rows: Vec<Vec<Bar>>,
-    /// Intervals that found no room.
-    left_out: usize,
+    pub goal: String,
+    /// Nesting in the tree of all lanes; a root has 0.
+    pub depth: usize,
+    /// Number of tasks.
+    pub tasks: usize,
+    /// Nanoseconds in which its tasks were enabled, ongoing or interrupted.
+    pub active_ns: i64,
+    /// Bars that do not overlap, row by row.
+    pub rows: Vec<Vec<Bar>>,
+    /// Number of intervals that the limits of a lane leave out.
+    pub left_out: usize,
 }
 
-#[derive(Debug, Serialize)]
-struct Bar {
-    task: u64,
-    state: State,
-    from_ns: i64,
-    to_ns: i64,
+/// A stretch of time that a task spent in one state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Bar {
+    /// The task's number.
+    pub task: u64,
+    /// Its state.
+    pub state: StateWord,
+    /// Start, nanoseconds of mission time.
+    pub from_ns: i64,
+    /// End, nanoseconds of mission time.
+    pub to_ns: i64,
 }
 
 /// The tasks of one lane while lanes are gathered.
@@ -71,12 +87,20 @@ struct Group {
     active_ns: i64,
 }
 
-/// Answers `/api/timeline`. Where the limit bites, the lanes that were active longest are kept.
-pub(crate) fn timeline(reader: &mut Reader, query: &TimelineQuery) -> Answer<Timeline> {
-    let from_ns = query.from.map_or_else(|| mission::first_ns(&reader.connection), Ok)?;
-    let to_ns = query.to.map_or_else(|| mission::growth(reader).map(|growth| growth.end_ns), Ok)?;
-    let limit = query.lanes.unwrap_or(LANES_DEFAULT).clamp(1, LANES_MAX);
-    let index = reader.tasks()?;
+impl RecordView {
+    /// The timeline. If the limit applies, the lanes that were active longest are kept.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn timeline(&mut self, query: &TimelineQuery) -> Result<Timeline, RecordError> {
+        let from_ns = query.from_ns.map_or_else(|| self.first_ns(), Ok)?;
+        let to_ns = query.to_ns.map_or_else(|| self.growth().map(|growth| growth.end_ns), Ok)?;
+        let limit = query.lanes.unwrap_or(LANES_DEFAULT).clamp(1, LANES_MAX);
+        Ok(draw(self.tasks_index()?, (from_ns, to_ns), limit))
+    }
+}
+
+fn draw(index: &TaskIndex, (from_ns, to_ns): (i64, i64), limit: usize) -> Timeline {
     let (groups, roots) = gather(index, from_ns, to_ns);
     let mut ranked: Vec<usize> =
         (0..groups.len()).filter(|&at| groups.get(at).is_some_and(|group| !group.tasks.is_empty())).collect();
@@ -88,7 +112,7 @@ pub(crate) fn timeline(reader: &mut Reader, query: &TimelineQuery) -> Answer<Tim
         .filter(|at| ranked.contains(at))
         .filter_map(|at| groups.get(at).and_then(|group| lane(index, group, from_ns, to_ns)))
         .collect();
-    Ok(Timeline { from_ns, to_ns, lanes, left_out })
+    Timeline { from_ns, to_ns, lanes, left_out }
 }
 
 /// Groups all tasks into lanes; tasks outside the window shape the tree but do not show.
@@ -111,7 +135,7 @@ fn gather(index: &TaskIndex, from_ns: i64, to_ns: i64) -> (Vec<Group>, Vec<usize
         if task.intervals(from_ns, to_ns).next().is_some() {
             group.tasks.push(id);
             group.active_ns +=
-                task.intervals(from_ns, to_ns).filter(|bar| bar.state != State::Pending).map(length).sum::<i64>();
+                task.intervals(from_ns, to_ns).filter(|bar| bar.state.0 != TaskState::Pending).map(length).sum::<i64>();
         }
     }
     (groups, roots)
@@ -167,9 +191,9 @@ fn lane(index: &TaskIndex, group: &Group, from_ns: i64, to_ns: i64) -> Option<La
 }
 
 /// A task's bars; instants of waiting are dropped, an instant of work is kept as a mark.
-fn bars(id: u64, task: &Task, from_ns: i64, to_ns: i64) -> Vec<Bar> {
+fn bars(id: u64, task: &IndexedTask, from_ns: i64, to_ns: i64) -> Vec<Bar> {
     task.intervals(from_ns, to_ns)
-        .filter(|interval| length(*interval) > 0 || interval.state == State::Ongoing)
+        .filter(|interval| length(*interval) > 0 || interval.state.0 == TaskState::Ongoing)
         .map(|interval| Bar { task: id, state: interval.state, from_ns: interval.from_ns, to_ns: interval.to_ns })
         .collect()
 }

@@ -1,0 +1,78 @@
+//! A moment of a task's history: something that was decided about the task.
+
+use super::cause::CauseDetail;
+use apex_model::effect::Method;
+use apex_model::time::Time;
+use serde::Serialize;
+use std::fmt;
+
+/// Something that happened to a task.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Moment {
+    /// The decision's number in the record.
+    pub id: i64,
+    /// Seconds of mission time.
+    pub t: f64,
+    /// The kind, as in the record's `effect` table.
+    pub kind: String,
+    /// What happened, as text.
+    pub what: String,
+    /// Why, as text; empty where `what` says it all.
+    pub because: String,
+    /// `file:line:column` of the clause of PDL.
+    pub place: Option<String>,
+    /// State before, for `transition`.
+    pub from: Option<String>,
+    /// State after, for `transition`.
+    pub to: Option<String>,
+    /// `success`, `failure` or `cut`, for the transition to `terminated`.
+    pub outcome: Option<String>,
+    /// The goal, form, clause, resource or variable that it is about.
+    pub subject: String,
+    /// The selected method, for `selected`.
+    pub method: Option<MethodDetail>,
+    /// The cause with its parts; none for what is no decision.
+    pub cause: Option<CauseDetail>,
+}
+
+/// How a goal is pursued.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct MethodDetail {
+    /// `procedure`, `primitive`, `built-in` or `solver`.
+    pub kind: &'static str,
+    /// `file:line:column` of the procedure or primitive.
+    pub place: Option<String>,
+    /// The solver's name.
+    pub name: Option<String>,
+}
+
+impl MethodDetail {
+    /// The detail of `method`, whose text in the record is `text`: `procedure file.pdl:3:1`.
+    pub(super) fn of(method: &Method, text: &str) -> MethodDetail {
+        let place = |kind: &'static str| {
+            let place = text.strip_prefix(kind).map(|place| place.trim_start().to_owned());
+            MethodDetail { kind, place, name: None }
+        };
+        match method {
+            Method::Procedure(_) => place("procedure"),
+            Method::Primitive(_) => place("primitive"),
+            Method::BuiltIn => MethodDetail { kind: "built-in", place: None, name: None },
+            Method::Solver(name) => MethodDetail { kind: "solver", place: None, name: Some(name.to_string()) },
+        }
+    }
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "  {:>12}  {}", Time::from_seconds(self.t).to_string(), self.what)?;
+        if !self.because.is_empty() {
+            write!(f, " because {}", self.because)?;
+        }
+        match &self.place {
+            Some(place) => write!(f, "; from {place}"),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! A task at an instant with its explanation, as the page shows it.
+
+use super::answer::Why;
+use super::moment::Moment;
+use crate::record::view::Task;
+use apex_model::task::TaskState;
+use serde::Serialize;
+
+/// Maximum number of moments of the history; the oldest are left out. A task that restarts for hours has thousands.
+const MOMENTS_MAX: usize = 60;
+
+/// A task at an instant, the tasks around it, and why it is in its state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct TaskExplanation {
+    /// The instant of the question, nanoseconds of mission time.
+    pub at_ns: i64,
+    /// The task then.
+    pub task: Task,
+    /// Its children then.
+    pub children: Vec<Task>,
+    /// Its state and the cause of it in one sentence.
+    pub now: String,
+    /// The explanation; its history holds the last 60 moments.
+    pub explanation: Why,
+    /// True if older moments are left out.
+    pub left_out: bool,
+    /// Why the instant could not be restored; the explanation is then made from the record's decisions alone.
+    pub explanation_error: Option<String>,
+}
+
+impl TaskExplanation {
+    /// Joins the parts of the answer.
+    pub fn new(at_ns: i64, task: Task, children: Vec<Task>, mut why: Why, error: Option<String>) -> TaskExplanation {
+        let now = sentence(&task, &why.history);
+        let older = why.history.len().saturating_sub(MOMENTS_MAX);
+        why.history.drain(..older);
+        TaskExplanation { at_ns, task, children, now, explanation: why, left_out: older > 0, explanation_error: error }
+    }
+}
+
+fn sentence(task: &Task, history: &[Moment]) -> String {
+    let last = |kinds: &[&str]| history.iter().rev().find(|moment| kinds.contains(&moment.kind.as_str()));
+    let moved = last(&["transition", "created"]);
+    let (state, reason) = match task.state.0 {
+        TaskState::Pending => return format!("T{} is pending: it waits for its preconditions", task.id),
+        TaskState::Enabled => ("waits for its resources", last(&["refused"]).or(moved)),
+        TaskState::Ongoing => ("is ongoing", moved),
+        TaskState::Interrupted => ("is interrupted", moved),
+        TaskState::Terminated => ("has ended", moved),
+    };
+    let outcome = task.outcome.as_ref().map_or_else(String::new, |word| format!(" ({word})"));
+    match reason.filter(|moment| !moment.because.is_empty()) {
+        Some(moment) => format!("T{} {state}{outcome} because {}", task.id, moment.because),
+        None => format!("T{} {state}{outcome}", task.id),
+    }
+}

@@ -1,0 +1,155 @@
+//! The mission: what was flown, over which time, and whether the record still grows.
+
+use super::RecordView;
+use crate::error::RecordError;
+use rusqlite::Connection;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// An incomplete record that was not written to for this long has no writer. A live flight commits several times a
+/// second; the margin is for a machine under load.
+const WRITER_SILENCE: Duration = Duration::from_secs(10);
+
+/// State of the record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(rename_all = "lowercase")]
+pub enum RecordStatus {
+    /// Closed properly; nothing will be added.
+    Complete,
+    /// Being written now.
+    Live,
+    /// Not closed properly, and without a writer: the flight broke off.
+    Incomplete,
+}
+
+impl RecordStatus {
+    /// True if the record can no longer grow.
+    pub fn is_final(self) -> bool {
+        self == RecordStatus::Complete
+    }
+}
+
+/// How far the record has grown.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Growth {
+    /// Mission time in nanoseconds of the last thing recorded.
+    pub end_ns: i64,
+    /// Number of executive steps.
+    pub batches: i64,
+    /// State of the record.
+    pub status: RecordStatus,
+}
+
+/// Facts about the flight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Mission {
+    /// The mission's name.
+    pub mission: Option<String>,
+    /// The agent's name.
+    pub agent: Option<String>,
+    /// The vehicle's name.
+    pub vehicle: Option<String>,
+    /// The version of Apex that wrote the record.
+    pub apex_version: Option<String>,
+    /// The record's file name.
+    pub record: String,
+    /// Civil time of mission time 0, RFC 3339.
+    pub epoch_utc: Option<String>,
+    /// Mission time in nanoseconds of the first thing recorded.
+    pub from_ns: i64,
+    /// Why the flight ended, if it has.
+    pub end_reason: Option<String>,
+    /// How far the record has grown.
+    #[serde(flatten)]
+    pub growth: Growth,
+    /// Number of tasks.
+    pub tasks: usize,
+    /// Number of observation targets.
+    pub targets: i64,
+    /// The mission's score, if the report has one.
+    pub score: Option<f64>,
+}
+
+impl RecordView {
+    /// Facts about the flight.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn mission(&mut self) -> Result<Mission, RecordError> {
+        let tasks = self.tasks_index()?.tasks().len();
+        let meta = |key: &str| self.reader.meta(key).map(|value| value.filter(|text| !text.is_empty()));
+        let file_name = self.reader.path().file_name();
+        Ok(Mission {
+            mission: meta("mission")?,
+            agent: meta("agent")?,
+            vehicle: meta("vehicle")?,
+            apex_version: meta("apex_version")?,
+            record: file_name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
+            epoch_utc: meta("epoch_utc")?,
+            from_ns: self.first_ns()?,
+            end_reason: meta("end_reason")?,
+            growth: self.growth()?,
+            tasks,
+            targets: self.number("the targets", "SELECT count(*) FROM target")?.unwrap_or(0),
+            score: self.report()?.score(),
+        })
+    }
+
+    /// How far the record has grown.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn growth(&self) -> Result<Growth, RecordError> {
+        let complete = self.reader.is_complete()?;
+        let ends = [
+            self.number("the steps", "SELECT t_ns FROM batch ORDER BY id DESC LIMIT 1")?,
+            self.number("the track", "SELECT max(t_ns) FROM track")?,
+            self.reader.meta("end_ns")?.and_then(|text| text.parse().ok()),
+        ];
+        let status = match complete {
+            true => RecordStatus::Complete,
+            false if has_writer(self.reader.path()) => RecordStatus::Live,
+            false => RecordStatus::Incomplete,
+        };
+        Ok(Growth {
+            end_ns: ends.into_iter().flatten().max().unwrap_or(0),
+            batches: self.number("the steps", "SELECT max(id) FROM batch")?.unwrap_or(0),
+            status,
+        })
+    }
+
+    /// Mission time in nanoseconds of the first thing recorded.
+    pub(super) fn first_ns(&self) -> Result<i64, RecordError> {
+        let starts = [
+            self.number("the steps", "SELECT t_ns FROM batch ORDER BY id LIMIT 1")?,
+            self.number("the track", "SELECT min(t_ns) FROM track")?,
+        ];
+        Ok(starts.into_iter().flatten().min().unwrap_or(0))
+    }
+
+    fn number(&self, what: &str, sql: &str) -> Result<Option<i64>, RecordError> {
+        self.query(what, |connection: &Connection| {
+            match connection.prepare_cached(sql)?.query_row([], |row| row.get(0)) {
+                Err(rusqlite::Error::QueryReturnedNoRows) => Ok(None),
+                other => other,
+            }
+        })
+    }
+}
+
+/// True if the file or its write-ahead log was written to a moment ago.
+fn has_writer(path: &Path) -> bool {
+    let mut log = path.as_os_str().to_owned();
+    log.push("-wal");
+    [path.to_path_buf(), PathBuf::from(log)].iter().any(|file| {
+        let Ok(data) = std::fs::metadata(file) else { return false };
+        // Opening a record makes an empty log beside it: that is this reader, not a writer.
+        let Some(written) = data.modified().ok().filter(|_| data.len() > 0) else { return false };
+        // A time in the future means that the clock was set back: better to call it live than broken.
+        SystemTime::now().duration_since(written).map_or(true, |silence| silence < WRITER_SILENCE)
+    })
+}

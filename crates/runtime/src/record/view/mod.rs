@@ -1,0 +1,68 @@
+//! The record view: typed answers to the questions that the server and the page ask of a flight record.
+//!
+//! One file per question. Every answer is plain data (serde) with its units in the names of its fields; the TypeScript
+//! types of the page are generated from these types (`src/typescript.rs`). A record that is still being written is
+//! read in the same way; each answer shows what was committed when it was asked for.
+
+pub(crate) mod decisions;
+mod events;
+mod index;
+mod mission;
+mod report;
+mod source;
+mod state;
+mod targets;
+mod tasks;
+mod timeline;
+mod track;
+
+pub use events::{EventRow, Events, EventsQuery};
+pub use mission::{Growth, Mission, RecordStatus};
+pub use report::{Report, Section};
+pub use source::{Snippet, SourceLine};
+pub use state::StateWord;
+pub use targets::{Target, TargetChange, Targets};
+pub use tasks::{Task, TaskLookup, Tasks, TasksQuery};
+pub use timeline::{Bar, Lane, Timeline, TimelineQuery};
+pub use track::{Track, TrackQuery};
+
+use super::reader::RecordReader;
+use crate::error::RecordError;
+use index::TaskIndex;
+use rusqlite::Connection;
+use std::path::Path;
+
+/// A flight record opened for questions about one agent. Owns its connection, so it can move to another thread.
+pub struct RecordView {
+    reader: RecordReader,
+    /// The states of all tasks over time, brought up to date before each use.
+    index: TaskIndex,
+}
+
+impl RecordView {
+    /// Opens the record at `path` to look at agent number `agent`, from 0 in the order of the declarations.
+    ///
+    /// # Errors
+    /// As [`RecordReader::open`].
+    pub fn open(path: &Path, agent: usize) -> Result<RecordView, RecordError> {
+        let reader = RecordReader::open_at(path, agent)?;
+        Ok(RecordView { reader, index: TaskIndex::default() })
+    }
+
+    /// The record's steps, sources and snapshots, which explanations read.
+    pub fn reader(&self) -> &RecordReader {
+        &self.reader
+    }
+
+    /// The task index, up to date with the record.
+    fn tasks_index(&mut self) -> Result<&TaskIndex, RecordError> {
+        let refreshed = self.index.refresh(&self.reader.connection);
+        refreshed.map_err(|error| self.reader.damaged("the tasks", error))?;
+        Ok(&self.index)
+    }
+
+    /// Runs queries; `what` names in errors what they read.
+    fn query<T>(&self, what: &str, read: impl FnOnce(&Connection) -> rusqlite::Result<T>) -> Result<T, RecordError> {
+        read(&self.reader.connection).map_err(|error| self.reader.damaged(what, error))
+    }
+}

@@ -1,0 +1,175 @@
+//! The task tree as it was at an instant.
+
+use super::RecordView;
+use super::index::{IndexedTask, TaskIndex};
+use super::state::StateWord;
+use crate::error::RecordError;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Maximum number of selected tasks, unless the query states one: more than a person reads, few enough to draw while
+/// time runs.
+const LIMIT_DEFAULT: usize = 1_000;
+/// Maximum number of selected tasks of any answer.
+const LIMIT_MAX: usize = 20_000;
+/// Maximum number of children that are listed with a task.
+const CHILDREN_MAX: usize = 100;
+
+/// A query of the task tree.
+#[derive(Clone, Debug, Default)]
+pub struct TasksQuery {
+    /// Mission time in nanoseconds; default: the record's end.
+    pub at_ns: Option<i64>,
+    /// True leaves out tasks that have ended.
+    pub alive_only: bool,
+    /// Only tasks whose number (`T12`), tag or goal has this text, in any case.
+    pub find: Option<String>,
+    /// A task that is selected in any case.
+    pub with: Option<u64>,
+    /// Maximum number of selected tasks; default 1,000, at most 20,000.
+    pub limit: Option<usize>,
+}
+
+/// The task tree at an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Tasks {
+    /// Mission time in nanoseconds.
+    pub at_ns: i64,
+    /// The selected tasks with all their ancestors, by number, so that parents come before their children.
+    pub tasks: Vec<Task>,
+    /// Number of tasks in each state at that time.
+    pub counts: BTreeMap<StateWord, usize>,
+    /// Number of matching tasks that the limit leaves out.
+    pub left_out: usize,
+}
+
+/// A task at an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Task {
+    /// Its number: 12 for `T12`.
+    pub id: u64,
+    /// Its parent's number.
+    pub parent: Option<u64>,
+    /// Its step's tag.
+    pub tag: String,
+    /// Its goal as last known in the record.
+    pub goal: String,
+    /// Its state.
+    pub state: StateWord,
+    /// `success`, `failure` or `cut`, if it has ended.
+    pub outcome: Option<String>,
+    /// Mission time in nanoseconds at which the state began.
+    pub since_ns: i64,
+    /// Mission time in nanoseconds of its creation.
+    pub created_ns: i64,
+    /// `procedure file.pdl:3:1`, if one was selected.
+    pub method: Option<String>,
+    /// `file:line:column` of its step.
+    pub place: Option<String>,
+}
+
+/// Result of a look-up of one task at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TaskLookup {
+    /// The task, and its children by number.
+    Found {
+        /// The task.
+        task: Task,
+        /// Its children.
+        children: Vec<Task>,
+    },
+    /// The task is created later.
+    NotYet {
+        /// Mission time in nanoseconds of its creation.
+        created_ns: i64,
+    },
+    /// The record has no such task.
+    Unknown,
+}
+
+impl Task {
+    /// The task at `at_ns`; none before its creation.
+    fn at(id: u64, task: &IndexedTask, at_ns: i64) -> Option<Task> {
+        let now = task.state_at(at_ns)?;
+        Some(Task {
+            id,
+            parent: task.parent,
+            tag: task.tag.clone(),
+            goal: task.goal.clone(),
+            state: now.state,
+            outcome: now.outcome.as_deref().map(str::to_owned),
+            since_ns: now.at_ns,
+            created_ns: task.created_ns,
+            method: task.method.clone(),
+            place: task.place.clone(),
+        })
+    }
+}
+
+impl RecordView {
+    /// The task tree. If the limit applies, tasks that have not ended come first, then those that changed last.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn tasks(&mut self, query: &TasksQuery) -> Result<Tasks, RecordError> {
+        let at_ns = query.at_ns.unwrap_or(i64::MAX);
+        let limit = query.limit.unwrap_or(LIMIT_DEFAULT).clamp(1, LIMIT_MAX);
+        let find = query.find.as_deref().map(str::to_lowercase).filter(|text| !text.is_empty());
+        let index = self.tasks_index()?;
+        let mut counts = BTreeMap::new();
+        let mut wanted = Vec::new();
+        for (&id, task) in index.tasks() {
+            let Some(now) = task.state_at(at_ns) else { continue };
+            *counts.entry(now.state).or_insert(0) += 1;
+            let ended = !now.state.is_alive();
+            let kept = !(query.alive_only && ended) && find.as_ref().is_none_or(|find| matches(id, task, find));
+            let first = query.with == Some(id);
+            if kept || first {
+                wanted.push((!first, ended, std::cmp::Reverse(now.at_ns), id));
+            }
+        }
+        wanted.sort_unstable();
+        let left_out = wanted.len().saturating_sub(limit);
+        let chosen = with_ancestors(index, wanted.into_iter().take(limit).map(|(.., id)| id));
+        let tasks = chosen.into_iter().filter_map(|id| Task::at(id, index.get(id)?, at_ns)).collect();
+        Ok(Tasks { at_ns, tasks, counts, left_out })
+    }
+
+    /// Task `id` at mission time `at_ns` (nanoseconds) and its children then, at most 100.
+    ///
+    /// # Errors
+    /// [`RecordError::Damaged`].
+    pub fn task(&mut self, id: u64, at_ns: i64) -> Result<TaskLookup, RecordError> {
+        let index = self.tasks_index()?;
+        let Some(task) = index.get(id) else { return Ok(TaskLookup::Unknown) };
+        let Some(row) = Task::at(id, task, at_ns) else {
+            return Ok(TaskLookup::NotYet { created_ns: task.created_ns });
+        };
+        let children = index
+            .tasks()
+            .range(id..)
+            .filter(|(_, child)| child.parent == Some(id))
+            .filter_map(|(&id, child)| Task::at(id, child, at_ns))
+            .take(CHILDREN_MAX)
+            .collect();
+        Ok(TaskLookup::Found { task: row, children })
+    }
+}
+
+fn matches(id: u64, task: &IndexedTask, find: &str) -> bool {
+    task.goal.to_lowercase().contains(find) || task.tag.to_lowercase().contains(find) || format!("t{id}") == *find
+}
+
+fn with_ancestors(index: &TaskIndex, ids: impl Iterator<Item = u64>) -> BTreeSet<u64> {
+    let mut chosen = BTreeSet::new();
+    for id in ids {
+        let mut next = Some(id);
+        // A task is chosen with all its ancestors, so the climb ends at the first one that is there already.
+        while let Some(id) = next.filter(|&id| chosen.insert(id)) {
+            next = index.get(id).and_then(|task| task.parent);
+        }
+    }
+    chosen
+}

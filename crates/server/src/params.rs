@@ -1,0 +1,100 @@
+//! Query parameters of the addresses. Times are whole nanoseconds of mission time.
+
+use apex_runtime::record::view::{EventsQuery, TasksQuery, TimelineQuery, TrackQuery};
+use serde::Deserialize;
+
+/// Parameters of `/api/track`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TrackParams {
+    from: Option<i64>,
+    to: Option<i64>,
+    points: Option<usize>,
+}
+
+/// Parameters of `/api/tasks`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TasksParams {
+    at: Option<i64>,
+    /// False leaves out tasks that have ended.
+    ended: Option<bool>,
+    find: Option<String>,
+    with: Option<u64>,
+    limit: Option<usize>,
+}
+
+/// Parameters of `/api/timeline`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TimelineParams {
+    from: Option<i64>,
+    to: Option<i64>,
+    lanes: Option<usize>,
+}
+
+/// Parameters of `/api/events`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EventsParams {
+    from: Option<i64>,
+    to: Option<i64>,
+    /// Kinds of effects, separated by commas.
+    kind: Option<String>,
+    task: Option<u64>,
+    find: Option<String>,
+    limit: Option<usize>,
+}
+
+/// Parameters of `/api/why`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WhyParams {
+    /// The task's number.
+    pub(crate) task: u64,
+    pub(crate) at: i64,
+    /// False answers from the record's decisions alone, without restoring the instant.
+    pub(crate) explain: Option<bool>,
+}
+
+/// Parameters of `/api/targets`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TargetsParams {
+    pub(crate) at: Option<i64>,
+}
+
+/// Parameters of `/api/source`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SourceParams {
+    pub(crate) place: String,
+}
+
+impl From<TrackParams> for TrackQuery {
+    fn from(params: TrackParams) -> TrackQuery {
+        TrackQuery { from_ns: params.from, to_ns: params.to, points: params.points }
+    }
+}
+
+impl From<TasksParams> for TasksQuery {
+    fn from(params: TasksParams) -> TasksQuery {
+        let TasksParams { at, ended, find, with, limit } = params;
+        TasksQuery { at_ns: at, alive_only: ended == Some(false), find, with, limit }
+    }
+}
+
+impl From<TimelineParams> for TimelineQuery {
+    fn from(params: TimelineParams) -> TimelineQuery {
+        TimelineQuery { from_ns: params.from, to_ns: params.to, lanes: params.lanes }
+    }
+}
+
+impl From<EventsParams> for EventsQuery {
+    fn from(params: EventsParams) -> EventsQuery {
+        let EventsParams { from, to, kind, task, find, limit } = params;
+        let kinds = kind.filter(|kinds| !kinds.is_empty());
+        let kinds = kinds.iter().flat_map(|kinds| kinds.split(',')).map(|kind| kind.trim().to_owned()).collect();
+        EventsQuery { from_ns: from, to_ns: to, kinds, task, find, limit }
+    }
+}

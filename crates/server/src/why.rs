@@ -1,0 +1,42 @@
+//! `/api/why`: a task at an instant and its explanation.
+
+use crate::answer::{Answer, ApiError};
+use crate::router::AppState;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use apex_runtime::explain::{Explainer, TaskExplanation};
+use apex_runtime::record::RecordReader;
+use apex_runtime::record::view::TaskLookup;
+
+/// Explains task `id` at mission time `at_ns`. `restore` asks for what only the restored agent knows; if it cannot be
+/// restored, the answer says why and holds what the record's decisions alone tell.
+pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answer<TaskExplanation> {
+    let (task, children) = match state.read(|view| Ok(view.task(id, at_ns)?))? {
+        TaskLookup::Found { task, children } => (task, children),
+        TaskLookup::NotYet { created_ns } => {
+            return Err(ApiError::not_found(
+                format!("task T{id} did not exist yet at {at_ns} ns"),
+                format!("it was created at {created_ns} ns"),
+            ));
+        }
+        TaskLookup::Unknown => {
+            return Err(ApiError::not_found(
+                format!("there is no task T{id} in this record"),
+                "`/api/tasks` lists the tasks of an instant",
+            ));
+        }
+    };
+    // Restoring an instant may take a while: a connection of its own keeps the shared one free.
+    let reader = RecordReader::open(&state.record)?.of_agent(state.agent)?;
+    let load = state.load.as_deref().filter(|_| restore);
+    let (id, at) = (TaskId(id), Time(at_ns));
+    let decided = || Explainer::of_decisions(&reader).task(id, at);
+    let (why, error) = match load {
+        None => (decided()?, None),
+        Some(load) => match Explainer::new(&reader, load).task(id, at) {
+            Ok(why) => (why, None),
+            Err(error) => (decided()?, Some(error.to_string())),
+        },
+    };
+    Ok(TaskExplanation::new(at_ns, task, children, why, error))
+}

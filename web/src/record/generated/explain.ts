@@ -1,0 +1,629 @@
+// Generated from crates/runtime by `UPDATE=1 cargo test -p apex-runtime typescript`. Do not edit.
+
+import type { Task } from './view';
+
+/**
+ * A task at an instant, the tasks around it, and why it is in its state.
+ */
+export type TaskExplanation = { 
+/**
+ * The instant of the question, nanoseconds of mission time.
+ */
+at_ns: number, 
+/**
+ * The task then.
+ */
+task: Task, 
+/**
+ * Its children then.
+ */
+children: Array<Task>, 
+/**
+ * Its state and the cause of it in one sentence.
+ */
+now: string, 
+/**
+ * The explanation; its history holds the last 60 moments.
+ */
+explanation: Why, 
+/**
+ * True if older moments are left out.
+ */
+left_out: boolean, 
+/**
+ * Why the instant could not be restored; the explanation is then made from the record's decisions alone.
+ */
+explanation_error: string | null, };
+
+/**
+ * The explanation of a task.
+ */
+export type Why = { 
+/**
+ * The task, `T12`.
+ */
+task: string, 
+/**
+ * Its step's tag.
+ */
+tag: string, 
+/**
+ * Its goal, as known then.
+ */
+goal: string, 
+/**
+ * Its state then.
+ */
+state: string, 
+/**
+ * Since when, in seconds of mission time.
+ */
+since: number, 
+/**
+ * `success`, `failure` or `cut`, if it has ended.
+ */
+outcome: string | null, 
+/**
+ * Its priority then, without interrupt cost; none when it has ended.
+ */
+priority: number | null, 
+/**
+ * Resources that it holds then.
+ */
+holds: Array<string>, 
+/**
+ * How it is pursued, `procedure file.pdl:3:1`, if that was decided.
+ */
+method: string | null, 
+/**
+ * `file:line:column` of its step.
+ */
+place: string | null, 
+/**
+ * Why it came to its state, back to a sample, a message or a sentence of the program.
+ */
+because: Link | null, 
+/**
+ * What else could have pursued its goal, and why it does not; the chosen one is the first that matches.
+ */
+choices: Array<Choice>, 
+/**
+ * What happened to it, oldest first.
+ */
+history: Array<Moment>, 
+/**
+ * What it waits for then; empty when it waits for nothing.
+ */
+waiting: Array<Unmet>, 
+/**
+ * Who has its resource, when it lost a conflict and has not won since.
+ */
+blocked: Blocked | null, 
+/**
+ * Its subtasks that live then.
+ */
+subtasks: Array<Subtask>, 
+/**
+ * [`EXPLANATION_VERSION`].
+ */
+version: number, 
+/**
+ * `why` or `why-not`.
+ */
+question: string, 
+/**
+ * What kind of thing was asked about: `task`, `resource`, `command`, `target`, `step`, `procedure`.
+ */
+kind: string, 
+/**
+ * What was asked about, as the asker wrote it.
+ */
+asked: string, 
+/**
+ * The agent.
+ */
+agent: string, 
+/**
+ * The instant of the question, in seconds of mission time.
+ */
+t: number, };
+
+/**
+ * What every answer says first.
+ */
+export type About = { 
+/**
+ * [`EXPLANATION_VERSION`].
+ */
+version: number, 
+/**
+ * `why` or `why-not`.
+ */
+question: string, 
+/**
+ * What kind of thing was asked about: `task`, `resource`, `command`, `target`, `step`, `procedure`.
+ */
+kind: string, 
+/**
+ * What was asked about, as the asker wrote it.
+ */
+asked: string, 
+/**
+ * The agent.
+ */
+agent: string, 
+/**
+ * The instant of the question, in seconds of mission time.
+ */
+t: number, };
+
+/**
+ * Something that happened, with what stands behind it.
+ */
+export type Link = { 
+/**
+ * When, in seconds of mission time.
+ */
+t: number, 
+/**
+ * The task, `T3`, if it is about one.
+ */
+task: string | null, 
+/**
+ * What happened: `T3 (photograph fire) started`.
+ */
+what: string, 
+/**
+ * The kind of cause; none for what came from outside.
+ */
+kind: string | null, 
+/**
+ * Why, as text; empty for what came from outside.
+ */
+because: string, 
+/**
+ * The cause with its parts; none for what came from outside.
+ */
+cause: CauseDetail | null, 
+/**
+ * `file:line:column` of the clause of PDL.
+ */
+place: string | null, 
+/**
+ * The text of that line.
+ */
+source: string | null, 
+/**
+ * What it rests on.
+ */
+causes: Array<Link>, 
+/**
+ * There is more below, which the asked depth leaves out.
+ */
+more: boolean, };
+
+/**
+ * Something that happened to a task.
+ */
+export type Moment = { 
+/**
+ * The decision's number in the record.
+ */
+id: number, 
+/**
+ * Seconds of mission time.
+ */
+t: number, 
+/**
+ * The kind, as in the record's `effect` table.
+ */
+kind: string, 
+/**
+ * What happened, as text.
+ */
+what: string, 
+/**
+ * Why, as text; empty where `what` says it all.
+ */
+because: string, 
+/**
+ * `file:line:column` of the clause of PDL.
+ */
+place: string | null, 
+/**
+ * State before, for `transition`.
+ */
+from: string | null, 
+/**
+ * State after, for `transition`.
+ */
+to: string | null, 
+/**
+ * `success`, `failure` or `cut`, for the transition to `terminated`.
+ */
+outcome: string | null, 
+/**
+ * The goal, form, clause, resource or variable that it is about.
+ */
+subject: string, 
+/**
+ * The selected method, for `selected`.
+ */
+method: MethodDetail | null, 
+/**
+ * The cause with its parts; none for what is no decision.
+ */
+cause: CauseDetail | null, };
+
+/**
+ * How a goal is pursued.
+ */
+export type MethodDetail = { 
+/**
+ * `procedure`, `primitive`, `built-in` or `solver`.
+ */
+kind: string, 
+/**
+ * `file:line:column` of the procedure or primitive.
+ */
+place: string | null, 
+/**
+ * The solver's name.
+ */
+name: string | null, };
+
+/**
+ * A cause, taken from the decision itself. Its text stands beside it, in the member `because`.
+ */
+export type CauseDetail = { 
+/**
+ * The kind of cause; `docs/reference/trace.md` lists them.
+ */
+kind: string, 
+/**
+ * What the text names.
+ */
+parts: Array<CausePart>, 
+/**
+ * What was observed, in the order of the text.
+ */
+evidence: Array<Observation>, };
+
+/**
+ * A part of a cause.
+ */
+export type CausePart = { 
+/**
+ * What the part is to the cause: `parent`, `resource`, `clause`.
+ */
+role: string, } & ({ "type": "task", 
+/**
+ * `T3`
+ */
+task: string, } | { "type": "form", 
+/**
+ * The text.
+ */
+form: string, } | { "type": "name", 
+/**
+ * The name.
+ */
+name: string, } | { "type": "number", 
+/**
+ * The number.
+ */
+number: number, } | { "type": "span", 
+/**
+ * Its length in seconds.
+ */
+seconds: number, } | { "type": "strength", 
+/**
+ * Its priority or rank.
+ */
+priority: number, 
+/**
+ * Its interrupt cost; 0 unless it holds the resource.
+ */
+interrupt_cost: number, } | { "type": "share", 
+/**
+ * The resource.
+ */
+resource: string, 
+/**
+ * The amount with its unit; null means all of it.
+ */
+amount: string | null, } | { "type": "message", 
+/**
+ * The sentence.
+ */
+message: string, });
+
+/**
+ * The value of a part.
+ */
+export type PartValue = { "type": "task", 
+/**
+ * `T3`
+ */
+task: string, } | { "type": "form", 
+/**
+ * The text.
+ */
+form: string, } | { "type": "name", 
+/**
+ * The name.
+ */
+name: string, } | { "type": "number", 
+/**
+ * The number.
+ */
+number: number, } | { "type": "span", 
+/**
+ * Its length in seconds.
+ */
+seconds: number, } | { "type": "strength", 
+/**
+ * Its priority or rank.
+ */
+priority: number, 
+/**
+ * Its interrupt cost; 0 unless it holds the resource.
+ */
+interrupt_cost: number, } | { "type": "share", 
+/**
+ * The resource.
+ */
+resource: string, 
+/**
+ * The amount with its unit; null means all of it.
+ */
+amount: string | null, } | { "type": "message", 
+/**
+ * The sentence.
+ */
+message: string, };
+
+/**
+ * Something observed. Instants are seconds of mission time.
+ */
+export type Observation = { "type": "sample", 
+/**
+ * The state variable.
+ */
+variable: string, 
+/**
+ * Its value with its unit.
+ */
+value: string, 
+/**
+ * When it was measured.
+ */
+at: number, } | { "type": "event", 
+/**
+ * Its form.
+ */
+form: string, 
+/**
+ * When it arrived.
+ */
+at: number, } | { "type": "task-state", 
+/**
+ * The task, `T3`.
+ */
+task: string, 
+/**
+ * The word of the state.
+ */
+word: string, 
+/**
+ * When it changed.
+ */
+at: number, } | { "type": "task-end", 
+/**
+ * The task, `T3`.
+ */
+task: string, 
+/**
+ * When it ended.
+ */
+at: number, } | { "type": "run", 
+/**
+ * The state variable.
+ */
+variable: string, 
+/**
+ * The first sample's instant.
+ */
+from: number, 
+/**
+ * The last sample's instant.
+ */
+to: number, 
+/**
+ * How many samples.
+ */
+samples: number, } | { "type": "instant", 
+/**
+ * Start of the delay, if there was one.
+ */
+from: number | null, 
+/**
+ * The instant.
+ */
+at: number, } | { "type": "function", 
+/**
+ * The expression as PDL text.
+ */
+expression: string, 
+/**
+ * Its value.
+ */
+value: string, 
+/**
+ * When.
+ */
+at: number, } | { "type": "absence", 
+/**
+ * The condition as PDL text.
+ */
+condition: string, 
+/**
+ * Up to when it did not.
+ */
+at: number, } | { "type": "estimate", 
+/**
+ * The state variable.
+ */
+variable: string, 
+/**
+ * The estimated value.
+ */
+value: string, 
+/**
+ * The estimator, as PDL names it.
+ */
+estimator: string, 
+/**
+ * The instant of the estimate.
+ */
+at: number, } | { "type": "aggregate", 
+/**
+ * The state variable.
+ */
+variable: string, 
+/**
+ * The statistic, as PDL names it without the colon.
+ */
+name: string, 
+/**
+ * Its value.
+ */
+value: string, 
+/**
+ * Start of its interval.
+ */
+from: number, 
+/**
+ * End of its interval.
+ */
+to: number, 
+/**
+ * How many samples are in it.
+ */
+samples: number, };
+
+/**
+ * A procedure, primitive or solver that could have served a goal.
+ */
+export type Choice = { 
+/**
+ * `procedure file.pdl:3:1`
+ */
+method: string, 
+/**
+ * Its index.
+ */
+index: string, 
+/**
+ * It matches the goal.
+ */
+matches: boolean, 
+/**
+ * Why it is first, why it comes later, or why it does not match.
+ */
+because: string, };
+
+/**
+ * One thing that must still come true.
+ */
+export type Unmet = { 
+/**
+ * What kind of thing.
+ */
+kind: string, 
+/**
+ * The part of the condition as PDL text, or the reason in words.
+ */
+what: string, 
+/**
+ * What is known about it then; empty where `what` says it all.
+ */
+now: string, 
+/**
+ * Since when, in seconds of mission time, where that is known.
+ */
+since: number | null, 
+/**
+ * When it comes true by time alone, in seconds of mission time, if nothing changes before.
+ */
+until: number | null, 
+/**
+ * How far the newest sample is from the threshold, with its unit.
+ */
+distance: string | null, 
+/**
+ * The task concerned, `T4`, if another one is.
+ */
+task: string | null, 
+/**
+ * Where it stands in PDL.
+ */
+place: string | null, };
+
+/**
+ * A lost conflict.
+ */
+export type Blocked = { 
+/**
+ * The winner, `T4`.
+ */
+by: string, 
+/**
+ * The winner's goal.
+ */
+goal: string, 
+/**
+ * The resource.
+ */
+resource: string, 
+/**
+ * Since when, in seconds of mission time.
+ */
+since: number, 
+/**
+ * The winner's priority or rank, with its interrupt cost where it defended.
+ */
+winner_priority: number, 
+/**
+ * The loser's.
+ */
+loser_priority: number, 
+/**
+ * The part of the winner's priority that is its interrupt cost.
+ */
+winner_cost: number, 
+/**
+ * The part of the loser's.
+ */
+loser_cost: number, 
+/**
+ * Both for people: `5 against 0 + interrupt cost 0.1`.
+ */
+strengths: string, };
+
+/**
+ * A living subtask.
+ */
+export type Subtask = { 
+/**
+ * The task, `T13`.
+ */
+task: string, 
+/**
+ * Its goal.
+ */
+goal: string, 
+/**
+ * Its state.
+ */
+state: string, };
