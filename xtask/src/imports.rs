@@ -34,9 +34,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "apex-runtime",
         ],
     ),
+    ("crates/simulation", &["apex-model", "apex-mission", "apex-runtime", "apex-sim"]),
     ("crates/runtime", &["apex-model", "apex-executive", "apex-planning"]),
     ("adapters/*", &["apex-model", "apex-executive", "apex-runtime", "apex-geo", "apex-vehicle"]),
-    ("crates/server", &["apex-model", "apex-executive", "apex-runtime", "apex-metrics", "apex-mission"]),
+    (
+        "crates/server",
+        &["apex-model", "apex-executive", "apex-runtime", "apex-metrics", "apex-mission", "apex-simulation"],
+    ),
     ("crates/cli", &["*"]),
     ("spec", &["*"]),
     // The second witness shares nothing with the first.

@@ -18,7 +18,6 @@ mod recording;
 mod sources;
 mod telling;
 mod trouble;
-mod world;
 
 pub use apex_planning::Registry;
 pub use apex_solvers::shipped;

@@ -87,6 +87,11 @@ impl MissionError {
         MissionError::new(ErrorKind::Record, message)
     }
 
+    /// The vehicle is at fault.
+    pub fn vehicle(message: impl Into<String>) -> MissionError {
+        MissionError::new(ErrorKind::Vehicle, message)
+    }
+
     /// A flight cannot begin, or was aborted.
     pub fn flight(message: impl Into<String>) -> MissionError {
         MissionError::new(ErrorKind::Flight, message)

@@ -156,7 +156,7 @@ pub fn written(error: RecordError) -> MissionError {
 }
 
 /// A record that cannot be read: the user gave the file.
-pub(crate) fn read(error: RecordError) -> MissionError {
+pub fn read(error: RecordError) -> MissionError {
     match error {
         RecordError::NotARecord { path, found } => {
             MissionError::record_file(format!("{} is not a flight record", path.display()))

@@ -3,8 +3,7 @@
 use crate::options::FlyOptions;
 use crate::telling::{plain_duration, shell_word};
 use crate::trouble::{Outcome, Trouble};
-use crate::world::world;
-use crate::{commands, output, recording, sources};
+use crate::{commands, output, sources};
 use apex_mission::Mission;
 use apex_mission::deliberation::Means;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
@@ -32,27 +31,22 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let pace = pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
-    let mut vehicle = world(&mission, options.seed)?;
     if options.serve {
         check_port(options.port)?;
     }
-    let mut recorder = recording::of_mission(&path, &mission)?;
-    recorder
-        .meta("vehicle_type", "built-in simulator")
-        .and_then(|()| recorder.meta("seed", &options.seed.unwrap_or(mission.settings.seed).to_string()))
-        .map_err(recording::written)?;
+    // A mission that cannot be simulated leaves an older record as it is.
+    apex_simulation::world(&mission, options.seed)?;
+    let mut recorder = apex_simulation::create_record(&path, &mission, options.seed)?;
     let sherpa = options.serve.then(|| serve_beside(&path, options.port));
     let started = std::time::Instant::now();
     let (sherpa, controls) = sherpa.map_or((None, None), |(thread, controls)| (Some(thread), Some(controls)));
     let terms = apex_runtime::FlyOptions { pace, controls, ..MissionFlight::terms(&mission, until) };
     let means = means(options, planners)?;
     let mut progress = Progress::new(terms.until, options.no_progress || options.json);
-    let flight = MissionFlight::new(mission, means);
-    let flown = flight.fly(&mut vehicle, terms, &mut [&mut recorder, &mut progress]);
+    let flown = apex_simulation::fly(mission, means, options.seed, terms, &mut recorder, &mut [&mut progress]);
     progress.bar.finish_and_clear();
     let flight = flown?;
     let seconds = started.elapsed().as_secs_f64();
-    flight.store(&mut recorder).map_err(recording::written)?;
     print_flight(&flight, seconds, &path, options.json)?;
     match sherpa {
         Some(sherpa) if flight.end.reason != EndReason::Stopped => {

@@ -1,6 +1,6 @@
 //! The simulated world of a mission.
 
-use crate::trouble::{Outcome, Trouble};
+use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::{Mission, Target, TargetKind};
 use apex_sim::{Ground, GroundPatch, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
 
@@ -13,7 +13,7 @@ const START_HEADING_DEG: f64 = 0.0;
 ///
 /// # Errors
 /// The world's own sentence when something in the mission cannot be simulated.
-pub fn world(mission: &Mission, seed: Option<u64>) -> Outcome<SimulatedWorld> {
+pub fn world(mission: &Mission, seed: Option<u64>) -> MissionResult<SimulatedWorld> {
     let start = Start::on_ground(
         mission.start.latitude_deg,
         mission.start.longitude_deg,
@@ -26,7 +26,8 @@ pub fn world(mission: &Mission, seed: Option<u64>) -> Outcome<SimulatedWorld> {
     config.ground = ground(mission);
     config.modems = mission.modems.iter().map(modem).collect();
     config.places = places(mission);
-    SimulatedWorld::new(config).map_err(|reason| Trouble::user("the mission cannot be simulated").because(reason))
+    SimulatedWorld::new(config)
+        .map_err(|reason| MissionError::vehicle("the mission cannot be simulated").because(reason))
 }
 
 fn modem(modem: &apex_mission::Modem) -> Modem {

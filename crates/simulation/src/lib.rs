@@ -1,0 +1,10 @@
+//! A mission in the built-in simulator. `mission` knows no simulator and `adapters/sim` knows no mission; this crate joins them
+//! for all callers.
+
+mod flight;
+mod fork;
+mod world;
+
+pub use flight::{create_record, fly};
+pub use fork::{Forked, WorldChanges, fork};
+pub use world::world;
