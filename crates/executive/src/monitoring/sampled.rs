@@ -7,11 +7,12 @@
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 
-use super::constraints::{Test, satisfies_all};
+use super::constraints::satisfies_all;
 use super::part::{Site, Troubles};
 use super::samples::{Arrival, Seen, arrival, concerns, object_holds, remembered};
 use crate::expression::{EvaluationError, Surroundings};
 use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::Test;
 use crate::state::monitors::monitor::Window;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, VariablePattern};

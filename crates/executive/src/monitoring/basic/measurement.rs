@@ -8,7 +8,7 @@
 //! Paper: Table 1, rows 1 to 4.
 
 use crate::expression::{EvaluationError, Surroundings};
-use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{Reading, all, prepare, unit_of};
 use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{Seen, concerns, known_variable};
@@ -21,6 +21,7 @@ use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;

@@ -12,7 +12,7 @@ use crate::expression::Surroundings;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
 use crate::monitoring::combination::extents;
 use crate::monitoring::combination::interest::collect_interests;
-use crate::monitoring::numbers::{cyclic, persistence};
+use crate::monitoring::numbers::persistence;
 use crate::monitoring::part::Troubles;
 use crate::monitoring::sampled::Sampled;
 use crate::monitoring::stimulus::Stimulus;

@@ -9,7 +9,7 @@
 
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, unit_of};
 use crate::monitoring::episodes::runs::{Judged, advance_run};
 use crate::monitoring::episodes::{plain_look_back, quick_runs};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
@@ -22,7 +22,9 @@ use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSamp
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::condition::VariablePattern;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
+use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;

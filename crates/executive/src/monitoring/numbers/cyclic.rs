@@ -20,6 +20,7 @@ use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::Constraint;
 use apex_model::condition::CyclicCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;

@@ -9,7 +9,7 @@
 
 use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::asking::Asking;
-use crate::monitoring::constraints::{prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{prepare, unit_of};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{Seen, concerns, known_variable, seen_of};
@@ -20,10 +20,12 @@ use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::estimate::{Estimate, Estimator};
 use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -23,6 +23,7 @@ use crate::state::monitors::numbers::{Measure, NumberRun, NumberSample, Statisti
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::condition::VariablePattern;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
 use apex_model::event::StateVariable;
