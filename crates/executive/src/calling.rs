@@ -1,9 +1,9 @@
 //! Functions of a library, called by their names outside of any task: what a mission's data are computed by.
 
 use crate::expression::evaluate;
-use crate::view::View;
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::expression::view::View;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;

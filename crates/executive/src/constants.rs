@@ -1,9 +1,9 @@
 //! Constants: every `defconstant` that is an expression is computed once, as the agent is loaded.
 
+use crate::expression::view::View;
 use crate::expression::{Surroundings, evaluate};
-use crate::view::View;
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
@@ -39,7 +39,7 @@ pub fn failing_constants(library: &Arc<Library>, host: HostFunctions) -> Vec<(Sy
     // No task: the checker lets nothing into a constant that would ask for one.
     let view = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let mut failures = values(library, &view).1;
-    // One that only uses another is not told beside it.
+    // One that only uses another is not told next to it.
     let at = |place: Place| (place.file, place.line, place.column);
     failures.retain(|(name, place, _)| {
         let before = library.constants.iter().filter(|(_, expr)| at(expr.place) <= at(*place));

@@ -4,18 +4,18 @@
 //! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
 //! do not depend on how events were divided into batches, nor on how often time was advanced.
 
-use crate::control::instantiation::{self, Seed};
-use crate::control::{
-    contention, enablement, invariants, invocation, monitoring_clauses, probing, recording, selection, termination,
-};
-use crate::cycle::{Cycle, Work};
-use apex_model::agent::Agent;
+use crate::control::cycle::{Cycle, Work};
+use crate::control::tasks::instantiation::{self, Seed};
+use crate::control::tasks::{monitoring_clauses, probing, termination};
+use crate::phases::{contention, enablement, invariants, invocation, recording, selection};
+use crate::state::agent::Agent;
+use crate::state::task::Origin;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Batch, Event};
-use apex_model::task::{Origin, TaskId};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 
 /// Rounds until the next task is ended, once an instant has been found to be restless.

@@ -3,10 +3,10 @@
 //! Runs: whenever another service moves a task.  Reads: Task.  Writes: Task state, Decision, stimuli for monitors.
 //! Bound: O(1) per transition, O(log n) in the number of watched tasks.  PDL: section 9.  Paper: section III.
 
-use crate::cycle::Cycle;
-use crate::monitoring::Stimulus;
+use crate::control::cycle::Cycle;
+use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
 use apex_model::because::{Because, Cause};
-use apex_model::clause::MonitorId;
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Duration;

@@ -3,21 +3,22 @@
 //! Runs: record phase, when a solver reports.  Reads: PlannedProcedure.  Writes: generated procedures, Decision.
 //! Bound: O(steps of the plan).  PDL: section 3, `:sequential`.  Paper: section V, translation of plans.
 
-use crate::control::{procedure, termination};
-use crate::cycle::Cycle;
-use apex_model::agent::Generated;
+use crate::control::cycle::Cycle;
+use crate::control::tasks::{procedure, termination};
+use crate::state::agent::Generated;
+use crate::state::controller::{Controller, Way};
+use crate::state::index::{Candidate, ProcedureIndex};
+use crate::state::task::ProcedureRef;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::controller::{Controller, Way};
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::SolverReport;
 use apex_model::expression::Template;
-use apex_model::index::{Candidate, ProcedureIndex};
 use apex_model::pattern::Pattern;
 use apex_model::planned::PlannedProcedure;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::source::Place;
-use apex_model::task::{Outcome, ProcedureRef, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 use std::sync::Arc;
 
@@ -40,7 +41,7 @@ pub(crate) fn reported(cycle: &mut Cycle<'_>, request: SolveRequestId, report: &
     }
 }
 
-/// The answer is there, or is not expected any more.
+/// The answer is there, or is not expected any longer.
 fn stop_waiting(cycle: &mut Cycle<'_>, id: TaskId) {
     if let Some(Controller::Planning(controller)) =
         cycle.agent.task_mut(id).and_then(|task| task.controller.as_deref_mut())
@@ -50,7 +51,7 @@ fn stop_waiting(cycle: &mut Cycle<'_>, id: TaskId) {
     }
 }
 
-/// The solver has not answered in time: the request has failed, and its answer is not wanted any more.
+/// The solver has not answered in time: the request has failed, and its answer is not wanted any longer.
 pub(crate) fn timed_out(cycle: &mut Cycle<'_>, request: SolveRequestId) {
     let Some(id) = cycle.agent.requests.remove(&request) else { return };
     let Some(Controller::Planning(controller)) = cycle.task(id).and_then(|task| task.controller.as_deref()) else {

@@ -1,19 +1,19 @@
 //! Choices: which methods a goal has now, best first, and why each other one is not taken.
 
-use super::mismatch::first_mismatch;
-use super::words;
-use crate::control::selection::head;
+use crate::expression::view::View;
+use crate::monitoring::mismatch::first_mismatch;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::{Specificity, specificity, why_before};
-use crate::view::View;
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
+use crate::state::index::Candidate;
+use crate::state::task::ProcedureRef;
 use apex_model::bindings::Bindings;
-use apex_model::clause::Level;
 use apex_model::effect::Method;
-use apex_model::index::Candidate;
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::source::Place;
-use apex_model::task::{ProcedureRef, TaskId};
+use apex_model::task::TaskId;
 use apex_model::value::Value;
 use std::cmp::Reverse;
 
@@ -35,11 +35,11 @@ pub struct MethodOption {
 /// Everything whose index begins with the goal's first word, or with anything: matches first, the best of them first.
 /// Solvers come last, because they are asked only when nothing else matches.
 pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
-    let stored = agent.index.methods.candidates(head(goal));
-    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(head(goal))).collect();
+    let stored = agent.index.methods.candidates(goal.head());
+    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(goal.head())).collect();
     ways.sort_by_cached_key(|each| (Reverse(index(agent, *each).map(|(pattern, _)| specificity(pattern))), *each));
     let mut options = judged(agent, goal, &ways);
-    let solvers: Vec<Candidate> = agent.index.solvers.candidates(head(goal)).collect();
+    let solvers: Vec<Candidate> = agent.index.solvers.candidates(goal.head()).collect();
     let served = options.iter().any(|option| option.matches);
     for mut solver in judged(agent, goal, &solvers) {
         if solver.matches && served {
@@ -76,7 +76,7 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
                 (true, because)
             }
         };
-        options.push(MethodOption { method, index: words::pattern(pattern), place, matches, because });
+        options.push(MethodOption { method, index: Brief.pattern(pattern), place, matches, because });
     }
     options
 }

@@ -6,18 +6,20 @@ use super::watched::Watched;
 use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
-use crate::monitoring::{self, Stimulus, plain_combination, plain_episode};
+use crate::monitoring::episodes::{plain_combination, plain_episode};
+use crate::monitoring::memory::{histories, retention};
+use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::{LeafId, Seen, Taken, What};
+use crate::state::histories::history::Sample;
+use crate::state::monitor_set::Found;
+use crate::state::monitors::monitor::Monitor;
+use crate::state::wake::WakeKey;
 use apex_model::agent_limits::UNLOWERED;
-use apex_model::clause::MonitorId;
-use apex_model::episode_bank::{LeafId, Seen, Taken, What};
 use apex_model::event::StateVariable;
-use apex_model::history::Sample;
 use apex_model::limits::HISTORY_SAMPLES_MAX;
-use apex_model::monitor::Monitor;
-use apex_model::monitor_set::Found;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_model::wake::WakeKey;
 
 impl MonitorSession {
     /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.
@@ -185,9 +187,9 @@ impl MonitorSession {
         self.refresh(&variable);
     }
 
-    /// Lets a bank watch the condition, all of which was told. False when none can.
+    /// Lets a bank watch the condition, all of which was reported. False when none can.
     pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
-        // What was told must be remembered as long as late samples can make it known again.
+        // What was reported must be remembered as long as late samples can make it known again.
         if watched.lateness > Duration::ZERO || self.without_banks {
             return false;
         }
@@ -221,7 +223,7 @@ impl MonitorSession {
         if whole {
             plain_combination::lie_down(monitor);
         } else {
-            // One leaf alone in a bank would not hear of what the others are told.
+            // One leaf alone in a bank would not hear of what the others are reported.
             for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
                 self.interests.episodes_mut(variable).and_then(|bank| bank.take(LeafId { monitor: id, leaf }));
             }
@@ -264,7 +266,7 @@ impl MonitorSession {
     }
 
     /// Takes in samples of one variable, in order of time and with nothing else between them, one instant each, up to one
-    /// that somebody must be told of in the general way; how many these were. The last one stays out: what comes after it
+    /// that somebody must be reported of in the general way; how many these were. The last one stays out: what comes after it
     /// may still belong to its instant.
     pub(super) fn pass_by(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) -> usize {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {
@@ -273,7 +275,7 @@ impl MonitorSession {
         let World { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
-        if declaration.and_then(monitoring::lateness).is_some() {
+        if declaration.and_then(retention::lateness).is_some() {
             return 0;
         }
         let Some(history) = histories.get_mut(variable) else { return 0 };
@@ -309,7 +311,7 @@ impl MonitorSession {
             }
         }
         if let Some(at) = overflowed {
-            let message = monitoring::overflow_of_samples(variable, UNLOWERED);
+            let message = histories::overflow_of_samples(variable, UNLOWERED);
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
         self.refresh(variable);

@@ -1,11 +1,11 @@
 //! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
 //! average, and nothing where nobody asked.
 
+use crate::state::monitors::monitor::Satisfaction;
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
-use apex_model::history::Recorded;
 use apex_model::limits::SPACINGS_MAX;
-use apex_model::monitor::Satisfaction;
+use apex_model::recorded::Recorded;
 use apex_model::time::{Duration, Time};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -56,7 +56,7 @@ impl Spacings {
                     self.variables.insert(variable.clone(), OfVariable::from(at));
                 }
             },
-            // It divides a spacing that is no longer at hand: what is known begins anew.
+            // It divides a spacing that is no longer at hand: what is known begins again.
             Some(Recorded::Inserted) => {
                 if let Some(known) = self.variables.get_mut(variable) {
                     *known = OfVariable::from(known.newest);

@@ -9,22 +9,29 @@ mod tests;
 mod watched;
 
 use crate::constants;
-use crate::monitoring::{self, Stimulus, TellingKind};
+use crate::monitoring::combination::harvest::{self, TellingKind};
+use crate::monitoring::combination::interest;
+use crate::monitoring::combination::monitors;
+use crate::monitoring::memory::histories;
+use crate::monitoring::memory::retention;
+use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank;
+use crate::state::episode_bank::LeafId;
+use crate::state::histories::history::Histories;
+use crate::state::interests::Interests;
+use crate::state::monitor_set::Found;
+use crate::state::monitors::monitor::{Interest, Satisfaction, Verdict};
+use crate::state::table::Table;
 use apex_model::agent_limits::UNLOWERED;
 use apex_model::bindings::Bindings;
-use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
-use apex_model::episode_bank::{self, LeafId};
 use apex_model::event::StateVariable;
-use apex_model::history::{Histories, Recorded};
 use apex_model::host::HostFunctions;
-use apex_model::interests::Interests;
 use apex_model::library::Library;
 use apex_model::limits::SESSION_TROUBLES_MAX;
-use apex_model::monitor::{Interest, Satisfaction, Verdict};
-use apex_model::monitor_set::Found;
+use apex_model::recorded::Recorded;
 use apex_model::symbol::Symbol;
-use apex_model::table::Table;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -43,7 +50,7 @@ use watched::Watched;
 /// [`advance`](MonitorSession::advance) says so. What time alone decides is decided at its exact instant. So what is told
 /// depends neither on how calls are divided nor on how often time is advanced (rule 21).
 ///
-/// # What is told
+/// # What is reported
 ///
 /// Not only the first result of a condition, as a task would wait for it, but a stream of all of them, each once:
 ///
@@ -53,14 +60,14 @@ use watched::Watched;
 /// - **An episode** is told when it is recognised, say after its `:duration`. Its run may go on: then the result is marked
 ///   [`open`](Telling::Recognised), and it is told once more, with its final interval, when the run is over, which the
 ///   next sample shows: [`Telling::Closed`]. Who wants each result once looks at either kind.
-/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins anew: what
+/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins again: what
 ///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
-///   same variables (tags aside) the first in order is told.
+///   same variables (tags aside) the first in order is reported.
 /// - **The alternatives** of an outermost `:or` are told each for itself.
 /// - **An absence** (`:not`) is told once, when it becomes true, and not at every instant at which it is still true.
 ///
 /// A sample that comes late, within its variable's `:lateness`, can make a result known, which is then recognised at the
-/// session's time; what was told before is not taken back.
+/// session's time; what was reported before is not taken back.
 ///
 /// Results wait in the session until they are [taken](MonitorSession::take_results).
 #[derive(Clone, Debug)]
@@ -72,7 +79,7 @@ pub struct MonitorSession {
     arrivals: u64,
     /// How late samples may come at most.
     lateness: Duration,
-    /// For comparison: every sample is told in the general way.
+    /// For comparison: every sample is reported in the general way.
     without_banks: bool,
     /// What happened at the present instant.
     stimuli: Vec<Stimulus>,
@@ -93,9 +100,9 @@ impl MonitorSession {
     /// # Errors
     /// A sentence when a declared host function is not registered or a constant has no value.
     pub fn new(library: Arc<Library>, host: HostFunctions) -> Result<MonitorSession, String> {
-        crate::all_registered(&library, &host)?;
+        crate::registration::all_registered(&library, &host)?;
         let mut histories = Histories::default();
-        monitoring::prepare(&mut histories, &library, None);
+        retention::prepare(&mut histories, &library, None);
         let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
         let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
         let mut world = World {
@@ -145,7 +152,7 @@ impl MonitorSession {
     pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionTrouble> {
         self.end_instant();
         let World { histories, library, .. } = &mut self.world;
-        monitoring::prepare_condition(histories, library, &condition);
+        retention::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
         let watched = Watched::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
             SessionTrouble { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
@@ -159,7 +166,7 @@ impl MonitorSession {
         Ok(id)
     }
 
-    /// Ends the watch of a condition. What it told already stays to be taken.
+    /// Ends the watch of a condition. What it reported already stays to be taken.
     pub fn unwatch(&mut self, id: MonitorId) {
         self.end_instant();
         if let Some(mut watched) = self.watches.remove(id.0) {
@@ -184,7 +191,7 @@ impl MonitorSession {
         self.come_to(at);
         let sequence = self.arrival();
         let World { histories, library, .. } = &mut self.world;
-        let recording = monitoring::record_sample(histories, library, variable.clone(), value, at, sequence);
+        let recording = histories::record_sample(histories, library, variable.clone(), value, at, sequence);
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
@@ -192,7 +199,7 @@ impl MonitorSession {
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
-        let overflow = || monitoring::overflow_of_samples(variable, UNLOWERED);
+        let overflow = || histories::overflow_of_samples(variable, UNLOWERED);
         for message in recording.trouble.into_iter().chain(recording.overflows.then(overflow)) {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
@@ -203,10 +210,10 @@ impl MonitorSession {
     pub fn event(&mut self, form: Value, at: Time) {
         self.come_to(at);
         let sequence = self.arrival();
-        let (stimulus, overflows) = monitoring::record_event(&mut self.world.histories, form, at, sequence);
+        let (stimulus, overflows) = histories::record_event(&mut self.world.histories, form, at, sequence);
         self.stimuli.push(stimulus);
         if overflows {
-            let message = monitoring::overflow_of_messages(UNLOWERED);
+            let message = histories::overflow_of_messages(UNLOWERED);
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
     }
@@ -235,7 +242,7 @@ impl MonitorSession {
         self.come_to(at);
     }
 
-    /// Nothing more comes: results whose interval could still grow are told as closed.
+    /// Nothing more comes: results whose interval could still grow are reported as closed.
     pub fn finish(&mut self) {
         self.end_instant();
         for number in 0..self.next_watch {
@@ -273,10 +280,10 @@ impl MonitorSession {
         &self.world.histories
     }
 
-    /// What a condition must be told of, as far as it is known; empty while it is waited for.
+    /// What a condition must be reported of, as far as it is known; empty while it is waited for.
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
-        monitor.map(monitoring::interests).unwrap_or_default()
+        monitor.map(interest::interests).unwrap_or_default()
     }
 
     /// What can be said about a condition at the last instant that is over; none when it is not watched.
@@ -289,8 +296,8 @@ impl MonitorSession {
         let Some(mut monitor) = self.as_told(id, watched) else {
             return Some(Judgement { verdict: Verdict::Unknown, because: vec![watched::not_begun(watched)], results });
         };
-        let verdict = monitoring::verdict(&mut monitor, &self.world);
-        Some(Judgement { verdict, because: monitoring::unmet(&monitor, &self.world), results })
+        let verdict = monitors::verdict(&mut monitor, &self.world);
+        Some(Judgement { verdict, because: monitors::unmet(&monitor, &self.world), results })
     }
 
     fn arrival(&mut self) -> u64 {
@@ -406,7 +413,7 @@ impl MonitorSession {
             self.wakes.extend(wake.map(|at| (at, id, None)));
             watched.wake = wake;
         }
-        let troubles = watched.monitor.as_mut().map(monitoring::take_troubles).unwrap_or_default();
+        let troubles = watched.monitor.as_mut().map(monitors::take_troubles).unwrap_or_default();
         self.watches.put(id.0, watched);
         for trouble in troubles {
             let (message, place) = (trouble.message, Some(trouble.place));
@@ -414,7 +421,7 @@ impl MonitorSession {
         }
     }
 
-    fn told(&self, watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
+    fn told(&self, watch: MonitorId, telling: harvest::Telling) -> MonitorResult {
         let kind = match telling.kind {
             TellingKind::Found { open } => Telling::Recognised { open },
             TellingKind::Closed => Telling::Closed,

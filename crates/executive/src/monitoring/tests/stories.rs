@@ -1,9 +1,9 @@
 //! Small stories: one rule of the language each.
 
 use super::*;
+use crate::state::monitors::monitor::Interest;
 use apex_model::condition::Estimation;
 use apex_model::library::StateVariableDeclaration;
-use apex_model::monitor::Interest;
 use apex_model::quantity::unit_named;
 
 const SECOND: i64 = 1_000_000_000;
@@ -314,5 +314,5 @@ fn interests_route_by_head_variable_and_task() {
         interests(&world.monitor),
         [Interest::Variable(a), Interest::EventHead(Symbol::new("ready")), Interest::AnyEvent, Interest::AnyTask,]
     );
-    assert_eq!(super::event::head_of(&Value::symbol("READY")), Some(Symbol::new("ready")));
+    assert_eq!(crate::monitoring::basic::event::head_of(&Value::symbol("READY")), Some(Symbol::new("ready")));
 }

@@ -1,0 +1,78 @@
+//! Outcome of an arbitration (TC)
+//! What: says who gets what, who loses it and who is refused, with the rule and the strengths that decided.
+//! Runs: made in the contend phase, read in the commit phase.  Reads: nothing.  Writes: nothing.
+//! Bound: O(1).
+//! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+
+use crate::state::resource::ResourceId;
+use apex_model::because::{ConflictRule, Strength};
+use apex_model::task::TaskId;
+use std::rc::Rc;
+
+/// What arbitration decides.
+#[derive(Default)]
+pub(crate) struct Arbitration {
+    /// Claimants that get all they need.
+    pub(crate) granted: Vec<TaskId>,
+    /// Holders that lose what they hold.
+    pub(crate) displaced: Vec<Loss>,
+    /// Claimants that get nothing, holders that were displaced among them.
+    pub(crate) refused: Vec<Refusal>,
+    /// Claimants whose needs can never be met: resource, need, what there is.
+    pub(crate) impossible: Vec<(TaskId, ResourceId, f64, f64)>,
+    /// Claimants that did not compete, as their parents would have stopped, and whose parents go on after all.
+    pub(crate) barred: Vec<TaskId>,
+}
+
+impl Arbitration {
+    /// Adds what was decided about other resources.
+    pub(crate) fn absorb(&mut self, part: Arbitration) {
+        let Arbitration { granted, displaced, refused, impossible, barred } = part;
+        self.granted.extend(granted);
+        self.displaced.extend(displaced);
+        self.refused.extend(refused);
+        self.impossible.extend(impossible);
+        self.barred.extend(barred);
+    }
+}
+
+/// A conflict lost.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Loss {
+    /// The loser.
+    pub(crate) loser: TaskId,
+    /// Over what.
+    pub(crate) resource: ResourceId,
+    /// The winner.
+    pub(crate) winner: TaskId,
+    /// The rule that decided.
+    pub(crate) rule: ConflictRule,
+    /// The winner's priority or rank, with interrupt cost where it defends.
+    pub(crate) winner_strength: Strength,
+    /// The loser's.
+    pub(crate) loser_strength: Strength,
+    /// The winner has the resource, or gets it now; else it claims it too.
+    pub(crate) winner_holds: bool,
+}
+
+/// A claimant that gets nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    /// The conflict that is told.
+    pub(crate) loss: Loss,
+    /// Whose priorities count for the loser: its own, and those of whom it goes before.
+    pub(crate) stands_for: Rc<[TaskId]>,
+    /// All who stand in its way: at least one of them would have to yield.
+    pub(crate) rivals: Vec<Rival>,
+}
+
+/// One that stands in the way of a claimant.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Rival {
+    /// Its number.
+    pub(crate) task: TaskId,
+    /// It has the resource, and does not only claim it.
+    pub(crate) holds: bool,
+    /// Whose priorities count for it.
+    pub(crate) stands_for: Rc<[TaskId]>,
+}
