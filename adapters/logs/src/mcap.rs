@@ -1,23 +1,28 @@
-//! MCAP: records with an opcode and a length, plain or within compressed chunks (mcap.dev/spec). Messages in JSON are
-//! read; of others their topic and number are known.
+//! MCAP (mcap.dev/spec): records, plain or within compressed chunks. The crate `mcap` splits and parses records; chunks
+//! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON are read; of others
+//! their topic and number are known.
 
-use crate::bytes::{Bytes, u16_at, u32_at, u64_at};
 use crate::{Damages, LogReader, MESSAGE_BYTES_MAX, Message, TOPICS_MAX, Topic, json_fields};
 use apex_model::time::Time;
+use mcap::records::{self, ChunkHeader, Record, op};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Read};
 
 /// First and last bytes of the format.
-pub(crate) const MAGIC: &[u8] = &[0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
-const RECORD_HEADER: usize = 9;
+pub(crate) const MAGIC: &[u8] = mcap::MAGIC;
 /// Bytes of one chunk, packed or not.
 const CHUNK_BYTES_MAX: usize = 1 << 28;
+/// Bytes of a record before its content: opcode and length.
+const RECORD_HEADER: u64 = 9;
+/// Bytes that are read at once.
+const BLOCK: usize = 1 << 16;
 
 /// Reads an MCAP file.
 pub(crate) struct Mcap<R> {
-    bytes: Bytes<R>,
-    /// The chunk that is being read, with its place in the file.
-    chunk: Option<(Bytes<Cursor<Vec<u8>>>, u64)>,
+    file: Records<R>,
+    /// The chunk that is being read, with its offset in the file.
+    chunk: Option<(Records<Cursor<Vec<u8>>>, u64)>,
     begun: bool,
     ended: bool,
     channels: BTreeMap<u16, Channel>,
@@ -30,16 +35,58 @@ struct Channel {
     is_json: bool,
 }
 
-/// A record of the file or of the chunk at hand.
-enum Record {
-    Some(u8, Vec<u8>, u64),
-    End,
+/// The records of a file or of an unpacked chunk.
+struct Records<R> {
+    input: R,
+    reader: LinearReader,
+    /// Offset of the next record in the input.
+    offset: u64,
+}
+
+/// A record with its opcode, content and offset.
+type RawRecord = (u8, Vec<u8>, u64);
+
+impl<R: Read> Records<R> {
+    /// Records of at most `longest` bytes, without the magic bytes around them.
+    fn new(input: R, longest: usize) -> Records<R> {
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_emit_chunks(true)
+            .with_record_length_limit(longest);
+        Records { input, reader: LinearReader::new_with_options(options), offset: 0 }
+    }
+
+    /// The next record, or `None` at the end; the inner error is the offset of a record that is cut or too long.
+    fn next(&mut self) -> io::Result<Result<Option<RawRecord>, u64>> {
+        loop {
+            match self.reader.next_event() {
+                None => return Ok(Ok(None)),
+                Some(Err(_)) => return Ok(Err(self.offset)),
+                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                    let at = self.offset;
+                    self.offset += RECORD_HEADER + data.len() as u64;
+                    return Ok(Ok(Some((opcode, data.to_vec(), at))));
+                }
+                Some(Ok(LinearReadEvent::ReadRequest(_))) => {}
+            }
+            // A block at a time, whatever length a record claims to have.
+            let slot = self.reader.insert(BLOCK);
+            let read = loop {
+                match self.input.read(slot) {
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                    other => break other?,
+                }
+            };
+            self.reader.notify_read(read);
+        }
+    }
 }
 
 impl<R: Read> Mcap<R> {
     pub(crate) fn new(input: R) -> Mcap<R> {
         Mcap {
-            bytes: Bytes::new(input),
+            file: Records::new(input, CHUNK_BYTES_MAX),
             chunk: None,
             begun: false,
             ended: false,
@@ -49,63 +96,67 @@ impl<R: Read> Mcap<R> {
         }
     }
 
-    fn record(&mut self) -> io::Result<Record> {
+    fn begin(&mut self) -> io::Result<()> {
+        let mut first = Vec::new();
+        self.file.input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut first)?;
+        if first != MAGIC {
+            self.damages.add(|| "byte 0: this is not the beginning of an MCAP file".to_string());
+        }
+        self.file.offset = first.len() as u64;
+        Ok(())
+    }
+
+    /// The next record of the chunk that is being read, or of the file.
+    fn record(&mut self) -> io::Result<Option<RawRecord>> {
         if let Some((chunk, place)) = &mut self.chunk {
             let place = *place;
-            match record_of(chunk, MESSAGE_BYTES_MAX)? {
-                Ok(Record::Some(code, body, _)) => return Ok(Record::Some(code, body, place)),
-                Ok(Record::End) => {}
+            match chunk.next()? {
+                Ok(Some((opcode, body, _))) => return Ok(Some((opcode, body, place))),
+                Ok(None) => {}
                 Err(at) => self.damages.add(|| format!("byte {at} of the chunk at byte {place}: a record is cut")),
             }
             self.chunk = None;
         }
         if self.ended {
-            return Ok(Record::End);
+            return Ok(None);
         }
-        match record_of(&mut self.bytes, CHUNK_BYTES_MAX)? {
-            Ok(record) => Ok(record),
-            Err(at) => {
-                self.ended = true;
-                self.damages.add(|| format!("byte {at}: the log ends within a record, or a length is wrong"));
-                Ok(Record::End)
-            }
-        }
+        let record = self.file.next()?;
+        self.ended = !matches!(record, Ok(Some(_)));
+        Ok(record.unwrap_or_else(|at| {
+            self.damages.add(|| format!("byte {at}: the log ends within a record, or a length is wrong"));
+            None
+        }))
     }
 
-    fn channel(&mut self, body: &[u8], at: u64) -> Option<()> {
-        let number = u16_at(body, 0)?;
-        let (name, after) = string(body, 4)?;
-        let (encoding, _) = string(body, after)?;
-        if self.channels.contains_key(&number) {
-            return Some(());
+    fn channel(&mut self, channel: records::Channel, at: u64) {
+        if self.channels.contains_key(&channel.id) {
+            return;
         }
         if self.topics.len() >= TOPICS_MAX {
-            self.damages.add(|| format!("byte {at}: more than {TOPICS_MAX} topics"));
-            return Some(());
+            return self.damages.add(|| format!("byte {at}: more than {TOPICS_MAX} topics"));
         }
+        let (name, encoding) = (channel.topic, channel.message_encoding);
         let is_json = encoding == "json";
         if !is_json {
             self.damages.add(|| {
                 format!("byte {at}: messages of `{name}` are written in `{encoding}`, of which nothing but json is read here")
             });
         }
-        self.channels.insert(number, Channel { topic: self.topics.len(), is_json });
+        self.channels.insert(channel.id, Channel { topic: self.topics.len(), is_json });
         self.topics.push(Topic { name, fields: Vec::new() });
-        Some(())
     }
 
-    fn message(&mut self, body: &[u8], at: u64, message: &mut Message) -> bool {
-        let (Some(number), Some(log_time)) = (u16_at(body, 0), u64_at(body, 6)) else { return false };
-        let Some(channel) = self.channels.get(&number) else {
+    /// Fills `message`; false if it cannot be read.
+    fn message(&mut self, header: &records::MessageHeader, data: &[u8], at: u64, message: &mut Message) -> bool {
+        let Some(channel) = self.channels.get(&header.channel_id) else {
             self.damages.add(|| format!("byte {at}: a message of a channel that was not announced"));
             return false;
         };
         message.topic = channel.topic;
-        message.at = Time(i64::try_from(log_time).unwrap_or(i64::MAX));
+        message.at = Time(i64::try_from(header.log_time).unwrap_or(i64::MAX));
         message.values.clear();
         if channel.is_json {
-            let json = serde_json::from_slice(body.get(22..).unwrap_or_default());
-            match (json, self.topics.get_mut(channel.topic)) {
+            match (serde_json::from_slice(data), self.topics.get_mut(channel.topic)) {
                 (Ok(json), Some(topic)) => json_fields::spread(&json, topic, &mut message.values),
                 _ => {
                     self.damages.add(|| format!("byte {at}: a message that says it is JSON and is not"));
@@ -116,90 +167,65 @@ impl<R: Read> Mcap<R> {
         true
     }
 
-    fn open_chunk(&mut self, body: &[u8], at: u64) {
-        let opened = || {
-            let size = usize::try_from(u64_at(body, 16)?).ok().filter(|size| *size <= CHUNK_BYTES_MAX)?;
-            let (compression, after) = string(body, 28)?;
-            let records = body.get(after.checked_add(8)?..)?;
-            Some((size, compression, records.to_vec()))
-        };
-        let Some((size, compression, records)) = opened() else {
-            return self.damages.add(|| format!("byte {at}: this chunk cannot be understood"));
-        };
-        let unpacked = match compression.as_str() {
-            "" => Ok(records),
-            "lz4" => limited(lz4_flex::frame::FrameDecoder::new(Cursor::new(records)), size),
-            "zstd" => ruzstd::decoding::StreamingDecoder::new(Cursor::new(records))
-                .map_err(|error| error.to_string())
-                .and_then(|decoder| limited(decoder, size)),
-            other => Err(format!("its compression `{other}` is not known")),
-        };
-        match unpacked {
-            Ok(records) => self.chunk = Some((Bytes::new(Cursor::new(records)), at)),
+    fn open_chunk(&mut self, header: &ChunkHeader, data: &[u8], at: u64) {
+        match unpacked(header, data) {
+            Ok(records) => self.chunk = Some((Records::new(Cursor::new(records), MESSAGE_BYTES_MAX), at)),
             Err(reason) => self.damages.add(|| format!("byte {at}: this chunk cannot be unpacked: {reason}")),
         }
     }
 }
 
-/// What a decompressor yields, up to the size that was announced.
-fn limited(decoder: impl Read, size: usize) -> Result<Vec<u8>, String> {
-    let mut unpacked = Vec::new();
-    decoder.take(size as u64).read_to_end(&mut unpacked).map_err(|error| error.to_string())?;
-    Ok(unpacked)
-}
-
-/// The next record; the error is the place of one that is cut.
-fn record_of<R: Read>(bytes: &mut Bytes<R>, longest: usize) -> io::Result<Result<Record, u64>> {
-    let at = bytes.offset;
-    let header = bytes.peek(RECORD_HEADER)?;
-    if header.is_empty() || header.starts_with(MAGIC) {
-        return Ok(Ok(Record::End));
+/// The records of a chunk, up to the size that its header announces.
+fn unpacked(header: &ChunkHeader, data: &[u8]) -> Result<Vec<u8>, String> {
+    let size = usize::try_from(header.uncompressed_size).ok().filter(|size| *size <= CHUNK_BYTES_MAX);
+    let size = size.ok_or_else(|| format!("its size of {} bytes exceeds the limit", header.uncompressed_size))?;
+    let limited = |decoder: &mut dyn Read| {
+        let mut unpacked = Vec::new();
+        let read = decoder.take(size as u64).read_to_end(&mut unpacked);
+        read.map(|_| unpacked).map_err(|error| error.to_string())
+    };
+    match header.compression.as_str() {
+        "" => Ok(data.to_vec()),
+        "lz4" => limited(&mut lz4_flex::frame::FrameDecoder::new(data)),
+        "zstd" => {
+            let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|error| error.to_string());
+            limited(&mut decoder?)
+        }
+        other => Err(format!("its compression `{other}` is not known")),
     }
-    let (Some(code), Some(length)) = (header.first().copied(), u64_at(header, 1)) else { return Ok(Err(at)) };
-    let Some(length) = usize::try_from(length).ok().filter(|length| *length <= longest) else { return Ok(Err(at)) };
-    bytes.skip(RECORD_HEADER);
-    let body = bytes.peek(length)?.to_vec();
-    if body.len() < length {
-        return Ok(Err(at));
-    }
-    bytes.skip(length);
-    Ok(Ok(Record::Some(code, body, at)))
-}
-
-/// A string with its length before it, and where the bytes after it begin.
-fn string(body: &[u8], at: usize) -> Option<(String, usize)> {
-    let length = usize::try_from(u32_at(body, at)?).ok()?;
-    let end = at.checked_add(4)?.checked_add(length)?;
-    Some((String::from_utf8_lossy(body.get(at + 4..end)?).into_owned(), end))
 }
 
 impl<R: Read> LogReader for Mcap<R> {
     fn next(&mut self, message: &mut Message) -> io::Result<bool> {
         if !self.begun {
             self.begun = true;
-            if !self.bytes.peek(MAGIC.len())?.starts_with(MAGIC) {
-                self.damages.add(|| "byte 0: this is not the beginning of an MCAP file".to_string());
-            }
-            self.bytes.skip(MAGIC.len());
+            self.begin()?;
         }
         loop {
-            match self.record()? {
-                Record::End if self.chunk.is_none() => return Ok(false),
-                Record::End => {}
-                Record::Some(0x04, body, at) => {
-                    if self.channel(&body, at).is_none() {
-                        self.damages.add(|| format!("byte {at}: this channel cannot be understood"));
-                    }
+            let Some((opcode, body, at)) = self.record()? else {
+                if self.chunk.is_none() {
+                    return Ok(false);
                 }
-                Record::Some(0x05, body, at) => {
-                    if self.message(&body, at, message) {
+                continue;
+            };
+            let wanted = matches!(opcode, op::CHANNEL | op::MESSAGE | op::CHUNK);
+            // The data section ends here; what follows is a summary of it.
+            self.ended |= opcode == op::DATA_END;
+            if !wanted {
+                continue;
+            }
+            match mcap::parse_record(opcode, &body) {
+                Ok(Record::Channel(channel)) => self.channel(channel, at),
+                Ok(Record::Message { header, data }) => {
+                    if self.message(&header, &data, at, message) {
                         return Ok(true);
                     }
                 }
-                Record::Some(0x06, body, at) => self.open_chunk(&body, at),
-                // The data section ends here; what follows is a summary of it.
-                Record::Some(0x0f, ..) => self.ended = true,
-                Record::Some(..) => {}
+                Ok(Record::Chunk { header, data }) => self.open_chunk(&header, &data, at),
+                Ok(_) => {}
+                Err(error) => {
+                    self.damages.add(|| format!("byte {at}: a record of kind {opcode} cannot be read: {error}"))
+                }
             }
         }
     }
