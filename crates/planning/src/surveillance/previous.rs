@@ -53,9 +53,6 @@ const NAME_NS: u64 = 100;
 mod tests {
     use super::*;
     use crate::examples::surveillance as examples;
-    use crate::solver::{Environment, Solver, WorkBudget};
-    use apex_model::problem::{Problem, SurveillancePlan, SurveillanceProblem};
-    use proptest::prelude::*;
 
     #[test]
     fn a_cycle_goes_on_where_the_visits_that_are_left_end() {
