@@ -2,7 +2,7 @@
 //! read; of others their topic and number are known.
 
 use crate::bytes::{Bytes, u16_at, u32_at, u64_at};
-use crate::{Damages, LogReader, MESSAGE_BYTES_MAX, Message, TOPICS_MAX, Topic, json_fields};
+use crate::{LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic, json_fields};
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Read};
@@ -22,7 +22,7 @@ pub(crate) struct Mcap<R> {
     ended: bool,
     channels: BTreeMap<u16, Channel>,
     topics: Vec<Topic>,
-    damages: Damages,
+    damages: ReadErrors,
 }
 
 struct Channel {
@@ -45,7 +45,7 @@ impl<R: Read> Mcap<R> {
             ended: false,
             channels: BTreeMap::new(),
             topics: Vec::new(),
-            damages: Damages::default(),
+            damages: ReadErrors::default(),
         }
     }
 
@@ -208,7 +208,7 @@ impl<R: Read> LogReader for Mcap<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }
