@@ -4,6 +4,7 @@ use super::current_plan::{observed_lines, rounded};
 use super::operator_plan;
 use super::solve::Deliberation;
 use crate::problem::{survey, visit_altitude_m};
+use crate::vehicle::Airframe;
 use crate::{Mission, Target, TargetKind};
 use apex_model::planned::{Location, LookFrom, PlannedActivity, PlannedProcedure, PlannedStep};
 use apex_model::problem::{Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
@@ -12,7 +13,6 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::PrintedPlan;
-use crate::vehicle::Airframe;
 
 /// A step before it has a line in the procedure's text.
 type Step = (Symbol, PlannedActivity);
