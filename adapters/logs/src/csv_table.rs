@@ -1,6 +1,6 @@
 //! Tables, `.csv`: a row of column names, then rows of values; one column is the time.
 
-use crate::{Cell, Damages, FIELDS_MAX, LogReader, Message, Topic};
+use crate::{Cell, FIELDS_MAX, LogReader, Message, ReadErrors, Topic};
 use apex_model::time::Time;
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use std::io::{self, Read};
@@ -32,7 +32,7 @@ pub(crate) struct CsvTable<R> {
     /// The column of the time and the nanoseconds of its unit.
     time: Option<(String, f64)>,
     column: Option<(usize, f64)>,
-    damages: Damages,
+    damages: ReadErrors,
     begun: bool,
 }
 
@@ -45,7 +45,7 @@ impl<R: Read> CsvTable<R> {
             topics: Vec::new(),
             time,
             column: None,
-            damages: Damages::default(),
+            damages: ReadErrors::default(),
             begun: false,
         }
     }
@@ -101,7 +101,7 @@ impl<R: Read> LogReader for CsvTable<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

@@ -56,13 +56,13 @@ impl Format {
 
 /// Gives rows their times. Rows that carry none are spread evenly between the GPS rows around them.
 #[derive(Debug, Default)]
-pub(crate) struct Stamper {
+pub(crate) struct TimestampInterpolator {
     newest: Option<Time>,
     waiting: VecDeque<Message>,
     ready: VecDeque<Message>,
 }
 
-impl Stamper {
+impl TimestampInterpolator {
     /// A row has come.
     pub(crate) fn push(&mut self, format: &Format, mut row: Message) {
         match format.time_of(&row.values) {

@@ -2,8 +2,8 @@
 //! (ArduPilot developer documentation, "Logging").
 
 use crate::bytes::{Bytes, array, text, u16_at, u32_at};
-use crate::dataflash::{Format, Stamper};
-use crate::{Cell, Damages, LogReader, Message, TOPICS_MAX, Topic};
+use crate::dataflash::{Format, TimestampInterpolator};
+use crate::{Cell, LogReader, Message, ReadErrors, TOPICS_MAX, Topic};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
@@ -19,8 +19,8 @@ pub(crate) struct DataFlashBinary<R> {
     bytes: Bytes<R>,
     formats: BTreeMap<u8, Format>,
     topics: Vec<Topic>,
-    stamper: Stamper,
-    damages: Damages,
+    stamper: TimestampInterpolator,
+    damages: ReadErrors,
     ended: bool,
 }
 
@@ -30,8 +30,8 @@ impl<R: Read> DataFlashBinary<R> {
             bytes: Bytes::new(input),
             formats: BTreeMap::new(),
             topics: Vec::new(),
-            stamper: Stamper::default(),
-            damages: Damages::default(),
+            stamper: TimestampInterpolator::default(),
+            damages: ReadErrors::default(),
             ended: false,
         }
     }
@@ -200,7 +200,7 @@ impl<R: Read> LogReader for DataFlashBinary<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

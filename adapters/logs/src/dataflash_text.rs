@@ -1,8 +1,8 @@
 //! DataFlash as text, `.log`: one row a line, `NAME, value, value, ..`; `FMT` rows tell the columns.
 
 use crate::bytes::Bytes;
-use crate::dataflash::{Format, Stamper};
-use crate::{Cell, Damages, LogReader, MESSAGE_BYTES_MAX, Message, TOPICS_MAX, Topic};
+use crate::dataflash::{Format, TimestampInterpolator};
+use crate::{Cell, LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
@@ -12,8 +12,8 @@ pub(crate) struct DataFlashText<R> {
     line: u64,
     formats: BTreeMap<String, Format>,
     topics: Vec<Topic>,
-    stamper: Stamper,
-    damages: Damages,
+    stamper: TimestampInterpolator,
+    damages: ReadErrors,
     ended: bool,
 }
 
@@ -24,8 +24,8 @@ impl<R: Read> DataFlashText<R> {
             line: 0,
             formats: BTreeMap::new(),
             topics: Vec::new(),
-            stamper: Stamper::default(),
-            damages: Damages::default(),
+            stamper: TimestampInterpolator::default(),
+            damages: ReadErrors::default(),
             ended: false,
         }
     }
@@ -115,7 +115,7 @@ impl<R: Read> LogReader for DataFlashText<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

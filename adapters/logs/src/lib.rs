@@ -74,14 +74,14 @@ pub struct Message {
 
 /// Places of a log that could not be read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Damages {
+pub struct ReadErrors {
     /// The first of them: where, and what is wrong there.
     pub first: Vec<String>,
     /// How many there are.
     pub count: u64,
 }
 
-impl Damages {
+impl ReadErrors {
     pub(crate) fn add(&mut self, what: impl FnOnce() -> String) {
         self.count += 1;
         if self.first.len() < DAMAGES_MAX {
@@ -107,5 +107,5 @@ pub trait LogReader {
     }
 
     /// What could not be read so far.
-    fn damages(&self) -> &Damages;
+    fn damages(&self) -> &ReadErrors;
 }

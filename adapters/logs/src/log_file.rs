@@ -1,7 +1,7 @@
 //! A log file with its mapping, read in order of time as measurements.
 
 use crate::mapping_file::{self, MappingError, MappingFile, ReadForm};
-use crate::{Damages, FieldSummary, Format, LogReader, Message, Ordered, Sampler, Span, survey};
+use crate::{FieldSummary, Format, LogReader, Message, Ordered, ReadErrors, Sampler, Span, survey};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::time::{Duration, Time};
@@ -86,7 +86,7 @@ impl LogFile {
         mut self,
         library: &Library,
         sink: &mut dyn FnMut(Time, StateVariable, Value) -> Result<(), E>,
-    ) -> Result<Damages, LogError<E>> {
+    ) -> Result<ReadErrors, LogError<E>> {
         let mut reader = self.reader()?;
         let mapping = self.mapping.take().unwrap_or_default().mapping(library).map_err(LogError::Mapping)?;
         let mut sampler = Sampler::new(mapping);
@@ -116,7 +116,7 @@ impl LogFile {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<Span>, Damages), LogError<E>> {
+    pub fn fields<E>(&self) -> Result<(Vec<FieldSummary>, Option<Span>, ReadErrors), LogError<E>> {
         let mut reader = self.reader()?;
         let (fields, span) = survey(&mut *reader).map_err(LogError::Read)?;
         Ok((fields, span, reader.damages().clone()))

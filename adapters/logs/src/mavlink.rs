@@ -3,7 +3,7 @@
 
 use crate::bytes::{Bytes, array, u16_at};
 use crate::mavlink_messages::{CRC_BEGIN, Definition, checksum, definitions};
-use crate::{Damages, LogReader, Message, TOPICS_MAX, Topic};
+use crate::{LogReader, Message, ReadErrors, TOPICS_MAX, Topic};
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -26,7 +26,7 @@ pub(crate) struct TelemetryLog<R> {
     /// The first system with an autopilot: its messages are named plainly.
     vehicle: Option<u8>,
     stamp: Option<u64>,
-    damages: Damages,
+    damages: ReadErrors,
 }
 
 /// A packet in its frame.
@@ -47,7 +47,7 @@ impl<R: Read> TelemetryLog<R> {
             topics: Vec::new(),
             vehicle: None,
             stamp: None,
-            damages: Damages::default(),
+            damages: ReadErrors::default(),
         }
     }
 
@@ -184,7 +184,7 @@ impl<R: Read> LogReader for TelemetryLog<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

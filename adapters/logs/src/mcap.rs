@@ -2,7 +2,12 @@
 //! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON are read; of others
 //! their topic and number are known.
 
+<<<<<<< HEAD
 use crate::{Damages, LogReader, MESSAGE_BYTES_MAX, Message, TOPICS_MAX, Topic, json_fields};
+=======
+use crate::bytes::{Bytes, u16_at, u32_at, u64_at};
+use crate::{LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic, json_fields};
+>>>>>>> veh
 use apex_model::time::Time;
 use mcap::records::{self, ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -27,7 +32,7 @@ pub(crate) struct Mcap<R> {
     ended: bool,
     channels: BTreeMap<u16, Channel>,
     topics: Vec<Topic>,
-    damages: Damages,
+    damages: ReadErrors,
 }
 
 struct Channel {
@@ -92,7 +97,7 @@ impl<R: Read> Mcap<R> {
             ended: false,
             channels: BTreeMap::new(),
             topics: Vec::new(),
-            damages: Damages::default(),
+            damages: ReadErrors::default(),
         }
     }
 
@@ -234,7 +239,7 @@ impl<R: Read> LogReader for Mcap<R> {
         &self.topics
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

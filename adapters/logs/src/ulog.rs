@@ -2,7 +2,7 @@
 
 use crate::bytes::{Bytes, text, u16_at, u64_at};
 use crate::ulog_format::{Formats, Leaf};
-use crate::{Cell, Damages, LogReader, Message, TOPICS_MAX, Topic};
+use crate::{Cell, LogReader, Message, ReadErrors, TOPICS_MAX, Topic};
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -31,7 +31,7 @@ pub(crate) struct ULog<R> {
     subscriptions: BTreeMap<u16, Subscription>,
     topics: Vec<Topic>,
     messages: Option<usize>,
-    damages: Damages,
+    damages: ReadErrors,
 }
 
 impl<R: Read> ULog<R> {
@@ -44,7 +44,7 @@ impl<R: Read> ULog<R> {
             subscriptions: BTreeMap::new(),
             topics: Vec::new(),
             messages: None,
-            damages: Damages::default(),
+            damages: ReadErrors::default(),
         }
     }
 
@@ -220,7 +220,7 @@ impl<R: Read> LogReader for ULog<R> {
         self.began
     }
 
-    fn damages(&self) -> &Damages {
+    fn damages(&self) -> &ReadErrors {
         &self.damages
     }
 }

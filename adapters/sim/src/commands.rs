@@ -3,7 +3,7 @@
 use crate::arguments::{Arguments, Spot};
 use crate::camera::CameraState;
 use crate::fixed_wing::true_airspeed_min;
-use crate::flight::{Flight, Order};
+use crate::flight::{ActiveOrder, Order};
 use crate::instants;
 use crate::names::unknown_name;
 use crate::world::{Setpoint, SimulatedWorld};
@@ -149,7 +149,7 @@ impl SimulatedWorld {
             Order::FlyLine { from, to } => self.left_lines.take(from.position, to.position),
             _ => 0.0,
         };
-        self.flight = Flight::begin_at(Some(id), order, begin_m, &self.situation());
+        self.flight = ActiveOrder::begin_at(Some(id), order, begin_m, &self.situation());
         Ok(())
     }
 
@@ -307,7 +307,7 @@ impl SimulatedWorld {
 
     fn idle(&mut self) {
         let order = if self.state.on_ground { Order::Parked } else { Order::Hold };
-        self.flight = Flight::begin(None, order, &self.situation());
+        self.flight = ActiveOrder::begin(None, order, &self.situation());
         self.changed = true;
     }
 
@@ -375,6 +375,6 @@ impl SimulatedWorld {
         for command in open {
             inputs.push(Input::new(self.now, apex_model::event::EventKind::CommandAcknowledged(command, reason())));
         }
-        self.flight = Flight::begin(None, Order::Parked, &self.situation());
+        self.flight = ActiveOrder::begin(None, Order::Parked, &self.situation());
     }
 }

@@ -71,7 +71,7 @@ pub(crate) enum Stage {
 
 /// The order that is being flown.
 #[derive(Clone, Debug)]
-pub(crate) struct Flight {
+pub(crate) struct ActiveOrder {
     pub(crate) command: Option<CommandId>,
     order: Order,
     pub(crate) stage: Stage,
@@ -104,15 +104,15 @@ pub(crate) enum Progress {
 /// A take-off climbs straight ahead this high before it turns.
 const STRAIGHT_CLIMB_M: f64 = 300.0;
 
-impl Flight {
+impl ActiveOrder {
     /// Begins `order`.
-    pub(crate) fn begin(command: Option<CommandId>, order: Order, here: &Situation) -> Flight {
-        Flight::begin_at(command, order, 0.0, here)
+    pub(crate) fn begin(command: Option<CommandId>, order: Order, here: &Situation) -> ActiveOrder {
+        ActiveOrder::begin_at(command, order, 0.0, here)
     }
 
     /// Begins `order`; a line is begun `begin_m` after its beginning.
-    pub(crate) fn begin_at(command: Option<CommandId>, order: Order, begin_m: f64, here: &Situation) -> Flight {
-        let mut flight = Flight {
+    pub(crate) fn begin_at(command: Option<CommandId>, order: Order, begin_m: f64, here: &Situation) -> ActiveOrder {
+        let mut flight = ActiveOrder {
             command,
             order: order.clone(),
             stage: Stage::Parked,

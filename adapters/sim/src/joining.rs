@@ -1,6 +1,6 @@
 //! Joining a line: straight to the turn, round it, and along the line with the wings level before it begins.
 
-use crate::flight::{Flight, Stage};
+use crate::flight::{ActiveOrder, Stage};
 use crate::motion::wrap_pi;
 use crate::path::{Join, Line, bearing, join};
 use crate::situation::Situation;
@@ -19,7 +19,7 @@ const REPLAN_M: f64 = 1_000.0;
 /// A vehicle already on a line may be this far past its beginning.
 const ON_LINE_M: f64 = 300.0;
 
-impl Flight {
+impl ActiveOrder {
     /// How to begin a line: at once where the vehicle is on it already, else by joining it.
     pub(crate) fn line_stage(&mut self, line: &Line, from: Position, here: &Situation) -> Stage {
         let (along_m, across_m, course_rad) = line.locate(here.state.position);

@@ -7,7 +7,7 @@
 use crate::camera::Camera;
 use crate::config::{Happening, NamedPlace, ScheduledEvent, WorldConfig};
 use crate::fixed_wing;
-use crate::flight::{Flight, Order, Progress};
+use crate::flight::{ActiveOrder, Order, Progress};
 use crate::instants;
 use crate::left_lines::LeftLines;
 use crate::motion::{Demand, State, fuel_flow_kg_s};
@@ -61,7 +61,7 @@ pub struct SimulatedWorld {
     pub(crate) state: State,
     pub(crate) wind: Wind,
     pub(crate) ground_m: f64,
-    pub(crate) flight: Flight,
+    pub(crate) flight: ActiveOrder,
     pub(crate) altitude_m: f64,
     pub(crate) true_airspeed: f64,
     pub(crate) nose_rad: Option<f64>,
@@ -118,7 +118,7 @@ impl SimulatedWorld {
             true_airspeed,
         };
         let order = if start.airborne { Order::Hold } else { Order::Parked };
-        let flight = Flight::begin(None, order, &here);
+        let flight = ActiveOrder::begin(None, order, &here);
         let reporter = Reporter::new(&vehicle, &cameras, &radios);
         Ok(SimulatedWorld {
             vehicle,

@@ -60,7 +60,6 @@ fn programs_read_the_figures_of_the_missions_vehicle() {
         "(index (fly the mission))",
         "(index (fly the mission))\n  (step say (print +max-roll-angle-deviation+ +vehicle-ceiling+))",
     );
-    own.change("m/mission.pdl", "(map the fires)", "(map the fires now)");
     own.apex(&["fly", "m", "--record", "r.apex", "--no-progress", "--until", "1s"]).well();
     own.apex(&["trace", "r.apex"]).well().told(&["2.5deg 15240m"]);
     // The record's own text of the figures, without the mission's folder.

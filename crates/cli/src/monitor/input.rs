@@ -2,7 +2,7 @@
 
 use crate::trouble::{Outcome, Trouble, read_text, unreadable};
 use crate::{commands, output, recording};
-use apex_logs::{Damages, Format, LogError, LogFile, MappingFile};
+use apex_logs::{Format, LogError, LogFile, MappingFile, ReadErrors};
 use apex_model::event::EventKind;
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
@@ -169,7 +169,7 @@ fn unread(path: &Path, error: LogError<Trouble>) -> Trouble {
 }
 
 /// Says what could not be read.
-fn tell_damages(path: &Path, damages: &Damages) {
+fn tell_damages(path: &Path, damages: &ReadErrors) {
     for what in &damages.first {
         output::complain(format_args!("note: {}: {what}", path.display()));
     }
