@@ -5,7 +5,7 @@
 //! Every factor keeps its cause, so that a score can be explained target by target.
 
 use apex_model::problem::{
-    CrewMember, FailureTerm, QualityFactor, QualityFactors, SingleVisitPlan, SingleVisitProblem,
+    CrewMember, FailureTerm, QualityFactor, QualityFactors, SingleVisitProblem,
 };
 use std::fmt;
 
@@ -126,28 +126,6 @@ pub fn flight_cost(problem: &SingleVisitProblem, flight_s: f64) -> f64 {
     let hours = flight_s / 3600.0;
     let score = mission_score(&[], &crew_hours(&problem.crew, hours), &problem.failure, hours);
     -score.score
-}
-
-/// The score that a plan promises.
-pub fn plan_score(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> MissionScore {
-    let observations: Vec<Observation> = plan
-        .visits
-        .iter()
-        .filter_map(|visit| {
-            let target = problem.targets.iter().find(|target| target.name == visit.target)?;
-            let manoeuvre = target.manoeuvres.get(visit.manoeuvre)?;
-            let factor = target.timing_at(visit.begin_s);
-            let cause = if factor == 1.0 { String::new() } else { format!("begins at {:.0} s", visit.begin_s) };
-            Some(Observation {
-                target: target.name.clone(),
-                value: target.value,
-                quality: manoeuvre.quality.clone(),
-                timing: QualityFactor { factor, cause },
-            })
-        })
-        .collect();
-    let hours = (plan.end_s - problem.start_s) / 3600.0;
-    mission_score(&observations, &crew_hours(&problem.crew, hours), &problem.failure, hours)
 }
 
 #[cfg(test)]
