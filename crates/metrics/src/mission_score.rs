@@ -4,9 +4,7 @@
 //! Value, coverage, resolution, clarity and timing; hours and wages; probability of failure with what it would cost.
 //! Every factor keeps its cause, so that a score can be explained target by target.
 
-use apex_model::problem::{
-    CrewMember, FailureTerm, QualityFactor, QualityFactors, SingleVisitProblem,
-};
+use apex_model::problem::{CrewMember, FailureTerm, QualityFactor, QualityFactors, SingleVisitProblem};
 use std::fmt;
 
 /// One observation as planned or as flown.

@@ -5,19 +5,24 @@
 //! from it ([`verdict`]), never stored beside it. Missions are independent and planners deterministic in their work, so the
 //! same profile comes of any machine and any number of threads. What selection needs of it is `data/profile-table.csv`.
 
+pub mod compare;
 pub mod conclusion;
+pub mod error;
 mod file;
 pub mod measure;
 pub mod merge;
+pub mod named;
 pub mod picture;
 pub mod published;
 pub mod regret;
 pub mod statistics;
+pub mod text;
 pub mod verdict;
 
 use crate::cell::Cell;
 use crate::test_missions::GENERATOR_VERSION;
 use apex_planning::solver::time_of;
+use measure::Measured;
 
 /// The measured profile that ships with the product.
 pub const SHIPPED: &str = include_str!("../../data/profile.txt");
@@ -99,6 +104,17 @@ impl Profile {
                 None => row.costs.push(costs),
             }
         }
+    }
+
+    /// Puts in what `planner` came to on every mission, cell after cell.
+    pub fn put_measured(&mut self, planner: Planner, measured: &[Measured]) {
+        let budgets = self.budgets.len();
+        let at = |missions: &[Measured], budget: usize| -> Vec<f64> {
+            missions.iter().filter_map(|one| one.costs.get(budget).copied()).collect()
+        };
+        let of_cell = |missions: &[Measured]| (0..budgets).map(|budget| at(missions, budget)).collect();
+        let missions = usize::try_from(self.missions).unwrap_or(usize::MAX).max(1);
+        self.put(planner, measured.chunks(missions).map(of_cell).collect());
     }
 
     /// Why this profile cannot be completed with new measurements: its missions are not those of this generator.

@@ -1,5 +1,7 @@
 //! Heat maps of cells in the layout of Figure 4, as SVG: rows are scale, rate and cost, columns count and space.
 
+use super::error::ProfileError;
+use super::published::not_answered;
 use super::verdict::{self, Verdict};
 use super::{Profile, budget_words, published};
 use crate::cell::Cell;
@@ -63,8 +65,8 @@ pub fn best(profile: &Profile, budget: usize) -> Map {
 }
 
 /// Figure 4 as published, and the same question answered by `profile` at `budget` (an index): 2-Opt or WAM.
-pub fn beside_figure_4(profile: &Profile, budget: usize) -> Option<[Map; 2]> {
-    let [first, second] = published::PLANNERS.map(|name| profile.planner(name));
+pub fn beside_figure_4(profile: &Profile, budget: usize) -> Result<[Map; 2], ProfileError> {
+    let [first, second] = published::PLANNERS.map(|name| profile.planner(name).ok_or_else(not_answered));
     let (first, second) = (first?, second?);
     let fills = [COLOURS[4], COLOURS[1], COLOURS[2], COLOURS[0]];
     let fill = |code: usize| fills.get(code).copied().unwrap_or(PALE);
@@ -93,7 +95,7 @@ pub fn beside_figure_4(profile: &Profile, budget: usize) -> Option<[Map; 2]> {
     let ours = ours.map(|(row, one)| (row.cell, square(published::code(one), Some(one.effect)))).collect();
     let units = profile.budgets.get(budget).copied().unwrap_or(0);
     let title = format!("ours at {}: 2-Opt or WAM", budget_words(units));
-    Some([
+    Ok([
         Map { title: "Figure 4 as published".into(), squares: theirs, legend: legend.clone() },
         Map { title, squares: ours, legend },
     ])

@@ -3,9 +3,12 @@
 //! Agreement is not expected to be high: the original's generator and horizon are lost, each of its cells seems to be one
 //! scenario, and its first planner is a person.
 
+use super::error::ProfileError;
 use super::verdict::{Comparison, Verdict};
-use super::{Profile, verdict};
+use super::{Profile, budget_words, verdict};
 use crate::cell::Cell;
+use serde_json::{Value, json};
+use std::fmt::Write;
 
 /// Cells with their codes.
 const FIGURE_4: &str = include_str!("../../data/figure-4.csv");
@@ -34,7 +37,7 @@ pub fn code(comparison: &Comparison) -> Option<usize> {
 }
 
 /// How often each published code (row) met each of ours: 1, 2, 3, undecided (columns). None where a planner is missing.
-pub fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
+fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
     let [first, second] = PLANNERS.map(|name| profile.planner(name));
     let compared = verdict::pair(profile, budget, first?, second?);
     let published = codes();
@@ -47,6 +50,99 @@ pub fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
         }
     }
     Some(counts)
+}
+
+/// How far a profile agrees with the figure at one budget.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// The budget in words.
+    pub budget: String,
+    /// How often each published code (row) met each of ours (column).
+    pub counts: [[usize; 4]; 4],
+}
+
+impl Agreement {
+    /// The agreement of `profile` at a budget (index).
+    ///
+    /// # Errors
+    /// One of the figure's planners was not measured.
+    pub fn of(profile: &Profile, budget: usize) -> Result<Agreement, ProfileError> {
+        let counts = agreement(profile, budget).ok_or_else(not_answered)?;
+        Ok(Agreement { budget: budget_words(profile.budgets.get(budget).copied().unwrap_or(0)), counts })
+    }
+
+    fn count(&self, theirs: usize, ours: usize) -> usize {
+        self.counts.get(theirs).and_then(|row| row.get(ours)).copied().unwrap_or(0)
+    }
+
+    fn sum(&self, pairs: impl Iterator<Item = (usize, usize)>) -> usize {
+        pairs.map(|(theirs, ours)| self.count(theirs, ours)).sum()
+    }
+
+    /// Cells in which both say the same.
+    pub fn agreed(&self) -> usize {
+        self.sum((1..4).map(|code| (code, code - 1)))
+    }
+
+    /// Cells in which the figure's best is no person.
+    pub fn comparable(&self) -> usize {
+        self.sum((1..4).flat_map(|theirs| (0..4).map(move |ours| (theirs, ours))))
+    }
+
+    /// Cells in which the figure's best is a person.
+    pub fn human(&self) -> usize {
+        self.sum((0..4).map(|ours| (0, ours)))
+    }
+
+    /// Cells in which both name one of the two planners.
+    pub fn both_name_a_planner(&self) -> usize {
+        self.sum([(1, 0), (1, 1), (2, 0), (2, 1)].into_iter())
+    }
+
+    /// Those of them in which it is the same.
+    pub fn same_planner(&self) -> usize {
+        self.sum([(1, 0), (2, 1)].into_iter())
+    }
+
+    /// As an object for programs.
+    pub fn json(&self) -> Value {
+        json!({
+            "budget": self.budget, "counts": self.counts, "agreed": self.agreed(), "comparable": self.comparable(),
+            "human": self.human(), "both_name_a_planner": self.both_name_a_planner(),
+            "same_planner": self.same_planner(),
+        })
+    }
+
+    /// As a table for people.
+    pub fn text(&self) -> String {
+        let mut text = format!("Figure 4 (rows) and ours at {} (columns): 2-Opt or WAM\n", self.budget);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {:<16} {:>7} {:>7} {:>14} {:>10}", "", "2-Opt", "WAM", "no difference", "undecided");
+        for (theirs, word) in LEGEND.iter().enumerate() {
+            let [first, second, none, open] = [0, 1, 2, 3].map(|ours| self.count(theirs, ours));
+            let _ = writeln!(text, "  {theirs} {word:<14} {first:>7} {second:>7} {none:>14} {open:>10}");
+        }
+        let _ = writeln!(
+            text,
+            "agreed in {} of {} cells; in {} the figure's best is a person, which we do not measure.\n\
+             Where both name a planner ({} cells) it is the same in {}.\n",
+            self.agreed(),
+            self.comparable(),
+            self.human(),
+            self.both_name_a_planner(),
+            self.same_planner()
+        );
+        text
+    }
+}
+
+/// A profile without the figure's planners.
+pub(super) fn not_answered() -> ProfileError {
+    ProfileError::new(
+        "this profile does not answer the question of Figure 4",
+        "add them with `apex profile update --planners two-opt,wam`",
+    )
+    .because("two-opt or wam was not measured")
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! Regret of selection: how much more the chosen planner costs than the best one would have, on missions that no profile has
 //! seen.
 
-use super::measure;
+use super::{budget_words, measure};
 use crate::cell::Cell;
 use crate::table;
 use apex_model::problem::Problem;
 use apex_planning::Registry;
 use apex_planning::solver::Solver;
+use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// The first number of missions that are never part of a profile.
@@ -46,4 +47,78 @@ pub fn mission(
     let regret = solvers.iter().zip(&excess).find(|(solver, _)| solver.name() == chosen).map(|(_, excess)| *excess);
     let regret = regret.ok_or_else(|| format!("selection chose {chosen}, which is not among the planners compared"))?;
     Ok(Outcome { chosen, excess, regret })
+}
+
+/// All missions with `count` targets: every space, scale and spread.
+pub fn cells(count: usize) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = Cell::all().into_iter().map(|cell| Cell { count, ..cell }).collect();
+    cells.sort();
+    cells.dedup();
+    cells
+}
+
+/// What became of many missions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Targets of each.
+    pub targets: usize,
+    /// The budget in words.
+    pub budget: String,
+    /// How many missions.
+    pub missions: usize,
+    /// What the chosen planner costs more than the best, in the mean, and at worst, in percent.
+    pub regret_percent: f64,
+    /// The worst of one mission.
+    pub worst_percent: f64,
+    /// Missions for which the best was chosen.
+    pub best_chosen: usize,
+    /// The same for each planner, if it were always chosen.
+    pub always_percent: Vec<(String, f64)>,
+}
+
+impl Summary {
+    /// Sums up `outcomes` of planners called `names`.
+    pub fn of(targets: usize, units: u64, names: &[String], outcomes: &[Outcome]) -> Summary {
+        let percent = |mean_of: &dyn Fn(&Outcome) -> f64| {
+            100.0 * (libm::exp(outcomes.iter().map(mean_of).sum::<f64>() / outcomes.len().max(1) as f64) - 1.0)
+        };
+        let always =
+            |(at, name): (usize, &String)| (name.clone(), percent(&|one| one.excess.get(at).copied().unwrap_or(0.0)));
+        Summary {
+            targets,
+            budget: budget_words(units),
+            missions: outcomes.len(),
+            regret_percent: percent(&|one| one.regret),
+            worst_percent: outcomes.iter().map(|one| 100.0 * (libm::exp(one.regret) - 1.0)).fold(0.0, f64::max),
+            best_chosen: outcomes.iter().filter(|one| one.regret == 0.0).count(),
+            always_percent: names.iter().enumerate().map(always).collect(),
+        }
+    }
+
+    /// As an object for programs.
+    pub fn json(&self) -> Value {
+        let always: Map<String, Value> =
+            self.always_percent.iter().map(|(name, percent)| (name.clone(), json!(percent))).collect();
+        json!({
+            "targets": self.targets, "budget": self.budget, "missions": self.missions,
+            "regret_percent": self.regret_percent, "worst_percent": self.worst_percent,
+            "best_chosen": self.best_chosen, "always_percent": always,
+        })
+    }
+
+    /// As text for people.
+    pub fn text(&self) -> String {
+        let always: Vec<String> =
+            self.always_percent.iter().map(|(name, percent)| format!(" {name} {percent:.2} %")).collect();
+        format!(
+            "{} targets at {}, {} missions: regret {:.2} % (worst {:.1} %), the best was chosen in {}\n  always the same one:{}",
+            self.targets,
+            self.budget,
+            self.missions,
+            self.regret_percent,
+            self.worst_percent,
+            self.best_chosen,
+            always.join(";")
+        )
+    }
 }

@@ -1,29 +1,23 @@
 //! `apex profile build` and `update`: measuring, and writing files as a whole or not at all.
 
 use super::measuring::{self, cpu_s};
-use super::{planners, read, units};
+use super::{read, units};
 use crate::options::{ProfileBuildOptions, ProfileUpdateOptions, ProfileWorkOptions};
 use crate::output;
 
 use crate::trouble::{Outcome, Trouble};
 use apex_planning::Registry;
 use apex_planning::solver::Solver;
-use apex_portfolio::cell::Cell;
-use apex_portfolio::profile::{MISSIONS_MAX, Planner, Profile, conclusion, measure};
+use apex_portfolio::profile::{Planner, Profile, conclusion, measure, named};
 use std::path::Path;
-
-/// Budgets of one profile at most.
-const BUDGETS_MAX: usize = 32;
 
 /// Measures all planners anew.
 pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> Outcome {
-    let cells = cells(&options.cells)?;
-    let budgets = rising(&options.budgets)?;
-    if options.missions == 0 || options.missions > MISSIONS_MAX {
-        return Err(Trouble::user(format!("{} missions of each cell cannot be measured", options.missions))
-            .help(format!("write a number from 1 to {MISSIONS_MAX}; 50 is what the published table has")));
-    }
-    let planners = planners(&options.planners, registry)?;
+    let cells = named::cells(&options.cells)?;
+    let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<Outcome<_>>()?;
+    let budgets = named::rising(budgets, &options.budgets)?;
+    named::missions(options.missions, "; 50 is what the published table has")?;
+    let planners = named::planners(&options.planners, registry)?;
     let before = refuse_other(&options.profile)?;
     let mut profile = Profile::empty(&cells, options.missions, &budgets);
     for planner in &planners {
@@ -37,7 +31,7 @@ pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> Outco
 pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Outcome {
     let mut profile = read(Some(&options.profile))?;
     let before = profile.to_string();
-    let planners = planners(&options.planners, registry)?;
+    let planners = named::planners(&options.planners, registry)?;
     if let Some(why) = profile.outdated() {
         return Err(Trouble::user(format!("{} cannot be updated", options.profile.display()))
             .because(why)
@@ -71,45 +65,9 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
             "{name}: {used} units of work in {cpu_s:.1} CPU seconds, {unit_ns:.0} ns a unit"
         ));
     }
-    let of_cell = |missions: &[measure::Measured]| {
-        let budget = |at: usize| missions.iter().filter_map(|one| one.costs.get(at).copied()).collect::<Vec<f64>>();
-        (0..profile.budgets.len()).map(budget).collect::<Vec<_>>()
-    };
-    let costs = measured.chunks(missions).map(of_cell).collect();
     let version = env!("CARGO_PKG_VERSION").to_string();
-    profile.put(Planner { name: planner.name().to_string(), version }, costs);
+    profile.put_measured(Planner { name: planner.name().to_string(), version }, &measured);
     Ok(())
-}
-
-fn cells(names: &[String]) -> Outcome<Vec<Cell>> {
-    let mut cells: Vec<Cell> = Vec::new();
-    for name in names {
-        let named = match name.as_str() {
-            "all" => Cell::all(),
-            "subset" => Cell::subset(),
-            name => vec![name.parse().map_err(|why| {
-                Trouble::user(format!("there is no cell {name}"))
-                    .because(why)
-                    .help("docs/reference/test-missions.md names the cells; `all` and `subset` are known too")
-            })?],
-        };
-        for cell in named {
-            if cells.contains(&cell) {
-                return Err(Trouble::user(format!("the cell {cell} is named twice")).help("name each cell once"));
-            }
-            cells.push(cell);
-        }
-    }
-    Ok(cells)
-}
-
-fn rising(texts: &[String]) -> Outcome<Vec<u64>> {
-    let budgets: Vec<u64> = texts.iter().map(|text| units(text, "--budgets")).collect::<Outcome<_>>()?;
-    if budgets.is_empty() || budgets.len() > BUDGETS_MAX || !budgets.is_sorted_by(|a, b| a < b) {
-        return Err(Trouble::user(format!("the budgets {} do not rise", texts.join(", ")))
-            .help(format!("write one to {BUDGETS_MAX} times, each longer than the one before")));
-    }
-    Ok(budgets)
 }
 
 /// The text of an older profile that may be written over; anything else is left alone, before anything is measured.

@@ -10,14 +10,13 @@ mod show;
 use crate::options::ProfileCommand;
 use crate::sources::parse_time;
 use crate::trouble::{Outcome, Trouble, read_text};
-use apex_model::problem::Problem;
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
-use apex_planning::solver::{Solver, units_in};
+use apex_planning::solver::units_in;
 use apex_portfolio::ProfileTable;
-use apex_portfolio::cell::{Cell, Scale, Space, Spread};
 use apex_portfolio::format_error::FormatTrouble;
-use apex_portfolio::profile::{Profile, SHIPPED, budget_words};
+use apex_portfolio::profile::error::ProfileError;
+use apex_portfolio::profile::{Profile, SHIPPED, named};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -62,26 +61,6 @@ pub fn table(path: &Path) -> Outcome<Arc<ProfileTable>> {
     Ok(Arc::new(table))
 }
 
-/// The planners of these names, each once.
-fn planners(names: &[String], registry: &Registry) -> Outcome<Vec<Arc<dyn Solver>>> {
-    let any = Cell { scale: Scale::Small, rate: Spread::Fixed, cost: Spread::Fixed, count: 4, space: Space::Uniform };
-    let problem = Problem::Surveillance(any.mission(0));
-    let serving = registry.serving(&problem);
-    let mut found: Vec<Arc<dyn Solver>> = Vec::with_capacity(names.len());
-    for name in names {
-        if found.iter().any(|known| known.name() == name) {
-            return Err(Trouble::user(format!("the planner {name} is named twice")).help("name each planner once"));
-        }
-        let solver = serving.iter().find(|solver| solver.name() == name).cloned();
-        found.push(solver.ok_or_else(|| {
-            let known: Vec<&str> = serving.iter().map(|solver| solver.name()).collect();
-            Trouble::user(format!("there is no planner of surveillance `{name}`"))
-                .help(format!("known are {}", known.join(", ")))
-        })?);
-    }
-    Ok(found)
-}
-
 /// A budget in work units.
 fn units(text: &str, option: &str) -> Outcome<u64> {
     let time = parse_time(text, option)? - Time::ZERO;
@@ -97,12 +76,12 @@ fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> Outcome<Vec<usiz
     if wanted.is_empty() {
         return Ok((0..profile.budgets.len()).collect());
     }
-    let known: Vec<String> = profile.budgets.iter().map(|units| budget_words(*units)).collect();
-    let place = |text: &&str| {
-        let wanted = units(text, option)?;
-        profile.budgets.iter().position(|units| *units == wanted).ok_or_else(|| {
-            Trouble::user(format!("{text} was not measured")).help(format!("this profile has {}", known.join(", ")))
-        })
-    };
+    let place = |text: &&str| Ok(named::budget(profile, units(text, option)?, text)?);
     wanted.iter().map(place).collect()
+}
+
+impl From<ProfileError> for Trouble {
+    fn from(error: ProfileError) -> Trouble {
+        Trouble { of_user: true, message: error.message, reason: error.reason, help: Some(error.help) }
+    }
 }
