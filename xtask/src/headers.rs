@@ -26,10 +26,17 @@ pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {
 
 /// Folder and module name, if the path is a service of the executive.
 pub(crate) fn service(path: &str) -> Option<(&str, &str)> {
-    let (family, file) = path.strip_prefix("crates/executive/src/")?.split_once('/')?;
-    let module = file.strip_suffix(".rs").filter(|name| *name != "mod" && !name.contains('/'))?;
-    let folder = path.strip_suffix(file)?.trim_end_matches('/');
-    FAMILIES.contains(&family).then_some((folder, module))
+    let inside = path.strip_prefix("crates/executive/src/")?;
+    let (folder, file) = path.rsplit_once('/')?;
+    let module = file.strip_suffix(".rs").filter(|name| *name != "mod")?;
+    let is_test = inside.split('/').any(|part| part == "tests");
+    (!is_test && family(folder).is_some()).then_some((folder, module))
+}
+
+/// The family that a folder of the executive belongs to: services may lie in folders below it.
+pub(crate) fn family(folder: &str) -> Option<&str> {
+    let family = folder.strip_prefix("crates/executive/src/")?.split('/').next()?;
+    FAMILIES.contains(&family).then_some(family)
 }
 
 fn check_service(text: &Text) -> Vec<Finding> {
@@ -92,11 +99,11 @@ pub(crate) fn sections(body: &str) -> Vec<(&'static str, String)> {
 mod tests {
     use super::*;
 
-    const PATH: &str = "crates/executive/src/monitoring/episode.rs";
+    const PATH: &str = "crates/executive/src/monitoring/episodes/episode.rs";
     const GOOD: &str = "//! Episode detection (M&I)\n//! What: finds runs.  Runs: on sample.  Reads: History.\n//! Writes: Monitor.\n//! Bound: O(1).  PDL: `:episode`.  Paper: App. B.\n";
 
     fn with_list(body: &str) -> Vec<Finding> {
-        let list = Text::sample("crates/executive/src/monitoring/mod.rs", "//! Services.\npub(crate) mod episode;\n");
+        let list = Text::sample("crates/executive/src/monitoring/episodes/mod.rs", "//! Services.\npub(crate) mod episode;\n");
         check(&[list, Text::sample(PATH, body)])
     }
 
@@ -117,6 +124,15 @@ mod tests {
     fn a_file_without_header_fails() {
         let found = check(&[Text::sample("crates/geo/src/sun.rs", "fn a() {}\n")]);
         assert_eq!(found[0].rule, "header");
+    }
+
+    #[test]
+    fn a_service_in_a_folder_of_its_family_is_checked() {
+        let path = "crates/executive/src/monitoring/episodes/episode.rs";
+        let found = check(&[Text::sample(path, &GOOD.replace("Bound: O(1).  ", ""))]);
+        let rules: Vec<&str> = found.iter().map(|finding| finding.rule).collect();
+        assert_eq!(rules, ["service-header", "service-listed"]);
+        assert_eq!(service("crates/executive/src/monitoring/tests/stories.rs"), None);
     }
 
     #[test]

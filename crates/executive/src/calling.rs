@@ -1,7 +1,7 @@
 //! Functions of a library, called by their names outside of any task: what a mission's data are computed by.
 
 use crate::expression::evaluate;
-use crate::view::View;
+use crate::expression::view::View;
 use apex_model::agent::Agent;
 use apex_model::clause::Level;
 use apex_model::expression::{Expr, ExprKind};

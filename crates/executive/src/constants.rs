@@ -1,7 +1,7 @@
 //! Constants: every `defconstant` that is an expression is computed once, as the agent is loaded.
 
+use crate::expression::view::View;
 use crate::expression::{Surroundings, evaluate};
-use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::clause::Level;
 use apex_model::expression::{Expr, ExprKind};

@@ -7,15 +7,14 @@
 mod calling;
 mod constants;
 mod control;
-mod cycle;
 mod deliberation;
 mod expression;
 mod monitoring;
+mod registration;
 mod session;
 mod step;
 #[cfg(test)]
 mod test_support;
-mod view;
 
 pub mod explanation;
 pub mod memory;
@@ -27,13 +26,13 @@ pub use constants::failing_constants;
 pub use session::{Judgement, MonitorResult, MonitorSession, SamplingGap, SessionTrouble, Telling};
 pub use step::step;
 
+use crate::expression::view::View;
+use crate::monitoring::memory::retention;
 use apex_model::clause::Level;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
-use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use std::sync::Arc;
-use view::View;
 
 /// Makes the agent described by `declaration`. Its root task is created by the first [`step`].
 ///
@@ -41,7 +40,7 @@ use view::View;
 /// A message for people when the library cannot be executed: it declares a host function that the host did not register,
 /// or a constant that cannot be computed.
 pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFunctions) -> Result<Agent, String> {
-    all_registered(&library, &host)?;
+    registration::all_registered(&library, &host)?;
     let mut agent = Agent {
         name: declaration.name.clone(),
         initial_task: declaration.initial_task.clone(),
@@ -52,7 +51,7 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
     };
     agent.histories.limit(&agent.limits);
     agent.attach(library, host);
-    monitoring::prepare(&mut agent.histories, &agent.library, Some(&agent.index));
+    retention::prepare(&mut agent.histories, &agent.library, Some(&agent.index));
     // No task: the checker lets nothing into a constant that would ask for one.
     let nobody = View { agent: &agent, task: TaskId(u64::MAX), level: Level::Procedure, now: agent.now };
     let values = constants::compute(&agent.library, &nobody)?;
@@ -60,16 +59,4 @@ pub fn load(library: Arc<Library>, declaration: &AgentDeclaration, host: HostFun
         Arc::make_mut(&mut agent.library).constants.extend(values);
     }
     Ok(agent)
-}
-
-/// Is every host function there that `library` declares?
-fn all_registered(library: &Library, host: &HostFunctions) -> Result<(), String> {
-    let missing = |name: &Symbol, command: bool| !command && host.get(name).is_none();
-    match library.host_functions.iter().find(|(name, function)| missing(name, function.command)) {
-        None => Ok(()),
-        Some((name, function)) => Err(format!(
-            "{}: the host function `{name}` is declared but not registered; register it before loading, or declare it with `:command t` if it is a command",
-            library.describe_place(function.place)
-        )),
-    }
 }

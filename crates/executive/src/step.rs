@@ -4,11 +4,10 @@
 //! notice -> enable -> choose -> contend -> commit -> act, again and again until nothing changes. So the decisions
 //! do not depend on how events were divided into batches, nor on how often time was advanced.
 
-use crate::control::instantiation::{self, Seed};
-use crate::control::{
-    contention, enablement, invariants, invocation, monitoring_clauses, probing, recording, selection, termination,
-};
-use crate::cycle::{Cycle, Work};
+use crate::control::cycle::{Cycle, Work};
+use crate::control::phases::{contention, enablement, invariants, invocation, recording, selection};
+use crate::control::tasks::instantiation::{self, Seed};
+use crate::control::tasks::{monitoring_clauses, probing, termination};
 use apex_model::agent::Agent;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};

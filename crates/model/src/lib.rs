@@ -63,3 +63,4 @@ pub mod variables;
 pub mod waiting;
 pub mod wake;
 pub mod walk;
+pub mod words;

@@ -210,6 +210,31 @@ pub enum BuiltInActivity {
     Plan,
 }
 
+impl BuiltInActivity {
+    /// The activity's name in PDL: the first of its [`words`](BuiltInActivity::words).
+    pub fn word(self) -> &'static str {
+        self.words().0.first().copied().unwrap_or_default()
+    }
+
+    /// The words that the activity begins with in PDL, and the keywords of its last arguments.
+    pub fn words(self) -> (&'static [&'static str], &'static [&'static str]) {
+        match self {
+            BuiltInActivity::Reset => (&["reset"], &[]),
+            BuiltInActivity::Suspend => (&["suspend"], &[]),
+            BuiltInActivity::Resume => (&["resume"], &[]),
+            BuiltInActivity::Reprioritize => (&["reprioritize"], &[]),
+            BuiltInActivity::Cogevent => (&["cogevent"], &[]),
+            BuiltInActivity::Inform => (&["inform"], &[]),
+            BuiltInActivity::HoldResource => (&["hold-resource"], &[]),
+            BuiltInActivity::ReleaseResource => (&["release-resource"], &[]),
+            BuiltInActivity::Print => (&["print"], &[]),
+            BuiltInActivity::EndApplication => (&["end-application"], &[]),
+            BuiltInActivity::AskOperator => (&["ask", "operator"], &[":options", ":by", ":default"]),
+            BuiltInActivity::Plan => (&["plan"], &[":with", ":budget"]),
+        }
+    }
+}
+
 /// `priority` clause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PriorityClause {

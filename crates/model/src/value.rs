@@ -42,6 +42,15 @@ pub enum Value {
 }
 
 impl Value {
+    /// The first word of a form: the symbol itself, or the symbol that a list begins with.
+    #[inline]
+    pub fn head(&self) -> Option<&Symbol> {
+        match self {
+            Value::Symbol(symbol) => Some(symbol),
+            other => other.as_list()?.first()?.as_symbol(),
+        }
+    }
+
     /// `nil`: the empty list, false.
     pub fn nil() -> Value {
         // The empty list is shared: no room is taken.

@@ -1,36 +1,11 @@
 //! Task control services: deciding and enacting behaviour (paper, section IV). One file per service.
+//!
+//! `phases/` holds the phases of a step, `tasks/` the life of a task, `conflicts/` who gets a resource. The files beside
+//! them serve all three.
 
-pub(crate) mod arbitration;
-pub(crate) mod binding;
-pub(crate) mod built_in;
-pub(crate) mod competition;
-pub(crate) mod conflict;
-pub(crate) mod contention;
-pub(crate) mod correspondence;
-pub(crate) mod crossing;
-pub(crate) mod curve;
-pub(crate) mod enablement;
-pub(crate) mod failure;
-pub(crate) mod hooks;
-pub(crate) mod instantiation;
-pub(crate) mod interruption;
-pub(crate) mod invariants;
-pub(crate) mod invocation;
-pub(crate) mod line;
-pub(crate) mod monitoring_clauses;
-pub(crate) mod moving;
-pub(crate) mod plain_episodes;
-pub(crate) mod precedence;
-pub(crate) mod primitive;
-pub(crate) mod priority;
-pub(crate) mod probing;
-pub(crate) mod procedure;
-pub(crate) mod question;
-pub(crate) mod recording;
-pub(crate) mod repetition;
-pub(crate) mod resources;
-pub(crate) mod restart;
-pub(crate) mod selection;
-pub(crate) mod sharing;
-pub(crate) mod termination;
+pub(crate) mod conflicts;
+pub(crate) mod cycle;
+pub(crate) mod matching;
+pub(crate) mod phases;
+pub(crate) mod tasks;
 pub(crate) mod transition;

@@ -3,8 +3,8 @@
 //! Runs: whenever another service moves a task.  Reads: Task.  Writes: Task state, Decision, stimuli for monitors.
 //! Bound: O(1) per transition, O(log n) in the number of watched tasks.  PDL: section 9.  Paper: section III.
 
-use crate::cycle::Cycle;
-use crate::monitoring::Stimulus;
+use crate::control::cycle::Cycle;
+use crate::monitoring::stimulus::Stimulus;
 use apex_model::because::{Because, Cause};
 use apex_model::clause::MonitorId;
 use apex_model::effect::DecisionKind;

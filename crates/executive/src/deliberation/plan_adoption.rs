@@ -3,8 +3,8 @@
 //! Runs: record phase, when a solver reports.  Reads: PlannedProcedure.  Writes: generated procedures, Decision.
 //! Bound: O(steps of the plan).  PDL: section 3, `:sequential`.  Paper: section V, translation of plans.
 
-use crate::control::{procedure, termination};
-use crate::cycle::Cycle;
+use crate::control::cycle::Cycle;
+use crate::control::tasks::{procedure, termination};
 use apex_model::agent::Generated;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;

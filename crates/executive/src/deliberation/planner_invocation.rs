@@ -3,9 +3,9 @@
 //! Runs: act phase.  Reads: SolverDeclaration.  Writes: PlanningController, Effect::Solve.
 //! Bound: O(1); the solver itself runs outside.  PDL: `solver`, `(plan GOAL ..)`.  Paper: sections III and V, planner invocation.
 
-use crate::control::instantiation::{self, Seed};
-use crate::control::termination;
-use crate::cycle::Cycle;
+use crate::control::cycle::Cycle;
+use crate::control::tasks::instantiation::{self, Seed};
+use crate::control::tasks::termination;
 use crate::deliberation::solver_selection;
 use crate::expression::evaluate;
 use apex_model::agent_limits::Limit;

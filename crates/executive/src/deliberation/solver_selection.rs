@@ -4,8 +4,8 @@
 //! Bound: one pattern match per declaration that shares the goal's first word.
 //! PDL: `(solver NAME (index ..))`.  Paper: section V, solver selection.
 
-use crate::control::selection::{self, index_of, match_index};
-use crate::cycle::Cycle;
+use crate::control::cycle::Cycle;
+use crate::control::matching::{index_of, match_index};
 use crate::monitoring::specificity::specificity;
 use apex_model::bindings::Bindings;
 use apex_model::index::Candidate;
@@ -14,7 +14,7 @@ use apex_model::value::Value;
 
 /// The index of the most specific solver declaration that serves `goal`; the first of equals.
 pub(crate) fn select(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Option<u32> {
-    let candidates: Vec<Candidate> = cycle.agent.index.solvers.candidates(selection::head(goal)).collect();
+    let candidates: Vec<Candidate> = cycle.agent.index.solvers.candidates(goal.head()).collect();
     let mut best = None;
     for candidate in candidates {
         let Candidate::Solver(number) = candidate else { continue };

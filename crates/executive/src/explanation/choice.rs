@@ -1,11 +1,9 @@
 //! Choices: which methods a goal has now, best first, and why each other one is not taken.
 
-use super::mismatch::first_mismatch;
-use super::words;
-use crate::control::selection::head;
+use crate::expression::view::View;
+use crate::monitoring::mismatch::first_mismatch;
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::{Specificity, specificity, why_before};
-use crate::view::View;
 use apex_model::agent::Agent;
 use apex_model::bindings::Bindings;
 use apex_model::clause::Level;
@@ -15,6 +13,7 @@ use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::task::{ProcedureRef, TaskId};
 use apex_model::value::Value;
+use apex_model::words;
 use std::cmp::Reverse;
 
 /// A procedure, primitive or solver that might serve a goal.
@@ -35,11 +34,11 @@ pub struct MethodOption {
 /// Everything whose index begins with the goal's first word, or with anything: matches first, the best of them first.
 /// Solvers come last, because they are asked only when nothing else matches.
 pub fn options(agent: &Agent, goal: &Value) -> Vec<MethodOption> {
-    let stored = agent.index.methods.candidates(head(goal));
-    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(head(goal))).collect();
+    let stored = agent.index.methods.candidates(goal.head());
+    let mut ways: Vec<Candidate> = stored.chain(agent.generated_heads.candidates(goal.head())).collect();
     ways.sort_by_cached_key(|each| (Reverse(index(agent, *each).map(|(pattern, _)| specificity(pattern))), *each));
     let mut options = judged(agent, goal, &ways);
-    let solvers: Vec<Candidate> = agent.index.solvers.candidates(head(goal)).collect();
+    let solvers: Vec<Candidate> = agent.index.solvers.candidates(goal.head()).collect();
     let served = options.iter().any(|option| option.matches);
     for mut solver in judged(agent, goal, &solvers) {
         if solver.matches && served {

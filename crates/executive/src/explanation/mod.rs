@@ -3,12 +3,9 @@
 //! Nothing here changes an agent. The words are the ones that `apex why`, Sherpa and Python show.
 
 mod choice;
-pub(crate) mod mismatch;
 mod reasons;
 mod task_view;
-pub(crate) mod words;
 
 pub use choice::{MethodOption, options};
 pub use reasons::{Reason, ReasonKind, waiting};
 pub use task_view::{TaskView, agenda, describe_task};
-pub use words::{activity, pattern, template};

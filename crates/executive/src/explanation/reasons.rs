@@ -1,11 +1,11 @@
 //! What a task waits for, part by part.
 
-use crate::control::competition::in_order;
-use crate::control::plain_episodes;
-use crate::control::priority::{defence, priority};
+use crate::control::conflicts::competition::in_order;
+use crate::control::conflicts::priority::{defence, priority};
+use crate::control::tasks::plain_episodes;
 use crate::expression::instantiate_partially;
-use crate::monitoring;
-use crate::view::View;
+use crate::expression::view::View;
+use crate::monitoring::combination::monitors;
 use apex_model::agent::Agent;
 use apex_model::because::Strength;
 use apex_model::clause::{Clause, Level};
@@ -129,7 +129,7 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
     for id in &task.monitors {
         let Some(watch) = agent.watches.get(id.0).filter(|watch| wanted(watch.clause)) else { continue };
         let view = View { agent, task: task.id, level: watch.level, now: agent.now };
-        for part in monitoring::unmet(&plain_episodes::as_told(agent, *id, watch), &view) {
+        for part in monitors::unmet(&plain_episodes::as_told(agent, *id, watch), &view) {
             let text = format!("{} {}", watch.clause.word(), part.what);
             reasons.push(Reason {
                 now: Some(part.now),
@@ -246,7 +246,7 @@ fn rivals(agent: &Agent, task: &Task, need: &Need) -> Vec<Reason> {
     let claimant = refused.filter(|(id, _)| *id == need.resource).map(|(_, winner)| winner);
     let holders = resource.holders.iter().map(|holding| holding.task);
     let holders: Vec<TaskId> =
-        holders.filter(|holder| !crate::control::competition::related(agent, *holder, task.id)).collect();
+        holders.filter(|holder| !crate::control::conflicts::competition::related(agent, *holder, task.id)).collect();
     let rivals = if holders.is_empty() { claimant.into_iter().collect() } else { holders };
     let reason = |rival: TaskId| {
         let holds = resource.holders.iter().any(|holding| holding.task == rival);

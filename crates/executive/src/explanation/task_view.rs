@@ -1,6 +1,6 @@
 //! What a task is, in plain data.
 
-use crate::control::priority::priority;
+use crate::control::conflicts::priority::priority;
 use apex_model::agent::Agent;
 use apex_model::controller::Way;
 use apex_model::effect::Method;
@@ -111,6 +111,6 @@ fn goal(agent: &Agent, task: &Task) -> Value {
     match (&task.selection, task.origin) {
         (Some(selection), _) => selection.goal.clone(),
         (None, Origin::Initial) => agent.initial_task.clone(),
-        (None, _) => crate::control::instantiation::goal_in(agent, task.id, agent.now),
+        (None, _) => crate::control::tasks::goal::goal_in(agent, task.id, agent.now),
     }
 }

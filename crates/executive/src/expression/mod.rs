@@ -4,70 +4,32 @@
 //! want done as [`Action`]s. Every evaluation is bounded by the limits of `apex_model::limits`.
 
 pub(crate) mod arithmetic;
-mod comparison;
-mod effects;
-mod evaluator;
-mod higher_order;
+pub(crate) mod comparison;
+pub(crate) mod effects;
+pub(crate) mod evaluator;
+pub(crate) mod higher_order;
 pub(crate) mod history_queries;
-mod lists;
-mod rounding;
-mod strings;
-mod surroundings;
-mod templates;
+pub(crate) mod lists;
+pub(crate) mod result;
+pub(crate) mod rounding;
+pub(crate) mod strings;
+pub(crate) mod surroundings;
+pub(crate) mod templates;
 #[cfg(test)]
 mod tests;
-mod time_functions;
+pub(crate) mod time_functions;
+pub(crate) mod view;
 
+pub(crate) use result::{Action, EvaluationError};
 pub(crate) use surroundings::{Surroundings, WithBindings};
 
 use evaluator::{Evaluator, Hook};
 
 use apex_model::bindings::Bindings;
-use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, Template};
 use apex_model::limits::TEXT_CHARACTERS_MAX;
-use apex_model::source::Place;
-use apex_model::symbol::Symbol;
-use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::fmt::Write;
-
-/// Why an expression has no value: a sentence for people and where it stands.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct EvaluationError {
-    /// What went wrong, with the values concerned, and what to do.
-    pub(crate) message: String,
-    /// Where.
-    pub(crate) place: Place,
-}
-
-/// What a hook's forms want done, in order.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Action {
-    /// `(inform FORM [router])`.
-    Inform(Value, Option<Value>),
-    /// `(print ..)`.
-    Print(String),
-    /// `(command FORM [:timeout D])`, or a call of a host function declared `:command t`.
-    Command {
-        /// The ground form.
-        form: Value,
-        /// How long to wait for the answer; none is the default.
-        timeout: Option<Duration>,
-        /// Where it stands.
-        place: Place,
-    },
-    /// `(publish (ATTR OBJ) value [router])`.
-    Publish(StateVariable, Value, Option<Value>),
-    /// `(complete [value])`.
-    Complete(Value),
-    /// `(setq ?x value)`.
-    SetTaskVariable(Symbol, Value),
-    /// `(cogevent FORM [agent])`.
-    Cogevent(Value, Option<Value>),
-    /// `(end-application [reason])`.
-    EndApplication(Option<Value>),
-}
 
 /// The value of `expr`. Has no effect; a form that acts is an error here.
 ///

@@ -114,7 +114,7 @@ fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -
         | ExprKind::Let { .. }
         | ExprKind::Lambda { .. }
         | ExprKind::Assign { .. }
-        | ExprKind::Sequence(_) => Value::symbol(&crate::explanation::words::expression(expr)),
+        | ExprKind::Sequence(_) => Value::symbol(&apex_model::words::expression(expr)),
     }
 }
 

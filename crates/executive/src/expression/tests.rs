@@ -7,6 +7,8 @@ use apex_model::expression::{ExprKind, Parameters};
 use apex_model::history::Sample;
 use apex_model::library::{Function, HostDeclaration};
 use apex_model::quantity::{Quantity, unit_named};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};
 use std::sync::Arc;

@@ -24,7 +24,7 @@ use std::cmp::Ordering;
 
 /// How the right side of a comparison is read.
 #[derive(Clone, Copy)]
-pub(super) enum Reading {
+pub(crate) enum Reading {
     /// As it is; a bare number is in this unit.
     Value(Option<&'static Unit>),
     /// As an instant.
@@ -45,7 +45,7 @@ pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static 
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
-pub(super) fn prepare(
+pub(crate) fn prepare(
     constraints: &[Constraint],
     unit: Option<&'static Unit>,
     surroundings: &dyn Surroundings,
@@ -57,7 +57,7 @@ pub(super) fn prepare(
 ///
 /// # Errors
 /// When a right side that never changes cannot be evaluated.
-pub(super) fn prepare_as(
+pub(crate) fn prepare_as(
     constraints: &[Constraint],
     reading: Reading,
     surroundings: &dyn Surroundings,
@@ -78,7 +78,7 @@ pub(super) fn prepare_as(
 }
 
 /// Does the expression have the same value whenever it is evaluated?
-pub(super) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
+pub(crate) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool {
     let Some(depth) = depth.checked_sub(1) else { return false };
     match &expr.kind {
         ExprKind::Constant(_) => true,
@@ -101,7 +101,7 @@ pub(super) fn never_changes(expr: &Expr, library: &Library, depth: u32) -> bool 
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
-pub(super) fn satisfies_all(
+pub(crate) fn satisfies_all(
     tests: &[Test],
     constraints: &[Constraint],
     value: &Value,
@@ -118,7 +118,7 @@ pub(super) fn satisfies_all(
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
-pub(super) fn satisfies_all_as(
+pub(crate) fn satisfies_all_as(
     tests: &[Test],
     constraints: &[Constraint],
     value: &Value,
@@ -146,7 +146,7 @@ pub(super) fn satisfies_all_as(
 }
 
 /// Does `value` satisfy all `tests`, as far as that needs no evaluation? None when it does.
-pub(super) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
+pub(crate) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
     let mut holds = true;
     for test in tests {
         match test {
@@ -161,7 +161,7 @@ pub(super) fn satisfies_fixed(tests: &[Test], value: &Value) -> Option<bool> {
 ///
 /// # Errors
 /// When a right side cannot be evaluated or compared.
-pub(super) fn all(
+pub(crate) fn all(
     constraints: &[Constraint],
     value: &Value,
     reading: Reading,
@@ -232,7 +232,7 @@ fn satisfies(
 }
 
 /// `right` in the sense of `reading`.
-pub(super) fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
+pub(crate) fn read(right: Value, reading: Reading, place: Place) -> Result<Value, EvaluationError> {
     let error = |message| EvaluationError { message, place };
     match (reading, right.as_number()) {
         (Reading::Value(Some(unit)), Some((number, Dimension::NONE))) if number.is_finite() => {
@@ -287,7 +287,7 @@ fn within(value: &Value, right: &Value, tolerance: &Value, place: Place) -> Resu
 }
 
 /// Is the constraint a lower bound, which stays satisfied as the value grows?
-pub(super) fn is_lower_bound(constraint: &Constraint) -> bool {
+pub(crate) fn is_lower_bound(constraint: &Constraint) -> bool {
     match constraint {
         Constraint::Compare { relation: Relation::Greater | Relation::GreaterOrEqual, tolerance: None, .. } => true,
         Constraint::Range(Some(_), None) => true,

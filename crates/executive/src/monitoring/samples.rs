@@ -7,10 +7,10 @@
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 
-use super::Site;
 use super::constraints::{Reading, all};
 use super::pattern_matching::match_pattern;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::part::Site;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, VariablePattern};
 use apex_model::event::StateVariable;
@@ -23,15 +23,15 @@ use apex_model::value::Value;
 
 /// A sample as a part sees it.
 #[derive(Clone, Copy)]
-pub(super) struct Seen<'a> {
-    pub(super) variable: &'a StateVariable,
-    pub(super) value: &'a Value,
-    pub(super) at: Time,
-    pub(super) sequence: u64,
+pub(crate) struct Seen<'a> {
+    pub(crate) variable: &'a StateVariable,
+    pub(crate) value: &'a Value,
+    pub(crate) at: Time,
+    pub(crate) sequence: u64,
 }
 
 /// The state variable of a pattern whose object is known now.
-pub(super) fn known_variable(pattern: &VariablePattern, surroundings: &dyn Surroundings) -> Option<StateVariable> {
+pub(crate) fn known_variable(pattern: &VariablePattern, surroundings: &dyn Surroundings) -> Option<StateVariable> {
     let object = ground(&pattern.object, surroundings)?;
     Some(StateVariable::new(pattern.attribute.clone(), object))
 }
@@ -55,7 +55,7 @@ fn ground(pattern: &Pattern, surroundings: &dyn Surroundings) -> Option<Value> {
 }
 
 /// Could samples of `variable` concern a part that watches `attribute`, or just `known`?
-pub(super) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variable: &StateVariable) -> bool {
+pub(crate) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variable: &StateVariable) -> bool {
     match known {
         Some(known) => known == variable,
         None => variable.attribute == *attribute,
@@ -64,7 +64,7 @@ pub(super) fn concerns(known: Option<&StateVariable>, attribute: &Symbol, variab
 
 /// What a sample is to a part that keeps the newest sample of each object apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Arrival {
+pub(crate) enum Arrival {
     /// Too early, too late, or answered before: nothing.
     Nothing,
     /// Not the newest, but all since the window began is remembered: the part looks back again.
@@ -74,7 +74,7 @@ pub(super) enum Arrival {
 }
 
 /// What `sample` is to a part with this window, whose newest sample of the object is at `newest`.
-pub(super) fn arrival(
+pub(crate) fn arrival(
     window: Window,
     sample: Seen<'_>,
     newest: Option<Time>,
@@ -92,7 +92,7 @@ pub(super) fn arrival(
 ///
 /// # Errors
 /// When an expression in them cannot be evaluated.
-pub(super) fn object_holds(
+pub(crate) fn object_holds(
     pattern: &VariablePattern,
     constraints: &[Constraint],
     known: bool,
@@ -108,13 +108,13 @@ pub(super) fn object_holds(
 }
 
 /// A remembered sample, heard of when its instant was: one that replaced another has its place.
-pub(super) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> Seen<'a> {
+pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> Seen<'a> {
     Seen { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }
 
 /// Samples within the window, in order of time and arrival, of all variables that may concern the part; and whether
 /// the window reaches before the oldest sample kept.
-pub(super) fn remembered<'a>(
+pub(crate) fn remembered<'a>(
     known: Option<&'a StateVariable>,
     attribute: &Symbol,
     site: Site,

@@ -7,7 +7,6 @@
 //! PDL: `:timestamp` under `:estimation`.
 //! Paper: Table 1, rows 5 and 6.
 
-use super::episode::TICK;
 use crate::expression::arithmetic::{duration, instant};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use apex_model::condition::{Constraint, Relation};
@@ -15,11 +14,14 @@ use apex_model::expression::Expr;
 use apex_model::source::Place;
 use apex_model::time::{Duration, Time};
 
+/// One tick of time: the difference between `(> D)` and `(>= D)`.
+pub(crate) const TICK: Duration = Duration(1);
+
 /// Closed bounds; an end that is not stated is open.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct TimeBounds {
-    pub(super) from: Option<Time>,
-    pub(super) to: Option<Time>,
+pub(crate) struct TimeBounds {
+    pub(crate) from: Option<Time>,
+    pub(crate) to: Option<Time>,
 }
 
 impl TimeBounds {
@@ -36,7 +38,7 @@ impl TimeBounds {
 ///
 /// # Errors
 /// When it cannot be evaluated, or is no instant.
-pub(super) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Time, EvaluationError> {
+pub(crate) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Time, EvaluationError> {
     let value = evaluate(expr, surroundings)?;
     instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
@@ -45,7 +47,7 @@ pub(super) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result
 ///
 /// # Errors
 /// When it cannot be evaluated, or is no duration.
-pub(super) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
+pub(crate) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
     let value = evaluate(expr, surroundings)?;
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
@@ -54,7 +56,7 @@ pub(super) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Resul
 ///
 /// # Errors
 /// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
-pub(super) fn bounds(
+pub(crate) fn bounds(
     constraints: &[Constraint],
     surroundings: &dyn Surroundings,
     place: Place,

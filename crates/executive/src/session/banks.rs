@@ -6,7 +6,9 @@ use super::watched::Watched;
 use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
-use crate::monitoring::{self, Stimulus, plain_combination, plain_episode};
+use crate::monitoring::episodes::{plain_combination, plain_episode};
+use crate::monitoring::memory::{histories, retention};
+use crate::monitoring::stimulus::Stimulus;
 use apex_model::agent_limits::UNLOWERED;
 use apex_model::clause::MonitorId;
 use apex_model::episode_bank::{LeafId, Seen, Taken, What};
@@ -273,7 +275,7 @@ impl MonitorSession {
         let World { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
-        if declaration.and_then(monitoring::lateness).is_some() {
+        if declaration.and_then(retention::lateness).is_some() {
             return 0;
         }
         let Some(history) = histories.get_mut(variable) else { return 0 };
@@ -309,7 +311,7 @@ impl MonitorSession {
             }
         }
         if let Some(at) = overflowed {
-            let message = monitoring::overflow_of_samples(variable, UNLOWERED);
+            let message = histories::overflow_of_samples(variable, UNLOWERED);
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
         self.refresh(variable);

@@ -9,7 +9,12 @@ mod tests;
 mod watched;
 
 use crate::constants;
-use crate::monitoring::{self, Stimulus, TellingKind};
+use crate::monitoring::combination::harvest::{self, TellingKind};
+use crate::monitoring::combination::interest;
+use crate::monitoring::combination::monitors;
+use crate::monitoring::memory::histories;
+use crate::monitoring::memory::retention;
+use crate::monitoring::stimulus::Stimulus;
 use apex_model::agent_limits::UNLOWERED;
 use apex_model::bindings::Bindings;
 use apex_model::clause::MonitorId;
@@ -93,9 +98,9 @@ impl MonitorSession {
     /// # Errors
     /// A sentence when a declared host function is not registered or a constant has no value.
     pub fn new(library: Arc<Library>, host: HostFunctions) -> Result<MonitorSession, String> {
-        crate::all_registered(&library, &host)?;
+        crate::registration::all_registered(&library, &host)?;
         let mut histories = Histories::default();
-        monitoring::prepare(&mut histories, &library, None);
+        retention::prepare(&mut histories, &library, None);
         let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
         let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
         let mut world = World {
@@ -145,7 +150,7 @@ impl MonitorSession {
     pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionTrouble> {
         self.end_instant();
         let World { histories, library, .. } = &mut self.world;
-        monitoring::prepare_condition(histories, library, &condition);
+        retention::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
         let watched = Watched::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
             SessionTrouble { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
@@ -184,7 +189,7 @@ impl MonitorSession {
         self.come_to(at);
         let sequence = self.arrival();
         let World { histories, library, .. } = &mut self.world;
-        let recording = monitoring::record_sample(histories, library, variable.clone(), value, at, sequence);
+        let recording = histories::record_sample(histories, library, variable.clone(), value, at, sequence);
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
         }
@@ -192,7 +197,7 @@ impl MonitorSession {
         if let Some(spacings) = &mut self.spacings {
             spacings.note(variable, at, recording.recorded);
         }
-        let overflow = || monitoring::overflow_of_samples(variable, UNLOWERED);
+        let overflow = || histories::overflow_of_samples(variable, UNLOWERED);
         for message in recording.trouble.into_iter().chain(recording.overflows.then(overflow)) {
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
@@ -203,10 +208,10 @@ impl MonitorSession {
     pub fn event(&mut self, form: Value, at: Time) {
         self.come_to(at);
         let sequence = self.arrival();
-        let (stimulus, overflows) = monitoring::record_event(&mut self.world.histories, form, at, sequence);
+        let (stimulus, overflows) = histories::record_event(&mut self.world.histories, form, at, sequence);
         self.stimuli.push(stimulus);
         if overflows {
-            let message = monitoring::overflow_of_messages(UNLOWERED);
+            let message = histories::overflow_of_messages(UNLOWERED);
             self.trouble(SessionTrouble { watch: None, at, message, place: None });
         }
     }
@@ -276,7 +281,7 @@ impl MonitorSession {
     /// What a condition must be told of, as far as it is known; empty while it is waited for.
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
-        monitor.map(monitoring::interests).unwrap_or_default()
+        monitor.map(interest::interests).unwrap_or_default()
     }
 
     /// What can be said about a condition at the last instant that is over; none when it is not watched.
@@ -289,8 +294,8 @@ impl MonitorSession {
         let Some(mut monitor) = self.as_told(id, watched) else {
             return Some(Judgement { verdict: Verdict::Unknown, because: vec![watched::not_begun(watched)], results });
         };
-        let verdict = monitoring::verdict(&mut monitor, &self.world);
-        Some(Judgement { verdict, because: monitoring::unmet(&monitor, &self.world), results })
+        let verdict = monitors::verdict(&mut monitor, &self.world);
+        Some(Judgement { verdict, because: monitors::unmet(&monitor, &self.world), results })
     }
 
     fn arrival(&mut self) -> u64 {
@@ -406,7 +411,7 @@ impl MonitorSession {
             self.wakes.extend(wake.map(|at| (at, id, None)));
             watched.wake = wake;
         }
-        let troubles = watched.monitor.as_mut().map(monitoring::take_troubles).unwrap_or_default();
+        let troubles = watched.monitor.as_mut().map(monitors::take_troubles).unwrap_or_default();
         self.watches.put(id.0, watched);
         for trouble in troubles {
             let (message, place) = (trouble.message, Some(trouble.place));
@@ -414,7 +419,7 @@ impl MonitorSession {
         }
     }
 
-    fn told(&self, watch: MonitorId, telling: monitoring::Telling) -> MonitorResult {
+    fn told(&self, watch: MonitorId, telling: harvest::Telling) -> MonitorResult {
         let kind = match telling.kind {
             TellingKind::Found { open } => Telling::Recognised { open },
             TellingKind::Closed => Telling::Closed,

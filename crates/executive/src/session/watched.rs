@@ -2,8 +2,13 @@
 
 use super::scene::World;
 use crate::expression::EvaluationError;
-use crate::monitoring::plain_combination::{self, Leaves};
-use crate::monitoring::{self, Stimulus, Telling, Told, plain_episode};
+use crate::monitoring::combination::harvest::{self, Telling};
+use crate::monitoring::combination::{interest, monitors};
+use crate::monitoring::episodes::plain_combination::{self, Leaves};
+use crate::monitoring::episodes::plain_episode;
+use crate::monitoring::memory::retention;
+use crate::monitoring::stimulus::Stimulus;
+use crate::monitoring::told::Told;
 use apex_model::clause::MonitorId;
 use apex_model::condition::Condition;
 use apex_model::episode_bank::Seen;
@@ -66,8 +71,8 @@ impl Watched {
     /// Makes the monitor and looks back over what is remembered since the condition's beginning.
     pub(super) fn begin(&mut self, world: &World) -> Result<(), EvaluationError> {
         let window = Window::from(self.created_at);
-        let monitor = monitoring::create_keeping(&self.condition, window, Keep::Every, world)?;
-        self.interests = monitoring::interests(&monitor);
+        let monitor = monitors::create_keeping(&self.condition, window, Keep::Every, world)?;
+        self.interests = interest::interests(&monitor);
         self.lateness = lateness_of(&self.interests, world).unwrap_or(self.lateness);
         self.changing = self.interests.iter().any(|each| matches!(each, Interest::Task(_) | Interest::AnyTask));
         self.monitor = Some(monitor);
@@ -76,7 +81,7 @@ impl Watched {
 
     pub(super) fn notice(&mut self, stimulus: &Stimulus, world: &World) {
         if let Some(monitor) = &mut self.monitor {
-            monitoring::notice(monitor, stimulus, world);
+            monitors::notice(monitor, stimulus, world);
         }
     }
 
@@ -107,7 +112,7 @@ impl Watched {
     /// What is new, after everything of the instant was noticed.
     pub(super) fn harvest(&mut self, world: &World) -> Vec<Telling> {
         match &mut self.monitor {
-            Some(monitor) => monitoring::harvest(monitor, &mut self.told, self.lateness, world),
+            Some(monitor) => harvest::harvest(monitor, &mut self.told, self.lateness, world),
             None => Vec::new(),
         }
     }
@@ -115,14 +120,14 @@ impl Watched {
     /// Results whose intervals still grew, as they stand at the end of everything.
     pub(super) fn finish(&mut self, world: &World) -> Vec<Telling> {
         match &self.monitor {
-            Some(monitor) => monitoring::finish(monitor, &mut self.told, world),
+            Some(monitor) => harvest::finish(monitor, &mut self.told, world),
             None => Vec::new(),
         }
     }
 
     pub(super) fn next_wake(&self) -> Option<Time> {
         match &self.monitor {
-            Some(monitor) => monitoring::next_wake(monitor).map(|(at, _)| at),
+            Some(monitor) => monitors::next_wake(monitor).map(|(at, _)| at),
             None => Some(self.created_at),
         }
     }
@@ -139,14 +144,14 @@ impl Watched {
 
     /// A single comparison need not see the samples that cannot satisfy it.
     fn narrowed(&self) -> Narrowed<'static> {
-        let threshold = self.monitor.as_ref().and_then(monitoring::threshold);
+        let threshold = self.monitor.as_ref().and_then(interest::threshold);
         Narrowed { second: None, threshold }
     }
 
     /// A verdict may have found out which task is meant: the monitor is filed for that one.
     pub(super) fn refile(&mut self, interests: &mut Interests, id: MonitorId) {
         let Some(monitor) = self.monitor.as_ref().filter(|_| self.changing) else { return };
-        let wanted = monitoring::interests(monitor);
+        let wanted = interest::interests(monitor);
         if wanted != self.interests {
             self.take_out(interests, id);
             self.interests = wanted;
@@ -164,7 +169,7 @@ fn lateness_of(interests: &[Interest], world: &World) -> Option<Duration> {
             Interest::Attribute(attribute) => attribute,
             _ => return None,
         };
-        let declared = world.library.state_variables.get(attribute).and_then(monitoring::lateness);
+        let declared = world.library.state_variables.get(attribute).and_then(retention::lateness);
         most = most.max(declared.unwrap_or_default());
     }
     Some(most)

@@ -8,6 +8,8 @@ use super::snapshot::place_text;
 use crate::limits::MISSING_STEPS_MAX;
 use apex_executive::Agent;
 use apex_executive::explanation;
+use apex_model::words;
+
 use apex_model::controller::Way;
 use apex_model::procedure::{Procedure, Step};
 use apex_model::task::{Origin, ProcedureRef, StepRef, Task, TaskId};
@@ -180,7 +182,7 @@ fn told(
     let mut missing = Vec::new();
     for (number, site) in way.into_iter().enumerate() {
         let Some(step) = site.get() else { continue };
-        let procedure = explanation::pattern(&site.procedure.index);
+        let procedure = words::pattern(&site.procedure.index);
         let because = match task.filter(|_| number + 1 == count) {
             Some(task) => reached(agent, site, task),
             None if number + 1 == count => format!("no step of the program pursues {procedure}, to which it belongs"),
@@ -189,7 +191,7 @@ fn told(
         let place = place_text(agent, step.place);
         missing.push(Missing {
             step: step.tag.to_string(),
-            activity: explanation::activity(&step.activity),
+            activity: words::activity(&step.activity),
             procedure,
             source: log.source_line(&place),
             place,
@@ -210,7 +212,7 @@ fn reached(agent: &Agent, site: &ProgramStep, task: &Task) -> String {
     match (own, task.controller.is_some()) {
         (true, _) => format!("its task is {name}, which is {}", task.state),
         (false, false) => {
-            let procedure = explanation::pattern(&site.procedure.index);
+            let procedure = words::pattern(&site.procedure.index);
             format!("{name} would pursue {procedure} and is {}", task.state)
         }
         (false, true) => format!("{name} does not pursue its procedure at {}", place_text(agent, site.procedure.place)),

@@ -59,7 +59,7 @@ impl Phrase {
     pub(super) fn of_activity(activity: &Activity) -> Phrase {
         match activity {
             Activity::Goal(template) => Phrase::of_template(template),
-            other => Phrase::read(&apex_executive::explanation::activity(other)),
+            other => Phrase::read(&apex_model::words::activity(other)),
         }
     }
 

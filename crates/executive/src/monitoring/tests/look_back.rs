@@ -1,7 +1,7 @@
 //! Looking back as a bank does leaves an episode as looking at its samples one by one does.
 
 use super::*;
-use crate::monitoring::episode;
+use crate::monitoring::episodes::episode;
 use proptest::prelude::*;
 
 proptest! {

@@ -12,19 +12,30 @@ mod stories;
 mod thresholds;
 mod traces;
 
-use super::*;
+use super::combination::interest::{interests, lasting_interest, threshold};
+use super::combination::monitors::*;
+use super::episodes::plain_episode;
+use super::memory::histories::{record_event, record_sample};
+use super::memory::retention::prepare;
+use super::part::{Site, Troubles, Truth};
+use super::stimulus::Stimulus;
 use crate::test_support::View;
 use apex_model::clause::MonitorId;
 use apex_model::condition::{
-    ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing, VariablePattern,
+    Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
+    VariablePattern,
 };
 use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Taken};
 use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::limits::MONITOR_RESULTS_MAX;
+use apex_model::monitor::{Keep, Monitor, PartKind, Verdict, Window};
 use apex_model::pattern::Pattern;
+use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Duration;
+use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::Arc;
 

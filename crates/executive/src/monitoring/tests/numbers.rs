@@ -1,6 +1,6 @@
 //! Statistics of a sliding window against exact arithmetic, on data that cost digits.
 
-use crate::monitoring::sliding_window::{contents, drop_before, push};
+use crate::monitoring::numbers::sliding_window::{contents, drop_before, push};
 use apex_model::monitor_numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 

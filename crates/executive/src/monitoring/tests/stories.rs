@@ -314,5 +314,5 @@ fn interests_route_by_head_variable_and_task() {
         interests(&world.monitor),
         [Interest::Variable(a), Interest::EventHead(Symbol::new("ready")), Interest::AnyEvent, Interest::AnyTask,]
     );
-    assert_eq!(super::event::head_of(&Value::symbol("READY")), Some(Symbol::new("ready")));
+    assert_eq!(crate::monitoring::basic::event::head_of(&Value::symbol("READY")), Some(Symbol::new("ready")));
 }

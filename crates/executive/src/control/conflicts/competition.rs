@@ -1,0 +1,191 @@
+//! Competition (TC)
+//! What: says who claims what, who is related to whom, and in which order claimants come before the arbiter.
+//! Runs: contend phase.  Reads: Task, priorities, ranks.  Writes: nothing.
+//! Bound: O(depth) per claimant.
+//! PDL: `rank`, `priority`, section 9.  Paper: section III, highest priority competitor.
+
+use crate::control::conflicts::precedence::Precedence;
+use crate::control::conflicts::{priority, resources};
+use crate::control::cycle::Cycle;
+use crate::planted::{self, Bug};
+use apex_model::agent::Agent;
+use apex_model::resource::{Need, ResourceId};
+use apex_model::task::{Origin, TaskId, TaskState};
+use apex_model::time::Time;
+use std::cmp::Ordering;
+use std::collections::{BTreeSet, VecDeque};
+
+/// A task that wants to be ongoing.
+#[derive(Clone)]
+pub(crate) struct Claimant {
+    /// Its number.
+    pub(crate) id: TaskId,
+    /// What it needs.
+    pub(crate) needs: Vec<Need>,
+    /// Its priority now; where ranks count, not less than that of anybody it goes before.
+    pub(crate) priority: f64,
+    /// It has begun, and goes before its equals that have not.
+    pub(crate) begun: bool,
+    order: (TaskId, u32, TaskId),
+    /// Its place among all competitors where ranks count too; the same for all where nobody has one.
+    pub(crate) turn: usize,
+}
+
+/// Are the tasks the same, or one the ancestor of the other?
+pub(crate) fn related(agent: &Agent, a: TaskId, b: TaskId) -> bool {
+    let depth = |id: TaskId| agent.task(id).map_or(0, |task| task.depth);
+    let (mut low, high) = if depth(a) >= depth(b) { (a, b) } else { (b, a) };
+    while depth(low) > depth(high) {
+        match agent.task(low).and_then(|task| task.parent) {
+            Some(parent) => low = parent,
+            None => return false,
+        }
+    }
+    low == high
+}
+
+/// How the ranks of the two sibling ancestors compare, when both have one and they differ.
+pub(crate) fn rank_order(agent: &Agent, a: TaskId, b: TaskId, now: Time) -> Option<(Ordering, f64, f64)> {
+    let (mut a, mut b) = (agent.task(a)?, agent.task(b)?);
+    while a.depth > b.depth {
+        a = agent.task(a.parent?)?;
+    }
+    while b.depth > a.depth {
+        b = agent.task(b.parent?)?;
+    }
+    while a.parent != b.parent {
+        a = agent.task(a.parent?)?;
+        b = agent.task(b.parent?)?;
+    }
+    let (first, second) = (priority::rank(agent, a.id, now)?, priority::rank(agent, b.id, now)?);
+    let (first, second) = if planted::is(Bug::RanksReversed) { (second, first) } else { (first, second) };
+    let order = first.partial_cmp(&second).filter(|order| *order != Ordering::Equal)?;
+    Some((order, first, second))
+}
+
+/// May the task work at all? Not under a suspended ancestor; and no step of a task that does not work begins.
+pub(crate) fn is_eligible(agent: &Agent, id: TaskId) -> bool {
+    let Some(task) = agent.task(id) else { return false };
+    let starts = match task.state {
+        TaskState::Interrupted => true,
+        TaskState::Enabled => {
+            task.parent.is_none_or(|parent| agent.task(parent).is_some_and(|parent| parent.state == TaskState::Ongoing))
+        }
+        TaskState::Pending | TaskState::Ongoing | TaskState::Terminated => false,
+    };
+    if !starts || agent.suspended == 0 {
+        return starts;
+    }
+    let mut family = std::iter::successors(Some(task), |task| agent.task(task.parent?));
+    !family.any(|task| task.suspended)
+}
+
+/// All claimants, best first, and what makes their order where ranks are stated.
+pub(crate) fn in_order(
+    agent: &Agent,
+    now: Time,
+    dirty: &BTreeSet<ResourceId>,
+    orphans: &BTreeSet<TaskId>,
+) -> (VecDeque<Claimant>, Option<Precedence>) {
+    let mut found = competitors(agent, now, dirty, orphans, false);
+    let mut precedence = None;
+    let mut everybody = found.claimants.iter().map(|each| each.id).chain(found.holders.iter().copied());
+    if everybody.any(|id| priority::is_ranked(agent, id)) {
+        // Whom a holder goes before, or went before until now, may not claim what others wait for that the holder has.
+        found = competitors(agent, now, dirty, orphans, true);
+        let holders = found.holders.iter().map(|id| claimant_in(agent, *id, now));
+        precedence = Some(Precedence::of(agent, now, found.claimants.iter().cloned().chain(holders).collect()));
+    }
+    let mut claimants = found.claimants;
+    if let Some(precedence) = &precedence {
+        claimants.iter_mut().for_each(|claimant| precedence.apply(claimant));
+        claimants.sort_by(compare);
+    }
+    (claimants.into(), precedence)
+}
+
+/// Who competes for some resources and for all that those need who do.
+#[derive(Default)]
+struct Competitors {
+    /// Eligible claimants, best first.
+    claimants: Vec<Claimant>,
+    /// Who has one of the resources.
+    holders: BTreeSet<TaskId>,
+}
+
+/// Everybody who competes for the resources in `dirty` and for all that claimants need besides, and holders too if
+/// `through_holders`; without `orphans`.
+fn competitors(
+    agent: &Agent,
+    now: Time,
+    dirty: &BTreeSet<ResourceId>,
+    orphans: &BTreeSet<TaskId>,
+    through_holders: bool,
+) -> Competitors {
+    let mut resources: Vec<ResourceId> = dirty.iter().copied().collect();
+    let mut seen: BTreeSet<ResourceId> = dirty.clone();
+    let mut tasks = orphans.clone();
+    let mut found = Competitors::default();
+    while let Some(id) = resources.pop() {
+        let Some(resource) = agent.resources.get(id) else { continue };
+        for task in resource.waiting.tasks() {
+            if tasks.insert(task) && is_eligible(agent, task) {
+                let claimant = claimant_in(agent, task, now);
+                resources.extend(claimant.needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
+                found.claimants.push(claimant);
+            }
+        }
+        for holding in &resource.holders {
+            if found.holders.insert(holding.task) && through_holders {
+                let needs = resources::needs_in(agent, holding.task);
+                resources.extend(needs.iter().map(|need| need.resource).filter(|each| seen.insert(*each)));
+            }
+        }
+    }
+    found.claimants.sort_by(compare);
+    found
+}
+
+/// What the task claims, and with what priority.
+pub(crate) fn as_claimant(cycle: &Cycle<'_>, id: TaskId) -> Claimant {
+    claimant_in(cycle.agent, id, cycle.now)
+}
+
+/// The same outside of a cycle.
+fn claimant_in(agent: &Agent, id: TaskId, now: Time) -> Claimant {
+    let priority = priority::priority(agent, id, now);
+    let begun = has_begun(agent, id);
+    let (needs, order) = (resources::needs_in(agent, id), order_of(agent, id));
+    Claimant { id, needs, priority, begun, order, turn: 0 }
+}
+
+/// Is the task at work, or was it interrupted there?
+pub(crate) fn has_begun(agent: &Agent, id: TaskId) -> bool {
+    agent.task(id).is_some_and(|task| matches!(task.state, TaskState::Ongoing | TaskState::Interrupted))
+}
+
+/// Written order among siblings, creation order among others.
+pub(crate) fn order_of(agent: &Agent, id: TaskId) -> (TaskId, u32, TaskId) {
+    let Some(task) = agent.task(id) else { return (id, 0, id) };
+    let step = match task.origin {
+        Origin::Step(step) => step.step,
+        Origin::Initial | Origin::Item(_) | Origin::OnFailure(_) | Origin::Meanwhile(_) | Origin::Probe(_) => 0,
+    };
+    (task.parent.unwrap_or(id), step, id)
+}
+
+/// Who comes first.
+pub(crate) fn compare(a: &Claimant, b: &Claimant) -> Ordering {
+    a.turn.cmp(&b.turn).then_with(|| by_priority(a, b))
+}
+
+/// Who comes first where ranks do not count.
+pub(crate) fn by_priority(a: &Claimant, b: &Claimant) -> Ordering {
+    b.priority.total_cmp(&a.priority).then(b.begun.cmp(&a.begun)).then(a.order.cmp(&b.order))
+}
+
+/// Puts a claimant in its place.
+pub(crate) fn insert_in_order(list: &mut VecDeque<Claimant>, claimant: Claimant) {
+    let index = list.partition_point(|each| compare(each, &claimant) == Ordering::Less);
+    list.insert(index, claimant);
+}

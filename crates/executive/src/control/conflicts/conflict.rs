@@ -1,0 +1,429 @@
+//! Resource conflict resolution (TC)
+//! What: decides which claimants get their resources, who loses them, and by which rule.
+//! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
+//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; O(h^2) besides for a
+//! claimant that has to displace some of h holders.
+//! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal, Rival};
+use crate::control::conflicts::competition::{
+    Claimant, as_claimant, has_begun, in_order, insert_in_order, order_of, rank_order, related,
+};
+use crate::control::conflicts::precedence::Precedence;
+use crate::control::conflicts::resources::needs_of;
+use crate::control::conflicts::sharing::{Use, UseKind, any_related, has_room, matters};
+use crate::control::conflicts::{line, priority};
+use crate::control::cycle::Cycle;
+use crate::expression::Surroundings;
+use crate::planted::{self, Bug};
+use apex_model::agent::Agent;
+use apex_model::because::{ConflictRule, Strength};
+use apex_model::clause::Level;
+use apex_model::resource::{Need, ResourceId};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+
+/// Arbitrates all resources in `dirty`; `fresh` says who claims them since this round. Where the first in line decides for
+/// all, nobody else is looked at.
+pub(crate) fn arbitrate(
+    cycle: &Cycle<'_>,
+    dirty: &BTreeSet<ResourceId>,
+    fresh: &BTreeMap<ResourceId, Vec<TaskId>>,
+) -> Arbitration {
+    let mut result = Arbitration::default();
+    let mut rest = BTreeSet::new();
+    for id in dirty {
+        match line::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
+            Some(part) => {
+                debug_assert!(says_the_same(cycle, *id, &part), "the line of {id:?} and all its claimants disagree");
+                result.absorb(part);
+            }
+            None => {
+                rest.insert(*id);
+            }
+        }
+    }
+    if !rest.is_empty() {
+        result.absorb(arbitrate_all(cycle, &rest));
+    }
+    if orphans(cycle, &result).next().is_some() { arbitrate_all(cycle, dirty) } else { result }
+}
+
+/// The naive twin of a line, in debug builds: all claimants before the arbiter. Not for long lines, which it is there for.
+fn says_the_same(cycle: &Cycle<'_>, id: ResourceId, part: &Arbitration) -> bool {
+    const CLAIMANTS_MAX: usize = 32;
+    let losers = |of: &Arbitration| of.displaced.iter().map(|loss| (loss.loser, loss.winner)).collect::<Vec<_>>();
+    let claimants = cycle.agent.resources.get(id).map_or(0, |resource| resource.waiting.tasks().count());
+    if claimants > CLAIMANTS_MAX {
+        return true;
+    }
+    let all = arbitrate_all(cycle, &BTreeSet::from([id]));
+    all.granted == part.granted && losers(&all) == losers(part)
+}
+
+/// Who would begin although the task that it is a step of stops working, in the order in which they come before the arbiter.
+fn orphans<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = TaskId> + 'a {
+    let granted = result.granted.iter().copied().filter(|_| !result.displaced.is_empty());
+    granted.filter(move |id| !has_begun(cycle.agent, *id) && parent_stops(cycle, result, *id))
+}
+
+/// Does the task that it is a step of stop working?
+fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
+    let stops =
+        |task: TaskId| result.displaced.iter().any(|loss| loss.loser == task) && !result.granted.contains(&task);
+    cycle.task(id).and_then(|task| task.parent).is_some_and(stops)
+}
+
+/// Arbitrates all resources in `dirty`, with everything their claimants need besides, and everything that those leave who
+/// are displaced. No step of a task that stops working begins, so such steps do not compete.
+fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
+    let mut orphaned = BTreeSet::new();
+    let mut dirty = dirty.clone();
+    loop {
+        let mut result = arbitrate_without(cycle, &dirty, &orphaned);
+        let known = dirty.len();
+        dirty.extend(left_behind(cycle, &result));
+        if dirty.len() > known {
+            continue;
+        }
+        let found: Vec<TaskId> = orphans(cycle, &result).filter(|id| !orphaned.contains(id)).collect();
+        let Some(last) = found.last().copied() else {
+            result.barred = orphaned.into_iter().filter(|id| !parent_stops(cycle, &result, *id)).collect();
+            return result;
+        };
+        // Whose parent stops only for another orphan will see whether it still does without that one.
+        let only_for_orphan = |id: &TaskId| {
+            let parent = cycle.task(*id).and_then(|task| task.parent);
+            let loss = result.displaced.iter().find(|loss| Some(loss.loser) == parent);
+            loss.is_some_and(|loss| found.contains(&loss.winner))
+        };
+        let certain: Vec<TaskId> = found.iter().filter(|id| !only_for_orphan(id)).copied().collect();
+        // Where each stops only for another, the weakest gives way: were all to, all would wait for ever.
+        orphaned.extend(if certain.is_empty() { vec![last] } else { certain });
+    }
+}
+
+/// What displaced tasks have besides what they lost, and what is held above who displaced them without having begun: whoever
+/// waits for that may stop them in turn. Only where somebody waits.
+pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
+    let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());
+    let needs = |id: TaskId| needs_of(cycle, id).into_iter().map(|need| need.resource);
+    let winners = result.displaced.iter().map(|loss| loss.winner).filter(|id| !has_begun(cycle.agent, *id));
+    let parent = |id: TaskId| cycle.task(id).and_then(|task| task.parent);
+    let above = winners.flat_map(move |id| std::iter::successors(parent(id), move |id| parent(*id)));
+    result.displaced.iter().map(|loss| loss.loser).chain(above).flat_map(needs).filter(awaited)
+}
+
+fn arbitrate_without(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>, orphans: &BTreeSet<TaskId>) -> Arbitration {
+    let (mut remaining, precedence) = in_order(cycle.agent, cycle.now, dirty, orphans);
+    let mut field = Field { precedence, ..Field::empty(cycle) };
+    let mut result = Arbitration::default();
+    while let Some(claimant) = remaining.pop_front() {
+        match field.place(&claimant) {
+            Placement::Granted(losses) => {
+                for loss in losses {
+                    let loser = field.as_claimant(loss.loser);
+                    insert_in_order(&mut remaining, loser);
+                    result.displaced.push(loss);
+                }
+                result.granted.push(claimant.id);
+            }
+            Placement::Refused(refusal) => result.refused.push(refusal),
+            Placement::Impossible(need, total) => {
+                result.impossible.push((claimant.id, need.resource, need.amount, total));
+            }
+        }
+    }
+    result
+}
+
+/// What becomes of one claimant.
+enum Placement {
+    Granted(Vec<Loss>),
+    Refused(Refusal),
+    Impossible(Need, f64),
+}
+
+/// Uses of resources while an arbitration goes on.
+pub(crate) struct Field<'a, 'c> {
+    cycle: &'a Cycle<'c>,
+    uses: BTreeMap<ResourceId, Vec<Use>>,
+    /// Who has lost all it held, also of resources that are not looked at yet.
+    displaced: BTreeSet<TaskId>,
+    /// None where nobody has a rank.
+    precedence: Option<Precedence>,
+}
+
+impl<'a, 'c> Field<'a, 'c> {
+    /// Nothing has been looked at.
+    pub(crate) fn empty(cycle: &'a Cycle<'c>) -> Field<'a, 'c> {
+        Field { cycle, uses: BTreeMap::new(), displaced: BTreeSet::new(), precedence: None }
+    }
+
+    /// A task that claims, in its turn and with the priority that counts for it.
+    fn as_claimant(&self, id: TaskId) -> Claimant {
+        let mut claimant = as_claimant(self.cycle, id);
+        if let Some(precedence) = &self.precedence {
+            precedence.apply(&mut claimant);
+        }
+        claimant
+    }
+
+    fn lifted(&self, id: TaskId, own: Strength) -> Strength {
+        let lifted = |precedence: &Precedence| precedence.lifted(id, own.priority);
+        Strength { priority: self.precedence.as_ref().map_or(own.priority, lifted), ..own }
+    }
+
+    /// What a holder defends its resources with.
+    fn defence(&self, id: TaskId) -> Strength {
+        self.lifted(id, priority::defence(self.cycle.agent, id, self.cycle.now))
+    }
+
+    fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
+        self.precedence.as_ref().map_or_else(|| Rc::from([id]), |precedence| precedence.stands_for(id))
+    }
+
+    /// The rule by which the greater priority of `winner` decides.
+    fn by_priority(&self, winner: TaskId) -> ConflictRule {
+        let whom = self.precedence.as_ref().and_then(|precedence| precedence.instead_of_own(winner));
+        whom.map_or(ConflictRule::Priority, |whom| ConflictRule::GoesBefore { whom })
+    }
+
+    fn load(&mut self, id: ResourceId) {
+        let Some(resource) = self.cycle.agent.resources.get(id) else { return };
+        let displaced = &self.displaced;
+        self.uses.entry(id).or_insert_with(|| {
+            let holders = resource.holders.iter().filter(|holding| !displaced.contains(&holding.task));
+            let held = |task, amount| Use { task, amount, kind: UseKind::Held };
+            holders.map(|holding| held(holding.task, holding.amount)).collect()
+        });
+    }
+
+    /// Gives the claimant all it needs, or notes what it waits for. As few as possible lose something for it: nobody
+    /// who beats it, and nobody where weaker ones suffice.
+    fn place(&mut self, claimant: &Claimant) -> Placement {
+        for need in &claimant.needs {
+            self.load(need.resource);
+            let total = self.total(need.resource);
+            if need.amount > total {
+                return Placement::Impossible(*need, total);
+            }
+        }
+        let mut losses: Vec<Loss> = Vec::new();
+        let mut weakest_first = None;
+        while let Some(need) = self.lacking(claimant, &losses) {
+            let beaten = weakest_first.get_or_insert_with(|| self.beaten(claimant).into_iter());
+            match beaten.next() {
+                Some(loss) => losses.push(loss),
+                None => return Placement::Refused(self.refuse(claimant, need, &losses)),
+            }
+        }
+        for index in (0..losses.len()).rev() {
+            let spared = losses.remove(index);
+            if let Some(need) = self.lacking(claimant, &losses) {
+                // What is missing without this loss is what it is about.
+                losses.insert(index, Loss { resource: need.resource, ..spared });
+            }
+        }
+        self.displaced.extend(losses.iter().map(|loss| loss.loser));
+        for uses in self.uses.values_mut() {
+            uses.retain(|each| each.kind != UseKind::Held || losses.iter().all(|loss| loss.loser != each.task));
+        }
+        self.note(claimant, UseKind::Granted);
+        Placement::Granted(losses)
+    }
+
+    fn note(&mut self, claimant: &Claimant, kind: UseKind) {
+        for need in &claimant.needs {
+            let granted = Use { task: claimant.id, amount: need.amount, kind };
+            self.uses.entry(need.resource).or_default().push(granted);
+        }
+    }
+
+    fn total(&self, id: ResourceId) -> f64 {
+        self.cycle.agent.resources.get(id).map_or(0.0, |resource| resource.total)
+    }
+
+    /// The uses that count against the claimant when those in `losses` are gone.
+    fn present(&self, claimant: &Claimant, id: ResourceId, losses: &[Loss]) -> Vec<&Use> {
+        let agent = &*self.cycle.agent;
+        let uses = self.uses.get(&id).map(Vec::as_slice).unwrap_or_default();
+        let counts = |each: &&Use| match each.kind {
+            UseKind::Held => losses.iter().all(|loss| loss.loser != each.task),
+            UseKind::Granted => true,
+            // Nobody is displaced for the sake of a gap.
+            UseKind::Awaited(_) => {
+                !(related(agent, each.task, claimant.id) || losses.is_empty() && self.leaves_a_gap(claimant, each))
+            }
+        };
+        uses.iter().filter(counts).collect()
+    }
+
+    /// The first need of the claimant for which there is no room.
+    fn lacking(&self, claimant: &Claimant, losses: &[Loss]) -> Option<Need> {
+        let room = |need: &Need| {
+            let present = self.present(claimant, need.resource, losses);
+            has_room(self.cycle.agent, self.total(need.resource), &present, claimant.id, need.amount)
+        };
+        claimant.needs.iter().find(|need| !room(need)).copied()
+    }
+
+    /// All holders that the claimant beats, the weakest first: the one that beats none of the others by rank, then by
+    /// what it defends with, then who has been at work for the shortest time.
+    fn beaten(&self, claimant: &Claimant) -> Vec<Loss> {
+        let agent = &*self.cycle.agent;
+        let mut found: Vec<Loss> = Vec::new();
+        for need in &claimant.needs {
+            for rival in self.uses.get(&need.resource).map(Vec::as_slice).unwrap_or_default().iter().rev() {
+                let known = found.iter().any(|loss| loss.loser == rival.task);
+                if rival.kind == UseKind::Held && !known && !related(agent, rival.task, claimant.id) {
+                    found.extend(self.confront(claimant, need.resource, rival).ok());
+                }
+            }
+        }
+        if found.len() < 2 {
+            return found;
+        }
+        let now = self.cycle.now;
+        let mut keyed: Vec<(f64, Loss)> =
+            found.into_iter().map(|loss| (self.defence(loss.loser).total(), loss)).collect();
+        keyed.sort_by(|a, b| {
+            a.0.total_cmp(&b.0).then(at_work_since(agent, b.1.loser).cmp(&at_work_since(agent, a.1.loser)))
+        });
+        let mut ordered = Vec::with_capacity(keyed.len());
+        while !keyed.is_empty() {
+            let beats_none = |loss: &Loss| {
+                let mut others = keyed.iter().filter(|(_, other)| other.loser != loss.loser);
+                !others.any(|(_, other)| {
+                    matches!(rank_order(agent, loss.loser, other.loser, now), Some((Ordering::Less, ..)))
+                })
+            };
+            let index = keyed.iter().position(|(_, loss)| beats_none(loss)).unwrap_or(0);
+            ordered.push(keyed.remove(index).1);
+        }
+        ordered
+    }
+
+    /// The conflict that the claimant loses over `need`, and all who stand in its way. It claims on.
+    fn refuse(&mut self, claimant: &Claimant, need: Need, losses: &[Loss]) -> Refusal {
+        let agent = &*self.cycle.agent;
+        let present = self.present(claimant, need.resource, losses);
+        let strangers = || present.iter().filter(|each| !related(agent, each.task, claimant.id));
+        let families = any_related(agent, &present);
+        let mut rivals: Vec<&&Use> = strangers().filter(|each| !families || matters(agent, &present, each)).collect();
+        if rivals.is_empty() {
+            rivals = strangers().collect();
+        }
+        let rival = |each: &&&Use| {
+            let holds = !matches!(each.kind, UseKind::Awaited(_));
+            Rival { task: each.task, holds, stands_for: self.stands_for(each.task) }
+        };
+        let all = rivals.iter().map(rival).collect();
+        let conflicts = rivals.iter().filter_map(|each| self.confront(claimant, need.resource, each).err());
+        // Told is who would have to yield first: the weakest who has it, or else the best who claims it.
+        let told = conflicts.reduce(|a, b| match (a.winner_holds, b.winner_holds) {
+            (true, true) if b.winner_strength.total() < a.winner_strength.total() => b,
+            (false, true) => b,
+            _ => a,
+        });
+        let nobody = || Loss {
+            loser: claimant.id,
+            resource: need.resource,
+            winner: claimant.id,
+            rule: ConflictRule::Capacity,
+            winner_strength: Strength::claiming(claimant.priority),
+            loser_strength: Strength::claiming(claimant.priority),
+            winner_holds: false,
+        };
+        let stands_for = self.stands_for(claimant.id);
+        let refusal = Refusal { loss: told.unwrap_or_else(nobody), stands_for, rivals: all };
+        // It begins when one of those in its way is done, if all of them said when that is.
+        let ends: Option<Vec<Time>> = rivals.iter().map(|each| self.expected_end(each)).collect();
+        let earliest = ends.and_then(|ends| ends.into_iter().min());
+        self.note(claimant, UseKind::Awaited(earliest));
+        refusal
+    }
+
+    /// When a rival is expected to be done with the resource, if somebody said; one that only claims it cannot be done
+    /// before it begins.
+    fn expected_end(&self, rival: &Use) -> Option<Time> {
+        if let UseKind::Awaited(earliest) = rival.kind {
+            return earliest;
+        }
+        let task = self.cycle.task(rival.task)?;
+        let expected = task.selection.as_ref()?.expected?;
+        // What it has worked counts, not how long ago it began: it may have been interrupted.
+        let view = self.cycle.view(rival.task, Level::Step);
+        let worked = view.task_time_ongoing(rival.task).unwrap_or_default();
+        Some(self.cycle.now + (expected - worked))
+    }
+
+    /// A refused claimant that provably cannot begin before the present one is expected to be done leaves a gap.
+    fn leaves_a_gap(&self, claimant: &Claimant, other: &Use) -> bool {
+        let expected = self.cycle.task(claimant.id).and_then(|task| task.selection.as_ref()?.expected);
+        match (&other.kind, expected) {
+            (UseKind::Awaited(Some(earliest)), Some(expected)) => self.cycle.now + expected <= *earliest,
+            _ => false,
+        }
+    }
+
+    /// The outcome between the claimant and one use: the user's loss, or the claimant's.
+    pub(crate) fn confront(&self, claimant: &Claimant, resource: ResourceId, rival: &Use) -> Result<Loss, Loss> {
+        let (agent, now) = (&*self.cycle.agent, self.cycle.now);
+        let holds = rival.kind == UseKind::Held;
+        let loss = |rule, winner_strength, loser_strength| Loss {
+            loser: claimant.id,
+            resource,
+            winner: rival.task,
+            rule,
+            winner_strength,
+            loser_strength,
+            winner_holds: !matches!(rival.kind, UseKind::Awaited(_)),
+        };
+        let win = |rule, winner_strength, loser_strength| Loss {
+            loser: rival.task,
+            resource,
+            winner: claimant.id,
+            rule,
+            winner_strength,
+            loser_strength,
+            winner_holds: false,
+        };
+        if let Some((order, own, other)) = rank_order(agent, claimant.id, rival.task, now) {
+            let (own, other) = (Strength::claiming(own), Strength::claiming(other));
+            return match order {
+                Ordering::Less if holds => Ok(win(ConflictRule::Rank, own, other)),
+                _ => Err(loss(ConflictRule::Rank, other, own)),
+            };
+        }
+        let own = Strength::claiming(claimant.priority);
+        if holds {
+            let defence = self.defence(rival.task);
+            let equal = planted::is(Bug::EqualNewcomerWins) && own.total() >= defence.priority;
+            if own.total() > defence.total() || equal {
+                return Ok(win(self.by_priority(claimant.id), own, defence));
+            }
+            let outranks = defence.priority > own.priority;
+            let rule = if outranks { self.by_priority(rival.task) } else { ConflictRule::Incumbent };
+            return Err(loss(rule, defence, own));
+        }
+        let other = self.lifted(rival.task, Strength::claiming(priority::priority(agent, rival.task, now)));
+        let siblings = order_of(agent, claimant.id).0 == order_of(agent, rival.task).0;
+        let rule = match other.priority.total_cmp(&own.priority) {
+            Ordering::Greater => self.by_priority(rival.task),
+            Ordering::Equal if has_begun(agent, rival.task) && !has_begun(agent, claimant.id) => ConflictRule::Begun,
+            Ordering::Equal if siblings => ConflictRule::WrittenOrder,
+            Ordering::Equal => ConflictRule::CreationOrder,
+            Ordering::Less => ConflictRule::Capacity,
+        };
+        Err(loss(rule, other, own))
+    }
+}
+
+/// Since when the task has been at work without a break; of one instant, the task made last is the last.
+fn at_work_since(agent: &Agent, id: TaskId) -> (Option<Time>, TaskId) {
+    (agent.task(id).map(|task| task.since), id)
+}

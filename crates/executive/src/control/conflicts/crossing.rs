@@ -1,0 +1,169 @@
+//! Crossings of priorities (TC)
+//! What: finds the instant at which a waiting task would beat one in its way by nothing but the passing of time.
+//! Runs: contend phase, for claimants that were refused.  Reads: priorities, interrupt costs.  Writes: nothing.
+//! Bound: at most `PRIORITY_SEARCH_MAX` looks at all contests of one refusal together.
+//! PDL: `priority`, `interrupt-cost`, section 9.  Paper: section III, priority of competitors.
+//!
+//! Priorities are enclosed between bounds over spans of time. A contest in which the challenger's greatest is not above the
+//! defender's least is left out of that span; a span that keeps a contest is halved, the earlier half first, down to a
+//! microsecond. So the first crossing of all contests is found, however often the priorities cross. Where nothing is known
+//! of an expression, or the looks are used up, the next look is taken when they were last known apart.
+
+use crate::control::conflicts::curve::Curve;
+use crate::control::conflicts::moving::Bounds;
+use crate::control::conflicts::priority::{self, priority};
+use apex_model::agent::Agent;
+use apex_model::limits::{PRIORITY_LOOK_AGAIN_MS, PRIORITY_SEARCH_MAX};
+use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
+use std::cell::Cell;
+
+/// Spans are not divided further than this: a shorter advantage may be missed.
+const FINEST: Duration = Duration(1_000);
+/// As far as anybody looks ahead: some 34 years.
+const FARTHEST: Duration = Duration(1 << 60);
+/// Where nothing is known of a span of this length, dividing it further is of no use.
+const COARSEST_UNKNOWN: Duration = Duration(100_000_000);
+const FIRST_LOOK: Duration = Duration(1_000_000_000);
+
+/// A task in the way.
+pub(crate) struct Defender<'a> {
+    curve: Curve<'a>,
+    /// The task that has what both want: its interrupt cost counts too.
+    holder: Option<TaskId>,
+    cost_moves: bool,
+    cost_now: f64,
+}
+
+impl<'a> Defender<'a> {
+    /// Whose priority counts for the task in the way, and that task if it has what both want.
+    pub(crate) fn new(agent: &'a Agent, rival: TaskId, holder: Option<TaskId>, now: Time) -> Defender<'a> {
+        Defender {
+            curve: Curve::new(agent, rival, now),
+            holder,
+            cost_moves: holder.is_some_and(|holder| priority::cost_moves(agent, holder)),
+            cost_now: holder.map_or(0.0, |holder| priority::interrupt_cost_at(agent, holder, now)),
+        }
+    }
+
+    fn bounds(&self, agent: &Agent, from: Time, to: Time) -> Bounds {
+        let own = self.curve.bounds(from, to);
+        match self.holder {
+            Some(holder) if self.cost_moves => own.plus(priority::cost_bounds(agent, holder, from, to)),
+            _ => own.plus(Bounds { low: self.cost_now, high: self.cost_now }),
+        }
+    }
+}
+
+/// One whose priority counts for the task that waits, and one in its way.
+type Contest<'s, 'a> = (&'s Curve<'a>, &'s Defender<'a>);
+
+/// When the priorities are to be compared again because time has passed; none when time alone changes nothing.
+pub(crate) fn next_look(
+    agent: &Agent,
+    challengers: &[Curve<'_>],
+    defenders: &[Defender<'_>],
+    now: Time,
+) -> Option<Time> {
+    let all = defenders.iter().flat_map(|defender| challengers.iter().map(move |challenger| (challenger, defender)));
+    let mut contests: Vec<Contest<'_, '_>> = all.filter(|contest| may_cross(contest, now)).collect();
+    let search = Search { agent, now, looks: Cell::new(PRIORITY_SEARCH_MAX), given_up: Cell::new(None) };
+    let mut from = now;
+    let mut span = FIRST_LOOK;
+    let mut found = None;
+    while span < FARTHEST && !contests.is_empty() && found.is_none() && !search.is_over(from) {
+        found = search.first_in(from, from + span, &contests);
+        from = from + span;
+        span = Duration(span.0.saturating_mul(2));
+        let settled =
+            |(own, other): &Contest<'_, '_>| own.is_settled(from) && other.curve.is_settled(from) && !other.cost_moves;
+        contests.retain(|contest| !settled(contest));
+    }
+    [found, search.given_up.get()].into_iter().flatten().min()
+}
+
+/// False when time alone brings no crossing.
+fn may_cross((own, other): &Contest<'_, '_>, now: Time) -> bool {
+    let moving = own.moves() || other.curve.moves() || other.cost_moves;
+    // Who is ahead and lost, lost because of others: to look again at once, and again, would be to stand still.
+    let is_ahead = own.value_now > other.curve.value_now + other.cost_now;
+    moving && !is_ahead && !own.never_exceeds(&other.curve, now)
+}
+
+struct Search<'a> {
+    agent: &'a Agent,
+    now: Time,
+    looks: Cell<u32>,
+    /// When to compare again what could not be searched.
+    given_up: Cell<Option<Time>>,
+}
+
+impl Search<'_> {
+    /// Nothing is known of what comes after `at`.
+    fn give_up(&self, at: Time) {
+        let at = at.max(self.now + Duration(PRIORITY_LOOK_AGAIN_MS.saturating_mul(1_000_000)));
+        self.given_up.set(Some(self.given_up.get().map_or(at, |before| before.min(at))));
+    }
+
+    /// Is everything compared again before `at` anyway?
+    fn is_over(&self, at: Time) -> bool {
+        self.given_up.get().is_some_and(|again| again <= at)
+    }
+
+    /// Does the challenger beat the defender at `at`?
+    fn ahead(&self, (own, other): &Contest<'_, '_>, at: Time) -> bool {
+        let cost = match other.holder {
+            Some(holder) if other.cost_moves => priority::interrupt_cost_at(self.agent, holder, at),
+            _ => other.cost_now,
+        };
+        priority(self.agent, own.id, at) > priority(self.agent, other.curve.id, at) + cost
+    }
+
+    /// Could the challenger be ahead at some instant of this span? None when nothing is known about that.
+    fn may_be_ahead(&self, contest: &Contest<'_, '_>, from: Time, to: Time) -> Option<bool> {
+        let (own, other) = (contest.0.bounds(from, to), contest.1.bounds(self.agent, from, to));
+        if own.high == f64::INFINITY || other.low == f64::NEG_INFINITY {
+            return None;
+        }
+        let fixed = own.low == own.high && other.low == other.high;
+        Some(own.high > other.low && (!fixed || self.ahead(contest, from)))
+    }
+
+    /// The first instant after `from` and not after `to` at which a challenger is ahead.
+    fn first_in(&self, from: Time, to: Time, contests: &[Contest<'_, '_>]) -> Option<Time> {
+        if self.is_over(from) {
+            return None;
+        }
+        if self.looks.get() == 0 {
+            self.give_up(from);
+            return None;
+        }
+        self.looks.set(self.looks.get() - 1);
+        let mut open = Vec::new();
+        for contest in contests {
+            match self.may_be_ahead(contest, from, to) {
+                Some(false) => {}
+                None if to - from <= COARSEST_UNKNOWN => self.give_up(from),
+                Some(true) | None => open.push(*contest),
+            }
+        }
+        if open.is_empty() {
+            return None;
+        }
+        if to - from <= FINEST {
+            let won = open.iter().filter(|contest| self.ahead(contest, to));
+            return won.map(|contest| self.first(contest, from, to)).min();
+        }
+        let middle = from + Duration((to - from).0 / 2);
+        self.first_in(from, middle, &open).or_else(|| self.first_in(middle, to, &open))
+    }
+
+    /// The least instant in `(low, high]` at which the challenger is ahead, which it is at `high`.
+    fn first(&self, contest: &Contest<'_, '_>, mut low: Time, mut high: Time) -> Time {
+        while (high - low).0 > 1 {
+            let middle = low + Duration((high - low).0 / 2);
+            if self.ahead(contest, middle) { high = middle } else { low = middle }
+        }
+        high
+    }
+}

@@ -1,0 +1,96 @@
+//! Priorities as functions of time (TC)
+//! What: what of a task's priority stays, what rises with its urgency, and what moves otherwise, read once for many looks.
+//! Runs: contend phase, for claimants that were refused.  Reads: priority clauses, ancestors, workload.  Writes: nothing.
+//! Bound: O(clauses) a look; a clause that stays is evaluated once.  PDL: `priority`, section 9.
+//! Paper: section III, priority of competitors.
+
+use crate::control::conflicts::moving::Bounds;
+use crate::control::conflicts::priority::{self, Kind};
+use apex_model::agent::Agent;
+use apex_model::procedure::PriorityClause;
+use apex_model::task::{Task, TaskId};
+use apex_model::time::Time;
+use std::cell::Cell;
+
+/// The priority of a task while nothing but time passes: the greatest of its parts.
+pub(crate) struct Curve<'a> {
+    agent: &'a Agent,
+    /// Whose it is.
+    pub(crate) id: TaskId,
+    /// What it is now.
+    pub(crate) value_now: f64,
+    /// The greatest of the parts that stay; 0 for a task without any clause, as in [`priority::priority`].
+    steady: Option<f64>,
+    rises: Vec<Rise>,
+    others: Vec<(&'a Task, &'a PriorityClause)>,
+    /// The bounds of the span that was looked at last: each span is looked at for many contests.
+    last: Cell<Option<(Time, Time, Bounds)>>,
+}
+
+/// A part that rises until it is due and stays then.
+#[derive(Clone, Copy)]
+pub(crate) struct Rise {
+    /// From 0 to 10.
+    pub(crate) importance: f64,
+    /// When its urgency is greatest.
+    pub(crate) due: Time,
+}
+
+impl<'a> Curve<'a> {
+    /// The curve of `id` as seen now.
+    pub(crate) fn new(agent: &'a Agent, id: TaskId, now: Time) -> Curve<'a> {
+        let value_now = priority::priority(agent, id, now);
+        let (steady, rises, others) = (None, Vec::new(), Vec::new());
+        let mut curve = Curve { agent, id, value_now, steady, rises, others, last: Cell::new(None) };
+        for (task, clause) in priority::clauses_that_count(agent, id) {
+            match priority::kind(agent, task, clause, now) {
+                Kind::Absent => {}
+                Kind::Steady(value) => curve.steady = Some(curve.steady.map_or(value, |before| before.max(value))),
+                Kind::Rising(rise) => curve.rises.push(rise),
+                Kind::Other => curve.others.push((task, clause)),
+            }
+        }
+        if curve.rises.is_empty() && curve.others.is_empty() {
+            curve.steady = curve.steady.or(Some(0.0));
+        }
+        curve
+    }
+
+    /// Does it change by the passing of time?
+    pub(crate) fn moves(&self) -> bool {
+        !self.rises.is_empty() || !self.others.is_empty()
+    }
+
+    /// Will it stay as it is from `at` on?
+    pub(crate) fn is_settled(&self, at: Time) -> bool {
+        self.others.is_empty() && self.rises.iter().all(|rise| rise.due <= at)
+    }
+
+    /// Between which values it stays from `from` to `to`.
+    pub(crate) fn bounds(&self, from: Time, to: Time) -> Bounds {
+        if let Some((.., bounds)) = self.last.get().filter(|last| (last.0, last.1) == (from, to)) {
+            return bounds;
+        }
+        let steady = self.steady.map(|value| Bounds { low: value, high: value });
+        let at = |rise: &Rise, at| priority::risen(self.agent, *rise, at);
+        let rises = self.rises.iter().map(|rise| Bounds { low: at(rise, from), high: at(rise, to) });
+        let others = self.others.iter();
+        let others = others.filter_map(|(task, clause)| priority::clause_bounds(self.agent, task, clause, from, to));
+        let all = steady.into_iter().chain(rises).chain(others).reduce(Bounds::greater);
+        let bounds = all.unwrap_or(Bounds { low: 0.0, high: 0.0 });
+        self.last.set(Some((from, to, bounds)));
+        bounds
+    }
+
+    /// True when this one can never be above `other` from `now` on: each of its parts stays below what of the other stays
+    /// or rises. Two steps of one kind, of which one came later, are never told apart by bounds; so they are here.
+    pub(crate) fn never_exceeds(&self, other: &Curve<'_>, now: Time) -> bool {
+        let kept = other.rises.iter().map(|rise| priority::risen(self.agent, *rise, now)).chain(other.steady);
+        let Some(kept) = kept.reduce(f64::max) else { return false };
+        let below = |rise: &Rise| {
+            let behind = |each: &Rise| rise.importance <= each.importance && rise.due >= each.due;
+            priority::risen(self.agent, *rise, rise.due) <= kept || other.rises.iter().any(behind)
+        };
+        self.others.is_empty() && self.steady.is_none_or(|value| value <= kept) && self.rises.iter().all(below)
+    }
+}

@@ -1,0 +1,175 @@
+//! Precedence (TC)
+//! What: puts competitors into one order that keeps to ranks and to priorities. Who goes before another one by its rank is
+//! as important as that one, so ranks and priorities never contradict one another in a ring.
+//! Runs: contend phase, where ranks are stated.  Reads: ranks, priorities, needs.  Writes: nothing.
+//! Bound: O(c^2 * depth) for c competitors; as much for each one that is asked whom it stands for, where priorities move.
+//! PDL: `rank`, `priority`, section 9, conflict; decision 0023.  Paper: section III, detecting and resolving conflicts.
+
+use crate::control::conflicts::competition::{Claimant, by_priority};
+use crate::control::conflicts::priority;
+use apex_model::agent::Agent;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// The order of all competitors for some resources.
+pub(crate) struct Precedence {
+    competitors: Vec<Competitor>,
+    places: BTreeMap<TaskId, Place>,
+    /// Priorities of some of them can change without anybody claiming or giving up.
+    varies: bool,
+    /// What was found for who was asked about: each one stands in the way of many.
+    stand_for: RefCell<BTreeMap<TaskId, Rc<[TaskId]>>>,
+}
+
+/// One that claims or holds, with the ranks on its way from the root down.
+struct Competitor {
+    claimant: Claimant,
+    path: Vec<(TaskId, Option<f64>)>,
+}
+
+#[derive(Clone, Copy)]
+struct Place {
+    turn: usize,
+    /// The most important one that it goes before, itself if there is none.
+    whom: TaskId,
+    /// The priority of that one.
+    priority: f64,
+}
+
+impl Precedence {
+    /// The order of `claimants`, holders among them.
+    pub(crate) fn of(agent: &Agent, now: Time, claimants: Vec<Claimant>) -> Precedence {
+        let with_path = |claimant: Claimant| {
+            let path = rank_path(agent, claimant.id, now);
+            Competitor { claimant, path }
+        };
+        let mut competitors: Vec<Competitor> = claimants.into_iter().map(with_path).collect();
+        let alone = begun_first(&competitors);
+        competitors.iter_mut().zip(alone).for_each(|(each, counts)| each.claimant.begun = counts);
+        competitors.sort_by(|a, b| by_priority(&a.claimant, &b.claimant));
+        let varies = competitors.iter().any(|each| {
+            let id = each.claimant.id;
+            priority::moves(agent, id) || priority::reads_inputs(agent, id)
+        });
+        let (places, stand_for) = (BTreeMap::new(), RefCell::default());
+        let mut precedence = Precedence { competitors, places, varies, stand_for };
+        precedence.place_all();
+        precedence
+    }
+
+    /// The best by priority comes first, but before each one comes who goes before it by rank, and before that one likewise.
+    fn place_all(&mut self) {
+        let count = self.competitors.len();
+        // How far each one has looked for others that go before it.
+        let mut looked = vec![0_usize; count];
+        for (root, whom) in self.competitors.iter().enumerate() {
+            let mut open = vec![root];
+            while let Some((&index, competitor)) =
+                open.last().and_then(|index| Some((index, self.competitors.get(*index)?)))
+            {
+                let from = looked.get(index).copied().unwrap_or(count);
+                let next = self.next_before(competitor, from);
+                if let Some(looked) = looked.get_mut(index) {
+                    *looked = next.map_or(count, |next| next + 1);
+                }
+                match next {
+                    Some(next) => open.push(next),
+                    None => {
+                        open.pop();
+                        let (turn, whom) = (self.places.len(), &whom.claimant);
+                        let place = Place { turn, whom: whom.id, priority: whom.priority };
+                        self.places.entry(competitor.claimant.id).or_insert(place);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The first from `from` on that goes before `competitor` and has no place yet.
+    fn next_before(&self, competitor: &Competitor, from: usize) -> Option<usize> {
+        let open = |other: &Competitor| !self.places.contains_key(&other.claimant.id) && other.goes_before(competitor);
+        self.competitors.iter().skip(from).position(open).map(|index| index + from)
+    }
+
+    /// Gives the competitor its turn and its strength.
+    pub(crate) fn apply(&self, claimant: &mut Claimant) {
+        if let Some(place) = self.places.get(&claimant.id) {
+            claimant.turn = place.turn;
+            claimant.priority = claimant.priority.max(place.priority);
+        }
+    }
+
+    /// The priority that counts for a task whose own one is `own`.
+    pub(crate) fn lifted(&self, id: TaskId, own: f64) -> f64 {
+        self.places.get(&id).map_or(own, |place| own.max(place.priority))
+    }
+
+    /// Whose priority counts for the task, if it is not its own.
+    pub(crate) fn instead_of_own(&self, id: TaskId) -> Option<TaskId> {
+        let own = self.competitors.iter().find(|each| each.claimant.id == id)?.claimant.priority;
+        self.places.get(&id).filter(|place| place.priority > own).map(|place| place.whom)
+    }
+
+    /// All whose priorities may count for the task: itself, those that it goes before, those that they go before.
+    pub(crate) fn stands_for(&self, id: TaskId) -> Rc<[TaskId]> {
+        if !self.varies {
+            return Rc::new([id]);
+        }
+        let known = self.stand_for.borrow().get(&id).cloned();
+        known.unwrap_or_else(|| {
+            let found: Rc<[TaskId]> = self.all_behind(id).into();
+            self.stand_for.borrow_mut().insert(id, Rc::clone(&found));
+            found
+        })
+    }
+
+    fn all_behind(&self, id: TaskId) -> Vec<TaskId> {
+        let mut found = vec![id];
+        let (mut open, mut rest): (Vec<_>, Vec<_>) = self.competitors.iter().partition(|each| each.claimant.id == id);
+        while let Some(competitor) = open.pop() {
+            let (behind, others): (Vec<_>, Vec<_>) = rest.into_iter().partition(|other| competitor.goes_before(other));
+            found.extend(behind.iter().map(|each| each.claimant.id));
+            open.extend(behind);
+            rest = others;
+        }
+        found
+    }
+}
+
+impl Competitor {
+    /// By rank, where both want the same. Tasks of one line do not compete.
+    fn goes_before(&self, other: &Competitor) -> bool {
+        let pair = self.path.iter().zip(&other.path).find(|(own, others)| own.0 != others.0);
+        let Some(((_, Some(own)), (_, Some(others)))) = pair else { return false };
+        let mut needs = self.claimant.needs.iter();
+        own < others && needs.any(|need| other.claimant.needs.iter().any(|each| each.resource == need.resource))
+    }
+}
+
+/// Which of them go first among equals because they have begun: not those that one goes before which has not begun. It would
+/// come before its own equals with them: who fills a gap would make room for who had to leave it.
+fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
+    let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for (index, each) in competitors.iter().enumerate() {
+            let held_back = || competitors.iter().zip(&counts).any(|(other, begun)| !begun && other.goes_before(each));
+            if counts.get(index).is_some_and(|begun| *begun) && held_back() {
+                changed = true;
+                counts.iter_mut().skip(index).take(1).for_each(|begun| *begun = false);
+            }
+        }
+    }
+    counts
+}
+
+/// The task and its ancestors from the root down, with their ranks.
+fn rank_path(agent: &Agent, id: TaskId, now: Time) -> Vec<(TaskId, Option<f64>)> {
+    let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    let mut path: Vec<_> = family.map(|task| (task.id, priority::rank(agent, task.id, now))).collect();
+    path.reverse();
+    path
+}

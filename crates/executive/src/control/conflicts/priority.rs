@@ -1,0 +1,352 @@
+//! Priority (TC)
+//! What: computes how important a task is now, and between which values that stays while time passes.
+//! Runs: contend phase.  Reads: priority clauses, ancestors, agent workload.  Writes: nothing.
+//! Bound: O(depth) per task.
+//! PDL: `priority`, section 9.  Paper: section III, priority of competitors.
+
+use crate::control::conflicts::curve::Rise;
+use crate::control::conflicts::moving::{self, Bounds};
+use crate::control::cycle::Cycle;
+use crate::expression::view::View;
+use crate::expression::{Surroundings, evaluate};
+use apex_model::agent::Agent;
+use apex_model::because::Strength;
+use apex_model::clause::Level;
+use apex_model::controller::Way;
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::procedure::{PriorityClause, Step};
+use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
+use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Added to the priority of an ongoing task when it defends a resource, where nothing else is stated.
+pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
+
+/// The priority of `id` at `at`: the greatest of its own clauses and of its ancestors that are not interrupted.
+pub(crate) fn priority(agent: &Agent, id: TaskId, at: Time) -> f64 {
+    let mut greatest: Option<f64> = None;
+    let mut next = Some(id);
+    while let Some(task) = next.and_then(|id| agent.task(id)) {
+        if (task.id == id || task.state != TaskState::Interrupted)
+            && let Some(own) = own_priority(agent, task, at)
+        {
+            greatest = Some(greatest.map_or(own, |before| before.max(own)));
+        }
+        next = task.parent;
+    }
+    greatest.unwrap_or(0.0)
+}
+
+/// What an ongoing task defends its resources with.
+pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
+    Strength { priority: priority(agent, id, at), interrupt_cost: interrupt_cost_at(agent, id, at) }
+}
+
+/// What it costs to interrupt the task. Less than nothing counts as nothing: two equals would interrupt one another for ever.
+pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
+    let selection = agent.task(id).and_then(|task| task.selection.as_ref());
+    let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);
+    let cost = match cost_clause(agent, id) {
+        Some((expr, level)) if !matches!(expr.kind, ExprKind::Constant(_)) => {
+            number(expr, &View { agent, task: id, level, now: at }).unwrap_or(at_choice)
+        }
+        _ => at_choice,
+    };
+    cost.max(0.0)
+}
+
+fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
+    if !task.clauses.has(StepClauses::CONTENTION) {
+        return None;
+    }
+    let step = task.step()?;
+    if !matches!(task.origin, apex_model::task::Origin::Step(_)) {
+        return None;
+    }
+    let template = agent.procedure(step.procedure)?.steps.get(step.step as usize)?;
+    if template.priority.is_empty() {
+        return None;
+    }
+    let view = View { agent, task: task.id, level: Level::Step, now: at };
+    let recovered = recovery(agent, task, at);
+    let values = template.priority.iter().filter_map(|clause| clause_priority(clause, task, &view, at));
+    values.map(|value| recovered * value).reduce(f64::max)
+}
+
+/// What is wrong with the step's priority clauses and its rank as they stand now: they count as absent, and that must
+/// be said.
+pub(crate) fn troubles(cycle: &Cycle<'_>, id: TaskId, step: &Step) -> Vec<(String, Place)> {
+    let view = cycle.view(id, Level::Step);
+    let trouble = |(what, expr): (&str, &Expr)| match evaluate(expr, &view) {
+        Ok(value) if value.as_number().is_some_and(|(number, _)| number.is_finite()) => None,
+        Ok(value) => Some((format!("its {what} is {value}, which is no number"), expr.place)),
+        Err(error) => Some((format!("its {what} has no value: {}", error.message), error.place)),
+    };
+    let priorities = step.priority.iter().flat_map(|clause| match clause {
+        PriorityClause::Number(expr) => vec![expr],
+        PriorityClause::UrgencyImportance(urgency, importance) => vec![urgency, importance],
+    });
+    let priorities = priorities.map(|expr| ("priority", expr));
+    priorities.chain(step.rank.iter().map(|expr| ("rank", &**expr))).filter_map(trouble).collect()
+}
+
+/// A clause that cannot be evaluated counts as absent; [`troubles`] has said so.
+fn clause_priority(clause: &PriorityClause, task: &Task, view: &View<'_>, at: Time) -> Option<f64> {
+    match clause {
+        PriorityClause::Number(expr) => number(expr, view),
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            let urgency = urgency_at(number(urgency, view)?, created(task), at);
+            let importance = number(importance, view)?.clamp(0.0, 10.0);
+            Some(combined(urgency, importance, view.agent.workload))
+        }
+    }
+}
+
+fn number(expr: &Expr, view: &View<'_>) -> Option<f64> {
+    let value = match &expr.kind {
+        ExprKind::Constant(value) => value.clone(),
+        _ => evaluate(expr, view).ok()?,
+    };
+    value.as_number().map(|(number, _)| number).filter(|number| number.is_finite())
+}
+
+/// When the task was made; to start over makes no new one.
+fn created(task: &Task) -> Time {
+    task.extras.as_ref().and_then(|extras| extras.first_created).unwrap_or(task.created_at)
+}
+
+/// The instant at which a task of this urgency at creation must be done.
+fn deadline(urgency: f64, created_at: Time) -> Time {
+    created_at + Duration::from_seconds(libm::exp2(9.0 - urgency.clamp(0.0, 10.0)))
+}
+
+/// Urgency rises as the deadline nears, and is 10 from half a second before it on.
+fn urgency_at(urgency: f64, created_at: Time, at: Time) -> f64 {
+    urgency_before(deadline(urgency, created_at), at)
+}
+
+fn urgency_before(due: Time, at: Time) -> f64 {
+    let left = (due - at).seconds();
+    if left <= 0.5 { 10.0 } else { (9.0 - libm::log2(left)).clamp(0.0, 10.0) }
+}
+
+/// The more workload, 1 to 9, the more counts importance against urgency.
+fn combined(urgency: f64, importance: f64, workload: f64) -> f64 {
+    (importance * workload * (1.0 - 1.0 / (1.0 + urgency))
+        + urgency * (10.0 - workload) * (1.0 - 1.0 / (1.0 + importance)))
+        / 9.0
+}
+
+/// The recovered fraction of a repeated task's priority.
+fn recovery(agent: &Agent, task: &Task, at: Time) -> f64 {
+    match recovery_span(agent, task) {
+        Some((ended, span)) if span > Duration::ZERO => ((at - ended).seconds() / span.seconds()).clamp(0.0, 1.0),
+        _ => 1.0,
+    }
+}
+
+fn recovery_span(agent: &Agent, task: &Task) -> Option<(Time, Duration)> {
+    let ended = task.extras.as_ref()?.ended_before?;
+    let step = task.step()?;
+    let template = agent.procedure(step.procedure)?.steps.get(step.step as usize)?;
+    let expr = template.repeating.as_ref()?.recovery.as_ref()?;
+    let view = View { agent, task: task.id, level: Level::Step, now: agent.now };
+    match evaluate(expr, &view).ok()? {
+        Value::Duration(span) => Some((ended, span)),
+        _ => None,
+    }
+}
+
+/// True when what the task brings to a conflict may depend on what is measured, or on the states of tasks.
+pub(crate) fn reads_inputs(agent: &Agent, id: TaskId) -> bool {
+    let computed = |expr: &Expr| !matches!(expr.kind, ExprKind::Constant(_) | ExprKind::Variable { .. });
+    cost_clause(agent, id).is_some_and(|(expr, _)| computed(expr))
+        || clauses_above(agent, id).any(|(_, clause)| match clause {
+            PriorityClause::Number(expr) => computed(expr),
+            PriorityClause::UrgencyImportance(urgency, importance) => computed(urgency) || computed(importance),
+        })
+}
+
+/// True when what the task brings to a conflict changes by the passing of time.
+pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
+    cost_moves(agent, id)
+        || clauses_above(agent, id).any(|(task, clause)| match clause {
+            _ if recovery_span(agent, task).is_some() => true,
+            PriorityClause::Number(expr) => moving::moves(expr, &agent.library),
+            PriorityClause::UrgencyImportance(..) => true,
+        })
+}
+
+/// True when what it costs to interrupt the task changes by the passing of time.
+pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
+    cost_clause(agent, id).is_some_and(|(expr, _)| moving::moves(expr, &agent.library))
+}
+
+/// The priority clauses of the task and of its ancestors.
+fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
+    let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    family.flat_map(|task| {
+        let step = task.step().filter(|_| matches!(task.origin, apex_model::task::Origin::Step(_)));
+        let template = step.and_then(|step| agent.procedure(step.procedure)?.steps.get(step.step as usize));
+        template.into_iter().flat_map(|step| &step.priority).map(move |clause| (task, clause))
+    })
+}
+
+/// The clauses of the task, and those of its ancestors that are not interrupted.
+pub(crate) fn clauses_that_count(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
+    clauses_above(agent, id).filter(move |(task, _)| task.id == id || task.state != TaskState::Interrupted)
+}
+
+/// How a priority clause goes on while nothing but time passes.
+pub(crate) enum Kind {
+    /// It has no number.
+    Absent,
+    /// It stays.
+    Steady(f64),
+    /// It rises with its urgency until that is 10.
+    Rising(Rise),
+    /// It moves in some other way; [`clause_bounds`] tells what is known.
+    Other,
+}
+
+/// How the clause goes on from `now`.
+pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Time) -> Kind {
+    let parts: &[&Expr] = match clause {
+        PriorityClause::Number(expr) => &[expr],
+        PriorityClause::UrgencyImportance(urgency, importance) => &[urgency, importance],
+    };
+    if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| moving::moves(expr, &agent.library)) {
+        return Kind::Other;
+    }
+    let view = View { agent, task: task.id, level: Level::Step, now };
+    let found = match clause {
+        PriorityClause::Number(expr) => number(expr, &view).map(Kind::Steady),
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            number(urgency, &view).zip(number(importance, &view)).map(|(urgency, importance)| {
+                let (due, importance) = (deadline(urgency, created(task)), importance.clamp(0.0, 10.0));
+                Kind::Rising(Rise { importance, due })
+            })
+        }
+    };
+    found.unwrap_or(Kind::Absent)
+}
+
+/// What a priority that rises with its urgency is at `at`.
+pub(crate) fn risen(agent: &Agent, rise: Rise, at: Time) -> f64 {
+    combined(urgency_before(rise.due, at), rise.importance, agent.workload)
+}
+
+/// Between which values stays what it costs to interrupt the task.
+pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
+    let cost = match cost_clause(agent, id) {
+        Some((expr, level)) if moving::moves(expr, &agent.library) => {
+            moving::bounds(expr, &View { agent, task: id, level, now: from }, to)
+        }
+        _ => {
+            let cost = interrupt_cost_at(agent, id, from);
+            Some(Bounds { low: cost, high: cost })
+        }
+    };
+    cost.map_or(Bounds::ANY, |cost| cost.greater(Bounds { low: 0.0, high: 0.0 }))
+}
+
+/// Urgency, recovery and what is made of them only rise, so their ends are their bounds.
+pub(crate) fn clause_bounds(
+    agent: &Agent,
+    task: &Task,
+    clause: &PriorityClause,
+    from: Time,
+    to: Time,
+) -> Option<Bounds> {
+    let view = View { agent, task: task.id, level: Level::Step, now: from };
+    let value = match clause {
+        PriorityClause::Number(expr) => moving::bounds(expr, &view, to)?,
+        PriorityClause::UrgencyImportance(urgency, importance) => {
+            let (urgency, importance) = (moving::bounds(urgency, &view, to)?, moving::bounds(importance, &view, to)?);
+            let at = |urgency: f64, importance: f64, at: Time| {
+                let urgency = urgency_at(urgency.clamp(0.0, 10.0), created(task), at);
+                combined(urgency, importance.clamp(0.0, 10.0), agent.workload)
+            };
+            Bounds { low: at(urgency.low, importance.low, from), high: at(urgency.high, importance.high, to) }
+        }
+    };
+    let (first, last) = (recovery(agent, task, from), recovery(agent, task, to));
+    if first == 1.0 {
+        return Some(value);
+    }
+    Some(Bounds::of(&[first * value.low, first * value.high, last * value.low, last * value.high]))
+}
+
+/// The `interrupt-cost` clause that counts for the task: its step's, else its procedure's.
+pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
+    let task = agent.task(id)?;
+    let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);
+    if let (apex_model::task::Origin::Step(step), true) = (task.origin, stated)
+        && let Some(expr) = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.interrupt_cost.as_deref()
+    {
+        return Some((expr, Level::Step));
+    }
+    match &task.selection.as_ref()?.way {
+        Way::Procedure(reference, _) => {
+            agent.procedure(*reference)?.interrupt_cost.as_ref().map(|expr| (expr, Level::Procedure))
+        }
+        Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+    }
+}
+
+/// The rank of a task among its siblings, if it has one.
+pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
+    let task = agent.task(id).filter(|task| task.clauses.has(StepClauses::RANK))?;
+    let apex_model::task::Origin::Step(step) = task.origin else { return None };
+    let procedure = agent.procedure(step.procedure)?;
+    let template = procedure.steps.get(step.step as usize)?;
+    if let Some(expr) = &template.rank {
+        return number(expr, &View { agent, task: id, level: Level::Step, now });
+    }
+    let written = f64::from(step.step) + 1.0;
+    match procedure.kind {
+        apex_model::procedure::ProcedureKind::Ranked | apex_model::procedure::ProcedureKind::SoftSequential => {
+            Some(written)
+        }
+        apex_model::procedure::ProcedureKind::Concurrent | apex_model::procedure::ProcedureKind::Sequential => None,
+    }
+}
+
+/// Does the task have a rank, or one of those above it?
+pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
+    let mut family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
+    family.any(|task| rank(agent, task.id, agent.now).is_some())
+}
+
+/// The value of an `interrupt-cost` clause.
+///
+/// # Errors
+/// A message when it is no number.
+pub(crate) fn interrupt_cost(expr: &Expr, surroundings: &dyn Surroundings) -> Result<f64, String> {
+    let value = evaluate(expr, surroundings).map_err(|error| error.message)?;
+    let number = value.as_number().map(|(number, _)| number);
+    number.ok_or_else(|| format!("{value} is no interrupt cost; write a number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn urgency_begins_as_stated_and_reaches_ten() {
+        let created = Time::from_seconds(100.0);
+        assert!((urgency_at(5.0, created, created) - 5.0).abs() < 1e-9);
+        assert!((urgency_at(5.0, created, created + Duration::from_seconds(8.0)) - (9.0 - 3.0)).abs() < 1e-9);
+        assert_eq!(urgency_at(5.0, created, created + Duration::from_seconds(16.0)), 10.0);
+        assert_eq!(urgency_at(5.0, created, created + Duration::from_seconds(60.0)), 10.0);
+    }
+
+    #[test]
+    fn the_documented_formula() {
+        // I = U = 9, S = 5: (9*5*0.9 + 9*5*0.9) / 9 = 9.
+        assert!((combined(9.0, 9.0, 5.0) - 9.0).abs() < 1e-12);
+        assert_eq!(combined(0.0, 0.0, 5.0), 0.0);
+    }
+}

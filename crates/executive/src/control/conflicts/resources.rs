@@ -1,0 +1,213 @@
+//! Resource allocation (TC)
+//! What: turns profiles into needs, gives resources to tasks and takes them back.
+//! Runs: choose, commit, and at ends and interruptions.  Reads: profiles, declarations.  Writes: ResourceTable.
+//! Bound: O(profile length) per task.  PDL: `profile`, `resource`, `hold-resource`, `release-resource`.
+//! Paper: section III, resource allocation between contending tasks.
+
+use crate::control::conflicts::priority;
+use crate::control::cycle::Cycle;
+use crate::expression::{Surroundings, evaluate, instantiate};
+use apex_model::agent::Agent;
+use apex_model::library::ResourceKind;
+use apex_model::procedure::ResourceNeed;
+use apex_model::quantity::Dimension;
+use apex_model::resource::{Holding, Need, ResourceId};
+use apex_model::source::Place;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+
+/// The needs that `profile` states.
+///
+/// # Errors
+/// Message and place when a name or an amount cannot be evaluated, or an amount makes no sense for its resource.
+pub(crate) fn needs(
+    cycle: &mut Cycle<'_>,
+    profile: &[ResourceNeed],
+    named: impl Fn(&Cycle<'_>, &ResourceNeed) -> Result<(Value, Option<Value>), (String, Place)>,
+    list: &mut Vec<Need>,
+) -> Result<(), (String, Place)> {
+    for need in profile {
+        let (name, amount) = named(cycle, need)?;
+        let resource = intern(cycle, &name);
+        let amount = amount_of(cycle, resource, amount.as_ref()).map_err(|message| (message, need.place))?;
+        add(list, Need { resource, amount });
+    }
+    Ok(())
+}
+
+/// Name and amount of one entry of a profile, as `surroundings` see them.
+///
+/// # Errors
+/// Message and place when one of them cannot be evaluated.
+pub(crate) fn evaluate_need(
+    need: &ResourceNeed,
+    surroundings: &dyn Surroundings,
+) -> Result<(Value, Option<Value>), (String, Place)> {
+    let name = instantiate(&need.resource, surroundings).map_err(|error| (error.message, error.place))?;
+    let amount = match &need.amount {
+        Some(expr) => Some(evaluate(expr, surroundings).map_err(|error| (error.message, error.place))?),
+        None => None,
+    };
+    Ok((name, amount))
+}
+
+/// The number of the resource called `name`; one without declaration is virtual and unitary.
+pub(crate) fn intern(cycle: &mut Cycle<'_>, name: &Value) -> ResourceId {
+    if let Some(id) = cycle.agent.resources.find(name) {
+        return id;
+    }
+    let declared = name.as_symbol().and_then(|symbol| cycle.library.resources.get(symbol));
+    let kind = declared.map_or(&ResourceKind::Unitary, |declaration| &declaration.kind);
+    cycle.agent.resources.intern(name, kind)
+}
+
+/// Adds a need; two needs of one resource are one of their sum.
+pub(crate) fn add(list: &mut Vec<Need>, need: Need) {
+    match list.iter_mut().find(|each| each.resource == need.resource) {
+        Some(each) => each.amount += need.amount,
+        None => list.push(need),
+    }
+}
+
+fn amount_of(cycle: &Cycle<'_>, id: ResourceId, amount: Option<&Value>) -> Result<f64, String> {
+    let Some(resource) = cycle.agent.resources.get(id) else { return Ok(1.0) };
+    let Some(amount) = amount else { return Ok(resource.total) };
+    let name = &resource.name;
+    match amount.as_number() {
+        Some((number, dimension)) if dimension == resource.dimension && number >= 0.0 => Ok(number),
+        Some((_, dimension)) if dimension != resource.dimension && dimension != Dimension::NONE => Err(format!(
+            "{amount} of {name} measures {dimension}, but {name} is declared as {}; write an amount of that kind",
+            resource.dimension
+        )),
+        _ => Err(format!("{amount} is no amount of {name}; write a number that is not negative, with {name}'s unit")),
+    }
+}
+
+/// Gives the task all it needs.
+pub(crate) fn take(cycle: &mut Cycle<'_>, id: TaskId, needs: &[Need]) {
+    for need in needs {
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
+            debug_assert!(
+                resource.holders.iter().all(|holding| holding.task != id),
+                "{id} holds {} twice",
+                resource.name
+            );
+            resource.holders.push(Holding { task: id, amount: need.amount });
+            resource.waiting.remove(id);
+        }
+    }
+}
+
+/// How a task lets go of what it holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Release {
+    /// It was used: amounts of depletable resources are gone.
+    Used,
+    /// It was not used up: amounts of depletable resources are there again.
+    Unused,
+}
+
+/// How a task lets go when its work ends by itself or fails: what was reserved for work that never began is there again.
+pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
+    let begun = cycle.task(id).and_then(|task| task.selection.as_ref()).is_some_and(|selection| selection.begun);
+    if begun { Release::Used } else { Release::Unused }
+}
+
+/// Takes back what the task holds of depletable resources, and lets it need nothing of them any more.
+pub(crate) fn release_depletables(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
+    let is_depletable = |cycle: &Cycle<'_>, need: &Need| {
+        cycle.agent.resources.get(need.resource).is_some_and(|resource| resource.depletable)
+    };
+    let found: Vec<Need> = needs_of(cycle, id).into_iter().filter(|need| is_depletable(cycle, need)).collect();
+    if found.is_empty() {
+        return;
+    }
+    for need in &found {
+        release_one(cycle, id, need.resource, how);
+    }
+    let stays = |need: &Need| found.iter().all(|each| each.resource != need.resource);
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if let Some(selection) = &mut task.selection {
+        selection.needs.retain(|need| stays(need));
+    }
+    if let Some(extras) = &mut task.extras {
+        extras.held.retain(|need| stays(need));
+    }
+}
+
+/// Takes everything back that the task holds and lets it claim nothing; others may claim it.
+pub(crate) fn release(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
+    let Some(task) = cycle.task(id) else { return };
+    let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
+    if let Some(extras) = &task.extras {
+        extras.held.iter().for_each(|need| add(&mut needs, *need));
+    }
+    for need in needs {
+        release_one(cycle, id, need.resource, how);
+        // Its claim kept others from the resource, whether it held it or not.
+        let claimed = cycle.agent.resources.get_mut(need.resource).is_some_and(|resource| resource.waiting.remove(id));
+        if claimed && somebody_cares(cycle, id, need.resource) {
+            cycle.work.dirty.insert(need.resource);
+        }
+    }
+    cycle.agent.unsteady.remove(&id);
+}
+
+/// Takes one resource back.
+pub(crate) fn release_one(cycle: &mut Cycle<'_>, id: TaskId, resource_id: ResourceId, how: Release) {
+    let Some(resource) = cycle.agent.resources.get_mut(resource_id) else { return };
+    let Some(index) = resource.holders.iter().position(|holding| holding.task == id) else { return };
+    let holding = resource.holders.remove(index);
+    let consumed = resource.depletable && how == Release::Used;
+    if consumed {
+        resource.total = (resource.total - holding.amount).max(0.0);
+    }
+    if somebody_cares(cycle, id, resource_id) {
+        cycle.work.dirty.insert(resource_id);
+    }
+    if consumed {
+        take_from_ancestors(cycle, id, Need { resource: resource_id, amount: holding.amount });
+    }
+}
+
+/// Does it matter to anybody that `id` leaves the resource? To who waits for it; and to who has it and has a rank too,
+/// because the priority of `id` may have counted for that one, and then no longer does where others wait for what it has.
+fn somebody_cares(cycle: &Cycle<'_>, id: TaskId, resource: ResourceId) -> bool {
+    let Some(resource) = cycle.agent.resources.get(resource) else { return false };
+    let has_rank = |id: TaskId| priority::is_ranked(cycle.agent, id);
+    !resource.waiting.is_empty()
+        || (!resource.holders.is_empty() && has_rank(id) && resource.holders.iter().any(|other| has_rank(other.task)))
+}
+
+/// What a task consumed comes out of what its ancestors had reserved: they have used that much already.
+fn take_from_ancestors(cycle: &mut Cycle<'_>, id: TaskId, consumed: Need) {
+    let mut above = cycle.task(id).and_then(|task| task.parent);
+    while let Some(ancestor) = above {
+        let Some(task) = cycle.agent.tasks.get_mut(ancestor.0) else { return };
+        above = task.parent;
+        let holders = cycle.agent.resources.get_mut(consumed.resource).map(|resource| &mut resource.holders);
+        let holding = holders.and_then(|holders| holders.iter_mut().find(|holding| holding.task == ancestor));
+        let Some(holding) = holding else { continue };
+        holding.amount = (holding.amount - consumed.amount).max(0.0);
+        let profile = task.selection.iter_mut().flat_map(|selection| &mut selection.needs);
+        let held = task.extras.iter_mut().flat_map(|extras| &mut extras.held);
+        for need in profile.chain(held).filter(|need| need.resource == consumed.resource) {
+            need.amount = need.amount.min(holding.amount);
+        }
+    }
+}
+
+/// What the task must have to be ongoing: its profile and what it holds for its steps.
+pub(crate) fn needs_of(cycle: &Cycle<'_>, id: TaskId) -> Vec<Need> {
+    needs_in(cycle.agent, id)
+}
+
+/// The same outside of a cycle.
+pub(crate) fn needs_in(agent: &Agent, id: TaskId) -> Vec<Need> {
+    let Some(task) = agent.task(id) else { return Vec::new() };
+    let mut needs = task.selection.as_ref().map(|selection| selection.needs.clone()).unwrap_or_default();
+    if let Some(extras) = &task.extras {
+        extras.held.iter().for_each(|need| add(&mut needs, *need));
+    }
+    needs
+}

@@ -1,0 +1,280 @@
+//! One instant being worked through: the agent, the instant, what is to be done next and what has been decided.
+//!
+//! The lists of work are empty before and after every instant, so they are no part of the agent. Services are
+//! functions over this value; none keeps state of its own.
+
+use crate::expression::view::View;
+use crate::monitoring::stimulus::Stimulus;
+use apex_model::agent::Agent;
+use apex_model::because::{Because, Cause};
+use apex_model::clause::{Clause, Level, MonitorId};
+use apex_model::effect::{Decision, DecisionKind, Effect};
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::index::LibraryIndex;
+use apex_model::library::Library;
+use apex_model::monitor::Satisfaction;
+use apex_model::monitor_set::Found;
+use apex_model::probing::ProbingId;
+use apex_model::procedure::{Procedure, Step};
+use apex_model::resource::ResourceId;
+use apex_model::source::Place;
+use apex_model::step_clauses::StepClauses;
+use apex_model::task::{Origin, ProcedureRef, Task, TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use smallvec::SmallVec;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+/// The working value of one call of `step`.
+pub(crate) struct Cycle<'a> {
+    /// The agent.
+    pub(crate) agent: &'a mut Agent,
+    /// Its library, held beside it so that templates can be read while the agent changes.
+    pub(crate) library: &'a Library,
+    /// What is known about the library beforehand.
+    pub(crate) index: &'a LibraryIndex,
+    /// The instant.
+    pub(crate) now: Time,
+    /// What was decided, in order.
+    pub(crate) effects: Vec<Effect>,
+    /// What is to be done.
+    pub(crate) work: Work,
+}
+
+/// Room for what a small step decides, so that its list does not grow bit by bit; not more than an allocator has at hand.
+const EFFECTS_EXPECTED: usize = 1_024 / size_of::<Effect>();
+
+/// Tasks to be looked at: mostly a few.
+pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
+
+/// What is to be done at this instant, by phase. Most instants touch few tasks: then nothing of it takes room elsewhere.
+#[derive(Default)]
+pub(crate) struct Work {
+    /// Record: what the agent said to itself.
+    pub(crate) said: Vec<Said>,
+    /// Notice: what was recorded.
+    pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
+    /// Notice: monitors to be judged.
+    pub(crate) touched: Found,
+    /// Enable: clauses that came true.
+    pub(crate) firings: SmallVec<[Firing; 1]>,
+    /// Enable: evidence for tasks about to be enabled.
+    pub(crate) evidence: SmallVec<[(TaskId, EvidenceList); 1]>,
+    /// Enable: what freed a pending task last, where it was neither its waitfor nor the end of the step before it.
+    pub(crate) freed: BTreeMap<TaskId, Cause>,
+    /// Enable: pending tasks that may be free now.
+    pub(crate) ready: TaskList,
+    /// Choose: tasks that were enabled.
+    pub(crate) enabled: TaskList,
+    /// Contend: enabled and interrupted tasks that want to go on.
+    pub(crate) claims: TaskList,
+    /// Contend: why tasks that were suspended go on, unless they have to wait for resources.
+    pub(crate) resumed: BTreeMap<TaskId, Because>,
+    /// Contend: resources whose users may change.
+    pub(crate) dirty: BTreeSet<ResourceId>,
+    /// Contend: an input of priorities changed; every contested resource is looked at.
+    pub(crate) priorities_changed: bool,
+    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn anew.
+    pub(crate) inheritance_changed: bool,
+    /// Act: tasks that became ongoing.
+    pub(crate) starting: TaskList,
+    /// Act, a round later: resumed tasks that may rather start over.
+    pub(crate) resuming: BTreeSet<TaskId>,
+    /// At rest: probings that begin or end a probe when nothing else is left to do at this instant.
+    pub(crate) probings: SmallVec<[ProbingId; 1]>,
+    /// Tasks that ended and whose parents have not reacted.
+    pub(crate) ended: VecDeque<TaskId>,
+    /// What the round did to the number of tasks that live.
+    pub(crate) balance: Balance,
+}
+
+/// Ends and beginnings of a round.
+#[derive(Default)]
+pub(crate) struct Balance {
+    /// Tasks ended.
+    pub(crate) ends: bool,
+    /// A task was repeated or restarted.
+    pub(crate) again: bool,
+    /// The next task's number as the round began.
+    next_task: u64,
+}
+
+/// Something the agent said to itself.
+pub(crate) enum Said {
+    /// A message.
+    Occurrence(Value),
+    /// A sample.
+    Measurement(StateVariable, Value),
+}
+
+/// A clause that came true.
+pub(crate) struct Firing {
+    /// The task.
+    pub(crate) task: TaskId,
+    /// Which clause.
+    pub(crate) clause: Clause,
+    /// Where it stands.
+    pub(crate) level: Level,
+    /// The monitor.
+    pub(crate) monitor: MonitorId,
+    /// How it came true.
+    pub(crate) satisfaction: Satisfaction,
+    /// The newest arrival that it answers, if it answers messages.
+    pub(crate) answered: Option<u64>,
+    /// Where the condition stands.
+    pub(crate) place: Place,
+}
+
+impl Work {
+    /// Did tasks end in the round that is over, while none was made or began again? Then fewer are left, and rounds of
+    /// this kind are no more than tasks. The next round begins.
+    pub(crate) fn came_closer(&mut self, next_task: u64) -> bool {
+        let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
+        self.balance.next_task = next_task;
+        ends && !again && before == next_task
+    }
+
+    /// Leaves nothing over for the next instant: lists of work are empty unless the agent has finished.
+    pub(crate) fn end_instant(&mut self) {
+        if self.is_done() {
+            self.evidence.clear();
+            // Emptying a tree that is empty is not free, and this is done at every instant.
+            if !self.freed.is_empty() || !self.resumed.is_empty() || !self.resuming.is_empty() {
+                self.freed.clear();
+                self.resumed.clear();
+                self.resuming.clear();
+            }
+        } else {
+            *self = Work::default();
+        }
+    }
+
+    /// True when nothing is left to do at this instant.
+    pub(crate) fn is_done(&self) -> bool {
+        self.stimuli.is_empty() && self.has_only_stimuli()
+    }
+
+    /// True when nothing is left to do but to begin and end probes.
+    pub(crate) fn has_only_probings(&self) -> bool {
+        self.stimuli.is_empty() && self.has_no_more_than_stimuli_and_probings()
+    }
+
+    /// True when nothing is left to do but to notice what was recorded.
+    pub(crate) fn has_only_stimuli(&self) -> bool {
+        self.probings.is_empty() && self.has_no_more_than_stimuli_and_probings()
+    }
+
+    fn has_no_more_than_stimuli_and_probings(&self) -> bool {
+        self.said.is_empty()
+            && self.touched.is_empty()
+            && self.firings.is_empty()
+            && self.ready.is_empty()
+            && self.enabled.is_empty()
+            && self.claims.is_empty()
+            && self.dirty.is_empty()
+            && !self.priorities_changed
+            && !self.inheritance_changed
+            && self.starting.is_empty()
+            && self.resuming.is_empty()
+            && self.ended.is_empty()
+    }
+}
+
+/// A list of tasks in order of creation, each once: the order in which steps are written.
+pub(crate) fn in_order(list: &mut TaskList) -> TaskList {
+    if list.is_empty() {
+        return TaskList::new();
+    }
+    let mut taken = std::mem::take(list);
+    taken.sort_unstable();
+    taken.dedup();
+    taken
+}
+
+impl<'a> Cycle<'a> {
+    /// Writes a decision.
+    pub(crate) fn decide(&mut self, task: Option<TaskId>, kind: DecisionKind, because: Because) {
+        if self.effects.capacity() == 0 {
+            self.effects.reserve(EFFECTS_EXPECTED);
+        }
+        self.effects.push(Effect::Decided(Decision { task, kind, because }));
+    }
+
+    /// Writes a trouble: named, never silent.
+    pub(crate) fn trouble(&mut self, task: Option<TaskId>, message: String, place: Option<Place>) {
+        let because = Because::new(Cause::ExpressionFailed { message: message.clone() }, place);
+        self.decide(task, DecisionKind::Trouble { message }, because);
+    }
+
+    /// Writes a trouble that no expression made.
+    pub(crate) fn trouble_of(&mut self, task: Option<TaskId>, cause: Cause, place: Option<Place>) {
+        let message = cause.text();
+        self.decide(task, DecisionKind::Trouble { message }, Because::new(cause, place));
+    }
+
+    /// The view of `task` at `level`.
+    pub(crate) fn view(&self, task: TaskId, level: Level) -> View<'_> {
+        View { agent: self.agent, task, level, now: self.now }
+    }
+
+    /// The task, while it exists.
+    pub(crate) fn task(&self, id: TaskId) -> Option<&Task> {
+        self.agent.task(id)
+    }
+
+    /// The task's state; terminated when it is gone.
+    pub(crate) fn state(&self, id: TaskId) -> TaskState {
+        self.agent.task(id).map_or(TaskState::Terminated, |task| task.state)
+    }
+
+    /// Has the step that the task was made from one of these kinds of clauses?
+    #[inline]
+    pub(crate) fn has(&self, id: TaskId, kinds: StepClauses) -> bool {
+        self.agent.task(id).is_some_and(|task| task.clauses.has(kinds))
+    }
+
+    /// The step that `id` was made from, with whatever holds it.
+    pub(crate) fn step_of(&self, id: TaskId) -> Option<StepHandle<'a>> {
+        let step = self.task(id)?.step()?;
+        let index = step.step as usize;
+        match step.procedure {
+            ProcedureRef::Stored(number) => {
+                let procedure: &'a Procedure = self.library.procedures.get(number as usize)?;
+                procedure.steps.get(index).map(StepHandle::Stored)
+            }
+            ProcedureRef::Generated(_) => {
+                Some(StepHandle::Generated(self.agent.procedure(step.procedure)?.clone(), index))
+            }
+        }
+    }
+
+    /// Where `id` was written.
+    pub(crate) fn place_of(&self, id: TaskId) -> Option<Place> {
+        let task = self.task(id)?;
+        if let Origin::Probe(probing) = task.origin {
+            return self.agent.probings.get(&probing).map(|probing| probing.place);
+        }
+        let step = task.step()?;
+        self.agent.procedure(step.procedure)?.steps.get(step.step as usize).map(|step| step.place)
+    }
+}
+
+/// A step that can be read while the agent changes.
+pub(crate) enum StepHandle<'a> {
+    /// Of the library.
+    Stored(&'a Step),
+    /// Of a generated procedure, which the handle keeps alive.
+    Generated(Arc<Procedure>, usize),
+}
+
+impl StepHandle<'_> {
+    /// The step.
+    pub(crate) fn get(&self) -> Option<&Step> {
+        match self {
+            StepHandle::Stored(step) => Some(step),
+            StepHandle::Generated(procedure, index) => procedure.steps.get(*index),
+        }
+    }
+}

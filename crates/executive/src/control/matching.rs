@@ -1,0 +1,82 @@
+//! Index matching (TC)
+//! What: matches a goal against the index of a procedure, primitive or solver.
+//! Runs: choose phase.
+//! Reads: Library, generated procedures.
+//! Writes: bindings of the index.
+//! Bound: O(size of the pattern).
+//! PDL: `index`, section 2.
+//! Paper: section III, selection services.
+
+use crate::control::cycle::Cycle;
+use crate::expression::EvaluationError;
+use crate::monitoring::pattern_matching::match_pattern;
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::index::Candidate;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Primitive, Procedure};
+use apex_model::source::Place;
+use apex_model::task::{ProcedureRef, TaskId};
+use apex_model::value::Value;
+use std::sync::Arc;
+
+/// Matches an index; it sees no variables but its own.
+pub(crate) fn match_index(
+    cycle: &Cycle<'_>,
+    id: TaskId,
+    pattern: &IndexPattern<'_>,
+    goal: &Value,
+    bindings: &mut Bindings,
+    place: Place,
+) -> Result<bool, EvaluationError> {
+    // A task without selection has no inner variables, so the index begins with nothing bound.
+    match_pattern(pattern.get(), goal, bindings, &cycle.view(id, Level::Procedure), place)
+}
+
+/// A pattern held by whoever defines it.
+pub(crate) enum IndexPattern<'a> {
+    /// A stored procedure's.
+    Stored(&'a Procedure),
+    /// A generated procedure's, which is kept alive.
+    Generated(Arc<Procedure>),
+    /// A primitive's.
+    Primitive(&'a Primitive),
+    /// A solver's.
+    Solver(&'a Pattern),
+}
+
+impl IndexPattern<'_> {
+    /// The pattern.
+    pub(crate) fn get(&self) -> &Pattern {
+        match self {
+            IndexPattern::Stored(procedure) => &procedure.index,
+            IndexPattern::Generated(procedure) => &procedure.index,
+            IndexPattern::Primitive(primitive) => &primitive.index,
+            IndexPattern::Solver(pattern) => pattern,
+        }
+    }
+}
+
+/// The index of a candidate and where it stands.
+pub(crate) fn index_of<'a>(cycle: &Cycle<'a>, candidate: Candidate) -> Option<(IndexPattern<'a>, Place)> {
+    let library = cycle.library;
+    match candidate {
+        Candidate::Procedure(index) => {
+            let procedure = library.procedures.get(index as usize)?;
+            Some((IndexPattern::Stored(procedure), procedure.place))
+        }
+        Candidate::Generated(number) => {
+            let procedure = cycle.agent.procedure(ProcedureRef::Generated(number))?.clone();
+            let place = procedure.place;
+            Some((IndexPattern::Generated(procedure), place))
+        }
+        Candidate::Primitive(index) => {
+            let primitive = library.primitives.get(index as usize)?;
+            Some((IndexPattern::Primitive(primitive), primitive.place))
+        }
+        Candidate::Solver(index) => {
+            let solver = library.solvers.get(index as usize)?;
+            Some((IndexPattern::Solver(&solver.index), solver.place))
+        }
+    }
+}

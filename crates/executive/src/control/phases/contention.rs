@@ -1,0 +1,289 @@
+//! Contention (TC)
+//! What: lets claimants stand before the arbiter, and commits what it decides: losses first, then grants.
+//! Runs: contend and commit phases.  Reads: claims, ResourceTable.  Writes: ResourceTable, Task state, Decision, wakes.
+//! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
+
+use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal};
+use crate::control::conflicts::crossing::{self, Defender};
+use crate::control::conflicts::curve::Curve;
+use crate::control::conflicts::{competition, conflict, line, priority, resources};
+use crate::control::cycle::{Cycle, in_order};
+use crate::control::tasks::{interruption, termination};
+use crate::control::transition::{Trigger, transition};
+use crate::planted::{self, Bug};
+use apex_model::agent::Agent;
+use apex_model::because::{Because, Cause, Share};
+use apex_model::effect::DecisionKind;
+use apex_model::quantity::Dimension;
+use apex_model::resource::{Need, ResourceId};
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// The contend phase: what is to be committed.
+pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
+    let work = &cycle.work;
+    let changed = work.priorities_changed || work.inheritance_changed;
+    if work.claims.is_empty() && work.dirty.is_empty() && !changed {
+        return Arbitration::default();
+    }
+    let mut free = Vec::new();
+    let mut fresh: BTreeMap<ResourceId, Vec<TaskId>> = BTreeMap::new();
+    for id in in_order(&mut cycle.work.claims) {
+        if !competition::is_eligible(cycle.agent, id) || waits_for_parent(cycle, id) {
+            continue;
+        }
+        let needs = resources::needs_of(cycle, id);
+        if needs.is_empty() {
+            free.push(id);
+            continue;
+        }
+        let claim = line::claim_of(cycle, id, &needs);
+        for need in needs {
+            if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
+                resource.waiting.insert(id, claim);
+                cycle.work.dirty.insert(need.resource);
+                fresh.entry(need.resource).or_default().push(id);
+            }
+        }
+    }
+    look_again(cycle);
+    let dirty = std::mem::take(&mut cycle.work.dirty);
+    let mut result = if dirty.is_empty() { Arbitration::default() } else { conflict::arbitrate(cycle, &dirty, &fresh) };
+    result.granted.extend(free);
+    // Ancestors stop before their descendants, as in a suspension.
+    result.displaced.sort_by_key(|loss| (cycle.task(loss.loser).map_or(0, |task| task.depth), loss.loser));
+    // Interrupted tasks come first, leaves before their ancestors; then new ones in written order.
+    result.granted.sort_by_key(|id| {
+        let task = cycle.task(*id);
+        let depth = task.map_or(0, |task| task.depth);
+        match task.map(|task| task.state) {
+            Some(TaskState::Interrupted) if planted::is(Bug::AncestorsFirst) => (0, depth, *id),
+            // Who loses and is granted at once is interrupted in between.
+            Some(TaskState::Interrupted | TaskState::Ongoing) => (0, u32::MAX - depth, *id),
+            _ => (1, 0, *id),
+        }
+    });
+    result
+}
+
+/// A task that may start over has not gone on yet: its steps are offered when it does, all at once.
+fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let resuming = &cycle.work.resuming;
+    if resuming.is_empty() || cycle.state(id) != TaskState::Enabled {
+        return false;
+    }
+    cycle.task(id).and_then(|task| task.parent).is_some_and(|parent| resuming.contains(&parent))
+}
+
+/// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed anew.
+fn look_again(cycle: &mut Cycle<'_>) {
+    let values = std::mem::take(&mut cycle.work.priorities_changed);
+    let inherited = std::mem::take(&mut cycle.work.inheritance_changed);
+    if !values && !inherited {
+        return;
+    }
+    let contested = cycle.agent.resources.iter().filter(|(_, resource)| !resource.waiting.is_empty());
+    let concerned = contested.filter(|(_, resource)| {
+        let mut holders = resource.holders.iter();
+        inherited
+            || resource.waiting.is_sensitive()
+            || holders.any(|holding| !line::is_steady(cycle.agent, holding.task))
+    });
+    let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
+    for id in &concerned {
+        let Some(resource) = cycle.agent.resources.get(*id) else { continue };
+        let waiting: Vec<TaskId> = resource.waiting.tasks().collect();
+        for task in waiting {
+            let claim = line::claim_of(cycle, task, &resources::needs_of(cycle, task));
+            if let Some(resource) = cycle.agent.resources.get_mut(*id) {
+                resource.waiting.insert(task, claim);
+            }
+        }
+    }
+    cycle.work.dirty.extend(concerned);
+}
+
+/// The commit phase: states change as arbitrated.
+pub(crate) fn commit(cycle: &mut Cycle<'_>, arbitration: Arbitration) {
+    let begun = begun_by(cycle, &arbitration);
+    let changes = !arbitration.granted.is_empty() || !arbitration.displaced.is_empty();
+    for loss in &arbitration.displaced {
+        let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
+        interruption::outrank(cycle, loss.loser, because);
+        // Being refused now is the loss itself, not another one to tell.
+        if let Some(task) = cycle.agent.task_mut(loss.loser) {
+            let extras = task.extras_mut();
+            (extras.refused, extras.refusal_told) = (Some((loss.resource, loss.winner)), true);
+        }
+    }
+    for (id, resource, needed, left) in arbitration.impossible {
+        let name = resource_name(cycle, resource);
+        let dimension = cycle.agent.resources.get(resource).map_or(Dimension::NONE, |resource| resource.dimension);
+        let (needed, left) = (amount(needed, dimension), amount(left, dimension));
+        let cause = Cause::ResourceExhausted { resource: name, needed, left };
+        let place = cycle.place_of(id);
+        termination::fail(cycle, id, Because::new(cause, place));
+    }
+    for id in arbitration.granted {
+        grant(cycle, id);
+    }
+    for refusal in &arbitration.refused {
+        let displaced = arbitration.displaced.iter().any(|loss| loss.loser == refusal.loss.loser);
+        if !displaced {
+            refuse(cycle, &refusal.loss);
+        }
+        watch_crossing(cycle, refusal);
+    }
+    look_behind(cycle, &begun, &arbitration.refused);
+    if changes {
+        // Their parents go on: they compete again.
+        for id in arbitration.barred {
+            let needs = resources::needs_of(cycle, id);
+            cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
+        }
+    }
+    // Emptying what is empty is not free.
+    if !cycle.work.resumed.is_empty() {
+        cycle.work.resumed.clear();
+    }
+}
+
+/// Who begins by being granted what it needs, while others are refused; only who may go before others by rank.
+fn begun_by(cycle: &Cycle<'_>, arbitration: &Arbitration) -> Vec<TaskId> {
+    if arbitration.refused.is_empty() {
+        return Vec::new();
+    }
+    let begins = |id: &TaskId| cycle.state(*id) == TaskState::Enabled && priority::is_ranked(cycle.agent, *id);
+    arbitration.granted.iter().copied().filter(begins).collect()
+}
+
+/// Work that has begun comes first among its equals, unless one goes before it by rank that has not begun. When such ones
+/// begin, what the interrupted ones behind them want is looked at again.
+fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
+    if begun.is_empty() {
+        return;
+    }
+    for waits in refused.iter().map(|refusal| refusal.loss.loser) {
+        let before = |id: &TaskId| competition::rank_order(cycle.agent, *id, waits, cycle.now);
+        let is_behind = |id: &TaskId| before(id).is_some_and(|(order, ..)| order == Ordering::Less);
+        if cycle.state(waits) == TaskState::Interrupted && begun.iter().any(is_behind) {
+            let needs = resources::needs_of(cycle, waits);
+            cycle.work.dirty.extend(needs.into_iter().map(|need| need.resource));
+        }
+    }
+}
+
+/// An amount of a resource for people: whole units of a capacity, a quantity of a depletable.
+fn amount(number: f64, dimension: Dimension) -> Value {
+    if dimension == Dimension::NONE && libm::trunc(number) == number {
+        return Value::Integer(number as i64);
+    }
+    Value::measured(number, dimension)
+}
+
+fn resource_name(cycle: &Cycle<'_>, id: ResourceId) -> Value {
+    cycle.agent.resources.get(id).map_or_else(Value::nil, |resource| resource.name.clone())
+}
+
+/// What is granted; all of a resource needs no amount.
+fn share(cycle: &Cycle<'_>, need: &Need) -> Share {
+    let Some(resource) = cycle.agent.resources.get(need.resource) else {
+        return Share { resource: Value::nil(), amount: None };
+    };
+    let part = need.amount < resource.total || resource.depletable;
+    Share { resource: resource.name.clone(), amount: part.then(|| amount(need.amount, resource.dimension)) }
+}
+
+fn outranked(cycle: &Cycle<'_>, loss: &Loss) -> Cause {
+    Cause::Outranked {
+        by: loss.winner,
+        resource: resource_name(cycle, loss.resource),
+        rule: loss.rule,
+        winner: loss.winner_strength,
+        loser: loss.loser_strength,
+    }
+}
+
+fn grant(cycle: &mut Cycle<'_>, id: TaskId) {
+    if !competition::is_eligible(cycle.agent, id) {
+        return;
+    }
+    let needs = resources::needs_of(cycle, id);
+    resources::take(cycle, id, &needs);
+    cycle.agent.unsteady.remove(&id);
+    if let Some(extras) = cycle.agent.task_mut(id).and_then(|task| task.extras.as_mut()) {
+        (extras.refused, extras.refusal_told) = (None, false);
+        if let Some(wake) = extras.crossing.take() {
+            cycle.agent.wakes.cancel(wake);
+        }
+    }
+    let resources = needs.iter().map(|need| share(cycle, need)).collect();
+    let resumed = cycle.work.resumed.remove(&id).filter(|_| cycle.state(id) == TaskState::Interrupted);
+    let because = resumed.unwrap_or_else(|| Because::new(Cause::ResourcesGranted { resources }, cycle.place_of(id)));
+    if transition(cycle, id, Trigger::Granted, None, because) {
+        cycle.work.starting.push(id);
+    }
+}
+
+/// Says once for each claim that the task stays as it is, and to whom it lost first: who has the resource later is seen
+/// from the resource, and a hundred thousand who wait must not each say so again whenever it changes hands.
+fn refuse(cycle: &mut Cycle<'_>, loss: &Loss) {
+    let Some(extras) = cycle.agent.task_mut(loss.loser).map(|task| task.extras_mut()) else { return };
+    extras.refused = Some((loss.resource, loss.winner));
+    if std::mem::replace(&mut extras.refusal_told, true) {
+        return;
+    }
+    let kind = DecisionKind::Refused { resource: resource_name(cycle, loss.resource), winner: loss.winner };
+    let because = Because::new(outranked(cycle, loss), cycle.place_of(loss.loser));
+    cycle.decide(Some(loss.loser), kind, because);
+}
+
+/// When one of those who count for the refused task may come to be above one in its way.
+fn next_crossing(agent: &Agent, refusal: &Refusal, contests: Vec<(TaskId, Option<TaskId>)>, now: Time) -> Option<Time> {
+    let challengers: Vec<Curve<'_>> = refusal.stands_for.iter().map(|id| Curve::new(agent, *id, now)).collect();
+    let defender = |(rival, holder): (TaskId, Option<TaskId>)| Defender::new(agent, rival, holder, now);
+    let defenders: Vec<Defender<'_>> = contests.into_iter().map(defender).collect();
+    crossing::next_look(agent, &challengers, &defenders, now)
+}
+
+/// Asks to be woken when the priorities of the task and of those in its way may cross.
+fn watch_crossing(cycle: &mut Cycle<'_>, refusal: &Refusal) {
+    let loser = refusal.loss.loser;
+    // Many rivals can stand for the same ones.
+    let mut concerned = refusal.stands_for.to_vec();
+    let mut contests: Vec<(TaskId, Option<TaskId>)> = Vec::new();
+    for rival in &refusal.rivals {
+        let holds = rival.holds || cycle.state(rival.task) == TaskState::Ongoing;
+        concerned.push(rival.task);
+        concerned.extend(rival.stands_for.iter());
+        if competition::rank_order(cycle.agent, loser, rival.task, cycle.now).is_none() {
+            contests.extend(rival.stands_for.iter().map(|other| (*other, holds.then_some(rival.task))));
+        }
+    }
+    contests.sort_unstable();
+    contests.dedup();
+    concerned.sort_unstable();
+    concerned.dedup();
+    let agent: &Agent = cycle.agent;
+    let moving = !contests.is_empty() && concerned.iter().any(|each| priority::moves(agent, *each));
+    let at = moving.then(|| next_crossing(agent, refusal, contests, cycle.now)).flatten();
+    if concerned.iter().any(|each| priority::reads_inputs(cycle.agent, *each)) {
+        cycle.agent.unsteady.insert(loser);
+    }
+    let Some(task) = cycle.agent.task_mut(loser) else { return };
+    let before = task.extras_mut().crossing;
+    if before.map(|wake| wake.at) == at {
+        return;
+    }
+    if let Some(wake) = before {
+        cycle.agent.wakes.cancel(wake);
+    }
+    let wake = at.map(|at| cycle.agent.wakes.schedule(at, Wake::PriorityCrossing(loser)));
+    if let Some(task) = cycle.agent.task_mut(loser) {
+        task.extras_mut().crossing = wake;
+    }
+}

@@ -1,0 +1,105 @@
+//! Controller invocation (TC)
+//! What: lets every task that became ongoing begin its work, or go on with it.
+//! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
+//! Bound: O(1) per task besides what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
+
+use crate::control::cycle::Cycle;
+use crate::control::phases::built_in;
+use crate::control::tasks::{interruption, primitive, procedure, question, termination};
+use crate::deliberation::{plan_adoption, planner_invocation};
+use crate::planted::{self, Bug};
+use apex_model::because::Cause;
+use apex_model::controller::{Controller, Way};
+use apex_model::task::{TaskId, TaskState};
+
+/// The act phase.
+pub(crate) fn act(cycle: &mut Cycle<'_>) {
+    let resuming = if cycle.work.resuming.is_empty() { None } else { Some(std::mem::take(&mut cycle.work.resuming)) };
+    for id in resuming.into_iter().flatten() {
+        if cycle.state(id) == TaskState::Ongoing {
+            go_on(cycle, id);
+        }
+        termination::settle(cycle);
+    }
+    for id in std::mem::take(&mut cycle.work.starting) {
+        let Some(task) = cycle.task(id) else { continue };
+        if task.state != TaskState::Ongoing {
+            continue;
+        }
+        if task.controller.is_none() {
+            begin(cycle, id);
+        } else if interruption::may_start_over(cycle, id) {
+            // Its resumption is noticed first; what starts over does not go on before that.
+            cycle.work.resuming.insert(id);
+            interruption::hold_children(cycle, id);
+            // It is ongoing: where those who were interrupted below it claim already, its priority counts for them.
+            interruption::inheritance_changed(cycle, id);
+        } else {
+            go_on(cycle, id);
+        }
+        termination::settle(cycle);
+    }
+}
+
+fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
+    let begun = interruption::run_step_start(cycle, id).and_then(|()| interruption::watch_step_restart(cycle, id));
+    if let Err(because) = begun {
+        return termination::fail(cycle, id, because);
+    }
+    if cycle.state(id) != TaskState::Ongoing {
+        return;
+    }
+    match take_way(cycle, id) {
+        Some(Way::Procedure(reference, context)) => {
+            procedure::start(cycle, id, reference, context, Cause::ParentStarted { parent: id });
+        }
+        Some(Way::Primitive(index, context)) => primitive::start(cycle, id, index, context),
+        Some(Way::Items(items)) => procedure::start_items(cycle, id, &items),
+        Some(Way::BuiltIn(which)) => built_in::start(cycle, id, which),
+        Some(Way::Terminate) => built_in::terminate(cycle, id),
+        Some(Way::Solver(solver)) => planner_invocation::start(cycle, id, solver),
+        None => {}
+    }
+}
+
+/// The chosen way, which begins; what its index bound moves from the selection into the controller.
+fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Way> {
+    let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
+    selection.begun = true;
+    Some(match &mut selection.way {
+        Way::Procedure(reference, bindings) => Way::Procedure(*reference, std::mem::take(bindings)),
+        Way::Primitive(index, bindings) => Way::Primitive(*index, std::mem::take(bindings)),
+        Way::Items(items) => Way::Items(std::mem::take(items)),
+        Way::BuiltIn(which) => Way::BuiltIn(*which),
+        Way::Terminate => Way::Terminate,
+        Way::Solver(solver) => Way::Solver(*solver),
+    })
+}
+
+fn go_on(cycle: &mut Cycle<'_>, id: TaskId) {
+    let (now, Some(task)) = (cycle.now, cycle.task(id)) else { return };
+    let Some(controller) = task.controller.as_deref() else { return };
+    match controller {
+        // It failed before it could begin: this is no resumption.
+        Controller::Handling(_) if task.started_at == Some(now) => {}
+        Controller::Primitive(_) => {
+            primitive::resume(cycle, id);
+            interruption::run_step_hook(cycle, id, "on-resume", |hooks| &hooks.on_resume);
+        }
+        Controller::Planning(_) => {
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume);
+            plan_adoption::pursue_arrived(cycle, id);
+        }
+        Controller::Question(_) => {
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume);
+            question::resume(cycle, id);
+        }
+        Controller::Procedure(_) | Controller::Items(_) | Controller::Handling(_) | Controller::BuiltIn => {
+            interruption::run_hooks(cycle, id, "on-resume", |hooks| &hooks.on_resume)
+        }
+    }
+    if !planted::is(Bug::ChildrenStayBehind) {
+        interruption::offer_children(cycle, id);
+    }
+    interruption::inheritance_changed(cycle, id);
+}

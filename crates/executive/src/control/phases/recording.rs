@@ -1,0 +1,129 @@
+//! Recording (TC)
+//! What: puts what came in where it belongs: histories, answers to controllers, wakes that are due.
+//! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
+//! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
+
+use crate::control::cycle::{Cycle, Said};
+use crate::control::tasks::{monitoring_clauses, primitive, probing, question, repetition, termination};
+use crate::deliberation::plan_adoption;
+use crate::monitoring::memory::histories;
+use crate::monitoring::stimulus::Stimulus;
+use apex_model::agent_limits::Limit;
+use apex_model::because::{Because, Cause};
+use apex_model::effect::DecisionKind;
+use apex_model::event::{Event, EventKind, Message, StateVariable};
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+
+fn arrival(cycle: &mut Cycle<'_>) -> u64 {
+    let number = cycle.agent.next.arrival;
+    cycle.agent.next.arrival += 1;
+    number
+}
+
+/// Records the events of the instant: first all that can be measured or heard, then the answers to controllers.
+pub(crate) fn record(cycle: &mut Cycle<'_>, events: &[Event]) {
+    for event in events {
+        match &event.kind {
+            EventKind::Measurement(variable, value) => measurement(cycle, variable.clone(), value.clone(), event.at),
+            EventKind::Occurrence(form) => occurrence(cycle, form.clone(), event.at),
+            EventKind::CommandAcknowledged(..)
+            | EventKind::SolverReported(..)
+            | EventKind::OperatorAnswered(..)
+            | EventKind::Stop(_)
+            | EventKind::Woken => {}
+            EventKind::Told(_, Message::Occurrence(form)) => occurrence(cycle, form.clone(), event.at),
+            EventKind::Told(_, Message::Measurement(variable, value)) => {
+                measurement(cycle, variable.clone(), value.clone(), event.at);
+            }
+        }
+    }
+    for event in events {
+        match &event.kind {
+            EventKind::CommandAcknowledged(command, answer) => primitive::answered(cycle, *command, answer),
+            EventKind::SolverReported(request, report) => plan_adoption::reported(cycle, *request, report),
+            EventKind::OperatorAnswered(question, answer) => question::answered(cycle, *question, answer),
+            EventKind::Stop(reason) => termination::stop(cycle, reason),
+            EventKind::Measurement(..) | EventKind::Occurrence(_) | EventKind::Told(..) | EventKind::Woken => {}
+        }
+        termination::settle(cycle);
+    }
+}
+
+/// Records what the agent said to itself in the round before.
+pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
+    let now = cycle.now;
+    for said in std::mem::take(&mut cycle.work.said) {
+        match said {
+            Said::Occurrence(form) => occurrence(cycle, form, now),
+            Said::Measurement(variable, value) => measurement(cycle, variable, value, now),
+        }
+    }
+}
+
+fn occurrence(cycle: &mut Cycle<'_>, form: Value, at: Time) {
+    let number = arrival(cycle);
+    let remembered = cycle.agent.histories.events_cover(cycle.now);
+    let (stimulus, overflows) = histories::record_event(&mut cycle.agent.histories, form, at, number);
+    cycle.work.stimuli.push(stimulus);
+    if overflows {
+        let message = histories::overflow_of_messages(&cycle.agent.limits);
+        overflow(cycle, Limit::EventHistory, message);
+    }
+    if remembered && !cycle.agent.histories.events_cover(cycle.now) {
+        forgets(cycle);
+    }
+}
+
+/// Says once for each instant that messages of it are forgotten: who begins to listen now does not hear them. So a loop
+/// without time whose tasks send messages may end because of it.
+fn forgets(cycle: &mut Cycle<'_>) {
+    let most = cycle.agent.limits.of(Limit::EventHistory);
+    let message = format!(
+        "more than {most} messages at this instant: the oldest of them are forgotten, tasks made now do not \
+         hear them; look for tasks that keep causing one another without time passing, or send fewer messages at once"
+    );
+    overflow(cycle, Limit::EventHistory, message);
+}
+
+fn overflow(cycle: &mut Cycle<'_>, limit: Limit, message: String) {
+    let cause = cycle.agent.limits.reached(limit);
+    cycle.decide(None, DecisionKind::Trouble { message }, Because::new(cause, None));
+}
+
+fn measurement(cycle: &mut Cycle<'_>, variable: StateVariable, value: Value, at: Time) {
+    let number = arrival(cycle);
+    let recording = histories::record_sample(&mut cycle.agent.histories, cycle.library, variable, value, at, number);
+    if let Some(Stimulus::Sample { variable, .. }) = recording.stimulus.as_ref().filter(|_| recording.overflows) {
+        let message = histories::overflow_of_samples(variable, &cycle.agent.limits);
+        overflow(cycle, Limit::HistorySamples, message);
+    }
+    cycle.work.stimuli.extend(recording.stimulus);
+    if let Some(message) = recording.trouble {
+        cycle.trouble_of(None, Cause::InputRefused { message }, None);
+    }
+}
+
+/// Lets everything happen that is due now.
+pub(crate) fn wake(cycle: &mut Cycle<'_>) {
+    while let Some(wake) = cycle.agent.wakes.take_due(cycle.now) {
+        match wake {
+            Wake::Duration(task) => primitive::duration_over(cycle, task),
+            Wake::Update(task) => primitive::update(cycle, task),
+            Wake::CommandTimeout(command) => primitive::timed_out(cycle, command),
+            Wake::Monitor(monitor) => monitoring_clauses::woken(cycle, monitor),
+            Wake::MinimumInterval(task) => repetition::interval_over(cycle, task),
+            Wake::Probing(monitor) => probing::woken(cycle, monitor),
+            Wake::PriorityCrossing(task) => {
+                if let Some(extras) = cycle.agent.task_mut(task).and_then(|task| task.extras.as_mut()) {
+                    extras.crossing = None;
+                }
+                cycle.work.priorities_changed = true;
+            }
+            Wake::Question(question) => question::time_over(cycle, question),
+            Wake::SolveTimeout(request) => plan_adoption::timed_out(cycle, request),
+        }
+        termination::settle(cycle);
+    }
+}

@@ -1,0 +1,346 @@
+//! Procedure selection (TC)
+//! What: decides how an enabled task's goal is pursued: procedure, primitive, built-in, items or solver.
+//! Runs: choose phase.  Reads: Library, generated procedures, Step.  Writes: Selection, Decision.
+//! Bound: one pattern match per candidate that shares the goal's first word.
+//! PDL: `index`, section 2.  Paper: section III, selection services.
+
+use crate::control::conflicts::{priority, resources};
+use crate::control::cycle::{Cycle, in_order};
+use crate::control::matching::{IndexPattern, index_of, match_index};
+use crate::control::tasks::goal::{self, activity_of};
+use crate::control::tasks::termination;
+use crate::deliberation::solver_selection;
+use crate::expression::{EvaluationError, evaluate, instantiate};
+use crate::monitoring::specificity::specificity;
+use apex_model::agent_limits::Limit;
+use apex_model::because::{Because, Cause, EqualsRule};
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::controller::{Selection, Way};
+use apex_model::effect::{DecisionKind, Method};
+use apex_model::expression::Expr;
+use apex_model::index::Candidate;
+use apex_model::procedure::{Activity, BuiltInActivity, Procedure, ResourceNeed};
+use apex_model::resource::Need;
+use apex_model::step_clauses::StepClauses;
+use apex_model::symbol::Symbol;
+use apex_model::task::{Origin, ProcedureRef, TaskId, TaskState};
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use smallvec::SmallVec;
+
+/// What was chosen, and what the decision says about it.
+struct Choice {
+    goal: Value,
+    way: Way,
+    method: Method,
+    alternatives: Vec<Method>,
+    cause: Cause,
+}
+
+/// The choose phase.
+pub(crate) fn choose(cycle: &mut Cycle<'_>) {
+    for id in in_order(&mut cycle.work.enabled) {
+        let open = cycle.task(id).is_some_and(|task| task.state == TaskState::Enabled && task.selection.is_none());
+        if !open {
+            continue;
+        }
+        match choose_for(cycle, id) {
+            Ok(()) => cycle.work.claims.push(id),
+            Err(because) => termination::fail(cycle, id, because),
+        }
+        termination::settle(cycle);
+    }
+}
+
+fn failed(error: EvaluationError) -> Because {
+    Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place))
+}
+
+fn choose_for(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let choice = choice(cycle, id)?;
+    let selection = Selection {
+        goal: choice.goal.clone(),
+        way: choice.way,
+        needs: Vec::new(),
+        interrupt_cost: priority::INTERRUPT_COST_DEFAULT,
+        expected: None,
+        begun: false,
+    };
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.selection = Some(Box::new(selection));
+    }
+    let kind = DecisionKind::Selected { method: choice.method, goal: choice.goal, alternatives: choice.alternatives };
+    let because = Because::new(choice.cause, cycle.place_of(id));
+    cycle.decide(Some(id), kind, because);
+    let details = details(cycle, id)?;
+    if let Some(selection) = cycle.agent.task_mut(id).and_then(|task| task.selection.as_mut()) {
+        selection.needs = details.needs;
+        selection.interrupt_cost = details.interrupt_cost.unwrap_or(priority::INTERRUPT_COST_DEFAULT);
+        selection.expected = details.expected;
+    }
+    Ok(())
+}
+
+fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
+    let origin = cycle.task(id).map(|task| task.origin);
+    let handle = cycle.step_of(id);
+    let step = handle.as_ref().and_then(|handle| handle.get());
+    let goal = match (origin, step) {
+        (Some(Origin::Step(_)), Some(step)) => {
+            if let Some((_, list)) = step.forall.as_deref() {
+                return items(cycle, id, list);
+            }
+            activity_goal(cycle, id, &step.activity)?
+        }
+        (Some(Origin::Item(_)), Some(step)) => activity_goal(cycle, id, &step.activity)?,
+        (Some(Origin::OnFailure(_)), Some(step)) => match &step.on_failure {
+            Some(activity) => activity_goal(cycle, id, activity)?,
+            None => Err(Value::nil()),
+        },
+        (Some(Origin::Meanwhile(solver)), _) => {
+            let solver = cycle.library.solvers.get(solver as usize).cloned();
+            match solver.and_then(|solver| solver.meanwhile) {
+                Some(goal) => Ok(instantiate(&goal, &cycle.view(id, Level::Step)).map_err(failed)?),
+                None => Err(Value::nil()),
+            }
+        }
+        (Some(Origin::Probe(probing)), _) => match cycle.agent.probings.get(&probing) {
+            Some(probing) => Ok(instantiate(&probing.goal, &cycle.view(id, Level::Step)).map_err(failed)?),
+            None => Err(Value::nil()),
+        },
+        _ => Ok(cycle.agent.initial_task.clone()),
+    };
+    match goal {
+        Ok(goal) => method_for(cycle, id, goal),
+        Err(goal) => {
+            let (way, word) = match step.map(|step| activity_of(origin, step)) {
+                Some(Activity::BuiltIn(which, _)) => (Way::BuiltIn(*which), which.word()),
+                _ => (Way::Terminate, "terminate"),
+            };
+            let cause = Cause::BuiltIn { activity: word.into() };
+            Ok(Choice { goal, way, method: Method::BuiltIn, alternatives: Vec::new(), cause })
+        }
+    }
+}
+
+/// The goal of an activity, or how a built-in one reads.
+fn activity_goal(cycle: &Cycle<'_>, id: TaskId, activity: &Activity) -> Result<Result<Value, Value>, Because> {
+    let view = cycle.view(id, Level::Step);
+    match activity {
+        Activity::Goal(template) => Ok(Ok(instantiate(template, &view).map_err(failed)?)),
+        Activity::Terminate { .. } | Activity::BuiltIn(..) => Ok(Err(goal::activity_as_value(activity, &view))),
+    }
+}
+
+fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> {
+    let value = evaluate(list, &cycle.view(id, Level::Step)).map_err(failed)?;
+    let Some(items) = value.as_list() else {
+        let message = format!("forall needs a list, and got {value}");
+        return Err(Because::new(Cause::ExpressionFailed { message }, Some(list.place)));
+    };
+    if items.len() > cycle.agent.limits.count(Limit::ForallItems) {
+        let cause = cycle.agent.limits.reached(Limit::ForallItems);
+        return Err(Because::new(cause, Some(list.place)));
+    }
+    Ok(Choice {
+        goal: goal::goal_as_known(cycle, id),
+        way: Way::Items(items.to_vec()),
+        method: Method::BuiltIn,
+        alternatives: Vec::new(),
+        cause: Cause::ForAll { items: items.len() as u64 },
+    })
+}
+
+/// The best method for a goal: the most specific match, else a solver.
+fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<Choice, Because> {
+    let mut matches = matches(cycle, id, &goal);
+    if matches.is_empty() {
+        let Some(solver) = solver_selection::select(cycle, id, &goal) else {
+            return Err(Because::new(Cause::NoMethod { goal }, cycle.place_of(id)));
+        };
+        let name = cycle.library.solvers.get(solver as usize).map(|solver| solver.name.clone());
+        let method = Method::Solver(name.unwrap_or_else(|| Symbol::new("auto")));
+        let (way, cause) = (Way::Solver(solver), Cause::NoProcedureMatched);
+        return Ok(Choice { goal, way, method, alternatives: Vec::new(), cause });
+    }
+    let cause = why_first(cycle, &matches);
+    let (candidate, bindings) = matches.remove(0);
+    let alternatives = matches.iter().filter_map(|(candidate, _)| method_of(cycle, *candidate)).collect();
+    let way = match candidate {
+        Candidate::Procedure(index) => Way::Procedure(ProcedureRef::Stored(index), bindings),
+        Candidate::Generated(number) => Way::Procedure(ProcedureRef::Generated(number), bindings),
+        Candidate::Primitive(index) | Candidate::Solver(index) => Way::Primitive(index, bindings),
+    };
+    let method = method_of(cycle, candidate).unwrap_or(Method::BuiltIn);
+    Ok(Choice { goal, way, method, alternatives, cause })
+}
+
+fn method_of(cycle: &Cycle<'_>, candidate: Candidate) -> Option<Method> {
+    match candidate {
+        Candidate::Procedure(index) => {
+            cycle.library.procedures.get(index as usize).map(|procedure| Method::Procedure(procedure.place))
+        }
+        Candidate::Generated(number) => {
+            cycle.agent.generated.get(number).map(|generated| Method::Procedure(generated.procedure.place))
+        }
+        Candidate::Primitive(index) => {
+            cycle.library.primitives.get(index as usize).map(|primitive| Method::Primitive(primitive.place))
+        }
+        Candidate::Solver(index) => {
+            cycle.library.solvers.get(index as usize).map(|solver| Method::Solver(solver.name.clone()))
+        }
+    }
+}
+
+/// What serves a goal, with what its index binds.
+type Matches = SmallVec<[(Candidate, Bindings); 1]>;
+
+/// Why the first of the matches is taken: nothing is as specific, or the order of what is.
+fn why_first(cycle: &Cycle<'_>, matches: &Matches) -> Cause {
+    let candidates = matches.len() as u64;
+    let specific = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
+    let own = matches.first().filter(|_| matches.len() > 1).map(|(first, _)| specific(*first));
+    let others = matches.iter().skip(1).map(|(other, _)| *other);
+    let equals: SmallVec<[Candidate; 2]> = others.take_while(|other| own.as_ref() == Some(&specific(*other))).collect();
+    let rule = match (matches.first(), equals.first()) {
+        (_, None) => return Cause::MostSpecific { candidates },
+        (Some((Candidate::Generated(_), _)), _) => EqualsRule::MadeInFlight,
+        (Some((Candidate::Procedure(_), _)), Some(Candidate::Primitive(_))) => EqualsRule::Procedure,
+        _ => EqualsRule::FirstInLibrary,
+    };
+    Cause::FirstOfEquals { candidates, equals: equals.len() as u64 + 1, rule }
+}
+
+/// All procedures and primitives that serve the goal with what their indexes bind, best first.
+fn matches(cycle: &mut Cycle<'_>, id: TaskId, goal: &Value) -> Matches {
+    let mut found: Matches = Matches::new();
+    let mut errors = Vec::new();
+    let stored = cycle.index.methods.candidates(goal.head());
+    for candidate in stored.chain(cycle.agent.generated_heads.candidates(goal.head())) {
+        let Some((pattern, place)) = index_of(cycle, candidate) else { continue };
+        let mut bindings = Bindings::new();
+        match match_index(cycle, id, &pattern, goal, &mut bindings, place) {
+            Ok(true) => found.push((candidate, bindings)),
+            Ok(false) => {}
+            Err(error) => errors.push(error),
+        }
+    }
+    for error in errors {
+        cycle.trouble(Some(id), error.message, Some(error.place));
+    }
+    if found.len() > 1 {
+        let pattern = |candidate: Candidate| index_of(cycle, candidate).map(|(pattern, _)| specificity(pattern.get()));
+        found.sort_by_cached_key(|(candidate, _)| (std::cmp::Reverse(pattern(*candidate)), *candidate));
+    }
+    found
+}
+
+/// Profile, interrupt cost and expected duration of what was selected.
+#[derive(Default)]
+struct Details {
+    needs: Vec<Need>,
+    interrupt_cost: Option<f64>,
+    expected: Option<Duration>,
+}
+
+fn details(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Details, Because> {
+    let mut details = Details::default();
+    match chosen(cycle, id) {
+        Some(IndexPattern::Stored(procedure)) => of_procedure(cycle, id, procedure, &mut details)?,
+        Some(IndexPattern::Generated(procedure)) => of_procedure(cycle, id, &procedure, &mut details)?,
+        Some(IndexPattern::Primitive(primitive)) => {
+            profile(cycle, id, Level::Procedure, &primitive.profile, &mut details.needs)?;
+            // The duration may use locals, which do not exist yet: then nothing is expected.
+            details.expected = expected(cycle, id, primitive.duration.as_ref()).unwrap_or(None);
+        }
+        _ => held(cycle, id, &mut details.needs)?,
+    }
+    if !cycle.has(id, StepClauses::CONTENTION) {
+        return Ok(details);
+    }
+    if let (Some(Origin::Step(_)), Some(handle)) = (cycle.task(id).map(|task| task.origin), cycle.step_of(id))
+        && let Some(step) = handle.get()
+    {
+        profile(cycle, id, Level::Step, &step.profile, &mut details.needs)?;
+        if let Some(own) = cost(cycle, id, Level::Step, step.interrupt_cost.as_deref())? {
+            details.interrupt_cost = Some(own);
+        }
+        for (message, place) in priority::troubles(cycle, id, step) {
+            cycle.trouble(Some(id), message, Some(place));
+        }
+    }
+    Ok(details)
+}
+
+fn of_procedure(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    procedure: &Procedure,
+    details: &mut Details,
+) -> Result<(), Because> {
+    profile(cycle, id, Level::Procedure, &procedure.profile, &mut details.needs)?;
+    details.interrupt_cost = cost(cycle, id, Level::Procedure, procedure.interrupt_cost.as_ref())?;
+    details.expected = expected(cycle, id, procedure.expected_duration.as_ref())?;
+    Ok(())
+}
+
+/// The procedure or primitive that was selected; none for everything else.
+fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
+    let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
+        Way::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
+        Way::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),
+        Way::Primitive(index, _) => Candidate::Primitive(*index),
+        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => return None,
+    };
+    index_of(cycle, candidate).map(|(holder, _)| holder)
+}
+
+fn profile(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    profile: &[ResourceNeed],
+    needs: &mut Vec<Need>,
+) -> Result<(), Because> {
+    let named = |cycle: &Cycle<'_>, need: &ResourceNeed| resources::evaluate_need(need, &cycle.view(id, level));
+    resources::needs(cycle, profile, named, needs)
+        .map_err(|(message, place)| Because::new(Cause::ExpressionFailed { message }, Some(place)))
+}
+
+fn cost(cycle: &Cycle<'_>, id: TaskId, level: Level, expr: Option<&Expr>) -> Result<Option<f64>, Because> {
+    let Some(expr) = expr else { return Ok(None) };
+    let cost = priority::interrupt_cost(expr, &cycle.view(id, level));
+    cost.map(Some).map_err(|message| Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
+}
+
+fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option<Duration>, Because> {
+    let Some(expr) = expr else { return Ok(None) };
+    match evaluate(expr, &cycle.view(id, Level::Procedure)).map_err(failed)? {
+        Value::Duration(span) => Ok(Some(span)),
+        other => {
+            let message = format!("{other} is no span of time; write a duration such as 10s");
+            Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
+        }
+    }
+}
+
+/// The resources named by `(hold-resource r..)`; none for every other way.
+fn held(cycle: &mut Cycle<'_>, id: TaskId, needs: &mut Vec<Need>) -> Result<(), Because> {
+    let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way);
+    if !matches!(way, Some(Way::BuiltIn(BuiltInActivity::HoldResource))) {
+        return Ok(());
+    }
+    let Some(handle) = cycle.step_of(id) else { return Ok(()) };
+    let origin = cycle.task(id).map(|task| task.origin);
+    let Some(Activity::BuiltIn(_, arguments)) = handle.get().map(|step| activity_of(origin, step)) else {
+        return Ok(());
+    };
+    for argument in arguments {
+        let name = evaluate(argument, &cycle.view(id, Level::Step)).map_err(failed)?;
+        let resource = resources::intern(cycle, &name);
+        let amount = cycle.agent.resources.get(resource).map_or(1.0, |resource| resource.total);
+        resources::add(needs, Need { resource, amount });
+    }
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Failure handling (TC)
+//! What: pursues a step's `on-failure` goal when the step fails; the step ends as that goal ends. A suspended step stays so.
+//! Runs: when a task fails, and when its handler ends.  Reads: Step.  Writes: Task, HandlingController, Decision.
+//! Bound: O(size of the failed subtree).  PDL: `on-failure`.  Paper: section III, off-nominal conditions.
+
+use crate::control::conflicts::{competition, resources};
+use crate::control::cycle::Cycle;
+use crate::control::tasks::instantiation::{self, Seed};
+use crate::control::tasks::{interruption, primitive, termination};
+use crate::control::transition::{Trigger, transition};
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::controller::{Controller, HandlingController};
+use apex_model::effect::DecisionKind;
+use apex_model::task::{HeldBack, Origin, Outcome, TaskId, TaskState};
+
+/// Starts the `on-failure` goal of the task's step. False when there is none, or it is at work already.
+pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bool {
+    let Some(task) = cycle.task(id) else { return false };
+    let Origin::Step(step) = task.origin else { return false };
+    if task.is_terminated() || matches!(task.controller.as_deref(), Some(Controller::Handling(_))) {
+        return false;
+    }
+    let handled = cycle.step_of(id).is_some_and(|handle| handle.get().is_some_and(|step| step.on_failure.is_some()));
+    if !handled {
+        return false;
+    }
+    let cut = Because::new(Cause::ParentFailed { parent: id }, because.place);
+    termination::end_children(cycle, id, &cut);
+    primitive::withdraw_commands(cycle, id, "its task failed");
+    // What was at work has ended, and says so; the step goes on with its handler.
+    interruption::run_inner_hook(cycle, id, "on-end", |hooks| &hooks.on_end);
+    if cycle.state(id) == TaskState::Terminated {
+        return true;
+    }
+    termination::dismantle(cycle, id, "its task failed");
+    interruption::forget_clauses(cycle, id);
+    let seed = Seed {
+        parent: Some(id),
+        origin: Origin::OnFailure(step),
+        bindings: Bindings::new(),
+        by_predecessor: false,
+        after_sequence: None,
+        cause: Cause::HandlesFailure { of: id },
+    };
+    cycle.decide(
+        Some(id),
+        DecisionKind::Trouble { message: because.text_at(&|place| cycle.agent.describe_place(place)) },
+        because.clone(),
+    );
+    let Ok(handler) = instantiation::create(cycle, seed) else { return false };
+    let handling = Because::new(Cause::FailureHandled { by: handler }, because.place);
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.controller = Some(Box::new(Controller::Handling(HandlingController { handler })));
+    }
+    if cycle.state(id) == TaskState::Pending {
+        // It failed before it could begin. The handler is its work now, and waits for nothing.
+        if let Some(task) = cycle.agent.task_mut(id) {
+            task.held_back = HeldBack::default();
+        }
+        transition(cycle, id, Trigger::Satisfied, None, handling.clone());
+    }
+    if cycle.state(id) != TaskState::Ongoing {
+        claim_nothing(cycle, id);
+        if competition::is_eligible(cycle.agent, id) {
+            transition(cycle, id, Trigger::Granted, None, handling);
+        }
+    } else {
+        // What the failed work used up is gone, and its handler claims anew; everything else is kept for it.
+        let how = resources::at_the_end(cycle, id);
+        resources::release_depletables(cycle, id, how);
+    }
+    instantiation::arm(cycle, handler);
+    true
+}
+
+/// The task holds nothing, and its failed work needs nothing any more; the handler claims for itself.
+fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
+    resources::release(cycle, id, resources::Release::Unused);
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    if let Some(selection) = &mut task.selection {
+        selection.needs.clear();
+    }
+    if let Some(extras) = &mut task.extras {
+        extras.held.clear();
+    }
+}
+
+/// The handler ended: the step ends in the same way.
+pub(crate) fn handled(cycle: &mut Cycle<'_>, id: TaskId, handler: TaskId, outcome: &Outcome) {
+    let place = cycle.place_of(id);
+    match outcome {
+        Outcome::Failure => {
+            let because = Because::new(Cause::ChildFailed { child: handler }, place);
+            termination::end(cycle, id, Outcome::Failure, because);
+        }
+        Outcome::Success(_) | Outcome::Cut => {
+            let because = Because::new(Cause::HandlerEnded { handler }, place);
+            termination::end(cycle, id, outcome.clone(), because);
+        }
+    }
+}

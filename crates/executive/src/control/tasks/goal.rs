@@ -1,0 +1,79 @@
+//! Goals of tasks (TC)
+//! What: says what a task is to achieve, as far as its variables are bound.
+//! Runs: when a task is created or described, and in the choose phase.
+//! Reads: Task, Procedure, variables.
+//! Writes: nothing.
+//! Bound: O(size of the goal).
+//! PDL: steps and their activities, section 3.
+//! Paper: section III.
+
+use crate::control::cycle::Cycle;
+use crate::expression::view::View;
+use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
+use apex_model::agent::Agent;
+use apex_model::clause::Level;
+use apex_model::expression::Expr;
+use apex_model::procedure::{Activity, Step};
+use apex_model::task::{Origin, TaskId};
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// The activity that the task pursues: its step's, or the step's `on-failure`.
+pub(crate) fn activity_of(origin: Option<Origin>, step: &Step) -> &Activity {
+    match (origin, &step.on_failure) {
+        (Some(Origin::OnFailure(_)), Some(activity)) => activity,
+        _ => &step.activity,
+    }
+}
+
+/// The task's goal with what is bound now; unbound variables stay as they are written.
+pub(crate) fn goal_as_known(cycle: &Cycle<'_>, id: TaskId) -> Value {
+    goal_in(cycle.agent, id, cycle.now)
+}
+
+/// The same, outside of a step.
+pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
+    let Some(task) = agent.task(id) else { return Value::nil() };
+    if let Some(selection) = &task.selection {
+        return selection.goal.clone();
+    }
+    let view = View { agent, task: id, level: Level::Step, now };
+    let goal = match task.origin {
+        Origin::Initial => Some(agent.initial_task.clone()),
+        Origin::Meanwhile(solver) => {
+            let declared = agent.library.solvers.get(solver as usize).and_then(|solver| solver.meanwhile.as_ref());
+            declared.map(|goal| instantiate_partially(goal, &view))
+        }
+        Origin::Probe(probing) => {
+            agent.probings.get(&probing).map(|probing| instantiate_partially(&probing.goal, &view))
+        }
+        Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => {
+            let template = agent.procedure(step.procedure).and_then(|each| each.steps.get(step.step as usize));
+            template.map(|step| activity_as_value(activity_of(Some(task.origin), step), &view))
+        }
+    };
+    goal.unwrap_or_else(Value::nil)
+}
+
+/// An activity as its author would read it.
+pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surroundings) -> Value {
+    match activity {
+        Activity::Goal(template) => instantiate_partially(template, surroundings),
+        Activity::Terminate { task, outcome, value } => {
+            let known = |expr: &Expr| expression_as_known(expr, surroundings);
+            let parts = [task, outcome].into_iter().flatten().map(|expr| known(expr));
+            let words = [Value::symbol("terminate")].into_iter().chain(parts);
+            let value = value.iter().flat_map(|value| [Value::symbol(">>"), known(value)]);
+            Value::list(words.chain(value))
+        }
+        Activity::BuiltIn(which, arguments) => {
+            let arguments = arguments.iter().map(|argument| expression_as_known(argument, surroundings));
+            let (words, keywords) = which.words();
+            let plain = arguments.len() - keywords.len().min(arguments.len());
+            let options = keywords.iter().zip(arguments.clone().skip(plain)).filter(|(_, value)| value.is_true());
+            let options = options.flat_map(|(keyword, value)| [Value::symbol(keyword), value]);
+            let words = words.iter().map(|word| Value::symbol(word));
+            Value::list(words.chain(arguments.take(plain)).chain(options))
+        }
+    }
+}

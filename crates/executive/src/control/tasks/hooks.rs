@@ -1,0 +1,125 @@
+//! Hooks (TC)
+//! What: runs the forms of `on-start`, `on-end` and the like, and does what they want done.
+//! Runs: act phase, at ends, interruptions and resumptions.  Reads: forms, variables.  Writes: effects, variables.
+//! Bound: by the limits of evaluation.  PDL: `on-start`, `on-end`, `on-suspend`, `on-resume`, `update`, section 6.
+//! Paper: section III, code embedded in the `on-enablement` clause.
+
+use crate::control::cycle::Cycle;
+use crate::control::tasks::{binding, correspondence, primitive, termination};
+use crate::expression::{Action, run};
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::Level;
+use apex_model::controller::Controller;
+use apex_model::effect::{DecisionKind, Effect};
+use apex_model::expression::Expr;
+use apex_model::task::TaskId;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// What the forms of a primitive want for the primitive itself.
+#[derive(Default)]
+pub(crate) struct Wants {
+    /// `(complete [value])`.
+    pub(crate) completed: Option<Value>,
+    /// `(command FORM)`s in order.
+    pub(crate) commands: Vec<Wanted>,
+}
+
+/// A command that a form wants sent.
+pub(crate) struct Wanted {
+    /// The ground form.
+    pub(crate) form: Value,
+    /// How long to wait for the answer; none is the default.
+    pub(crate) timeout: Option<Duration>,
+    /// The clause and the place of the form.
+    pub(crate) because: Because,
+}
+
+/// Runs a hook of a task that begins or completes: its commands are sent without waiting for answers.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated: the task has failed.
+pub(crate) fn run_needed(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    clause: &'static str,
+    forms: &[Expr],
+) -> Result<(), Because> {
+    let wants = run_forms(cycle, id, level, clause, forms)?;
+    for Wanted { form, timeout, because } in wants.commands {
+        primitive::command(cycle, id, form, timeout, because);
+    }
+    Ok(())
+}
+
+/// Runs a hook of a task that stops or ends: its outcome stands already, so that errors are troubles.
+pub(crate) fn run_hook(cycle: &mut Cycle<'_>, id: TaskId, level: Level, clause: &'static str, forms: &[Expr]) {
+    if let Err(because) = run_needed(cycle, id, level, clause, forms) {
+        let message = because.cause.text();
+        cycle.decide(Some(id), DecisionKind::Trouble { message }, because);
+    }
+}
+
+/// Runs forms, does what concerns others at once, and hands back what concerns the primitive itself.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated; what the forms before it wanted is done.
+pub(crate) fn run_forms(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    clause: &'static str,
+    forms: &[Expr],
+) -> Result<Wants, Because> {
+    if forms.is_empty() {
+        return Ok(Wants::default());
+    }
+    let mut locals = take_locals(cycle, id);
+    let mut actions = Vec::new();
+    let result = run(forms, &cycle.view(id, level), &mut locals, &mut actions);
+    put_locals(cycle, id, locals);
+    let mut wants = Wants::default();
+    let place = forms.first().map(|form| form.place).unwrap_or_default();
+    let mut unsaid: Option<Because> = None;
+    for action in actions {
+        let mut said = |told: Result<(), Because>| unsaid = unsaid.take().or(told.err());
+        match action {
+            Action::Inform(form, router) => said(correspondence::inform(cycle, id, form, router.as_ref(), place)),
+            Action::Print(text) => cycle.effects.push(Effect::Print { task: id, text }),
+            Action::Command { form, timeout, place } => {
+                let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
+                wants.commands.push(Wanted { form, timeout, because });
+            }
+            Action::Publish(variable, value, router) => {
+                said(correspondence::publish(cycle, id, variable, value, router.as_ref(), place));
+            }
+            Action::Complete(value) => wants.completed = Some(value),
+            Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),
+            Action::Cogevent(form, agent) => said(correspondence::cogevent(cycle, id, form, agent.as_ref(), place)),
+            Action::EndApplication(reason) => termination::end_application(cycle, id, reason),
+        }
+    }
+    match result {
+        Ok(_) => unsaid.map_or(Ok(wants), Err),
+        Err(error) => Err(Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place))),
+    }
+}
+
+fn primitive_locals<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut Bindings> {
+    match cycle.agent.task_mut(id)?.controller.as_deref_mut()? {
+        Controller::Primitive(controller) => Some(&mut controller.locals),
+        _ => None,
+    }
+}
+
+fn take_locals(cycle: &mut Cycle<'_>, id: TaskId) -> Bindings {
+    primitive_locals(cycle, id).map(|locals| locals.clone()).unwrap_or_default()
+}
+
+fn put_locals(cycle: &mut Cycle<'_>, id: TaskId, locals: Bindings) {
+    if let Some(slot) = primitive_locals(cycle, id) {
+        *slot = locals;
+    }
+}

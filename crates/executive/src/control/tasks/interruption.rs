@@ -1,0 +1,391 @@
+//! Task interruption and resumption (TC)
+//! What: stops a task that lost a resource, suspends and resumes whole subtrees, watches the clauses that ask for it.
+//! Runs: enable, commit and act phases.  Reads: Transitions, Task.  Writes: Task state, ResourceTable, monitors.
+//! Bound: O(1) for a lost resource; O(size of the subtree) for a suspension.
+//! PDL: `suspend-when`, `resume-when`, `restart-when`, `end-when`, section 9.  Paper: section III, interruptions.
+
+use crate::control::conflicts::resources;
+use crate::control::cycle::Cycle;
+use crate::control::tasks::{hooks, monitoring_clauses, primitive, question, termination};
+use crate::control::transition::{Trigger, transition};
+use crate::expression::Surroundings;
+use apex_model::because::{Because, Cause};
+use apex_model::clause::{Clause, Level, MonitorId};
+use apex_model::condition::Condition;
+use apex_model::controller::{Controller, Way};
+use apex_model::evidence_list::EvidenceList;
+use apex_model::monitor::Window;
+use apex_model::procedure::{Hooks, Transitions};
+use apex_model::step_clauses::StepClauses;
+use apex_model::task::{Origin, ProcedureRef, Task, TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::variables::of_condition;
+
+/// The task lost a resource: only it stops, and claims again.
+pub(crate) fn outrank(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    stop(cycle, id, Trigger::Outranked, because);
+    cycle.work.claims.push(id);
+}
+
+fn stop(cycle: &mut Cycle<'_>, id: TaskId, trigger: Trigger, because: Because) {
+    if cycle.state(id) != TaskState::Ongoing {
+        return;
+    }
+    resources::release(cycle, id, resources::Release::Unused);
+    primitive::pause(cycle, id);
+    question::pause(cycle, id);
+    transition(cycle, id, trigger, None, because);
+    run_hooks(cycle, id, "on-suspend", |hooks| &hooks.on_suspend);
+    inheritance_changed(cycle, id);
+}
+
+/// The task stopped or goes on: what it brings to its descendants' priorities counts no longer, or again.
+pub(crate) fn inheritance_changed(cycle: &mut Cycle<'_>, id: TaskId) {
+    cycle.work.inheritance_changed |= cycle.task(id).is_some_and(Task::has_children);
+}
+
+/// Runs a hook of the task's procedure or primitive, then of its step.
+pub(crate) fn run_hooks(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: &'static str,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
+    run_inner_hook(cycle, id, clause, &which);
+    run_step_hook(cycle, id, clause, which);
+}
+
+/// Runs a hook of the procedure or primitive that is at work for the task; none is while a handler is.
+pub(crate) fn run_inner_hook(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: &'static str,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
+    let library = cycle.library;
+    let reference = match cycle.task(id).and_then(|task| task.controller.as_deref()) {
+        Some(Controller::Procedure(state)) => state.procedure,
+        Some(Controller::Primitive(state)) => {
+            if let Some(primitive) = library.primitives.get(state.primitive as usize) {
+                hooks::run_hook(cycle, id, Level::Procedure, clause, which(&primitive.hooks));
+            }
+            return;
+        }
+        _ => return,
+    };
+    if let ProcedureRef::Stored(index) = reference {
+        if let Some(procedure) = library.procedures.get(index as usize) {
+            hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
+        }
+    } else if let Some(procedure) = cycle.agent.procedure(reference).cloned() {
+        hooks::run_hook(cycle, id, Level::Procedure, clause, which(&procedure.hooks));
+    }
+}
+
+/// Runs a hook of the task's step.
+pub(crate) fn run_step_hook(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: &'static str,
+    which: impl Fn(&Hooks) -> &Vec<apex_model::expression::Expr>,
+) {
+    if !cycle.has(id, StepClauses::HOOKS) {
+        return;
+    }
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
+    if let Some(handle) = cycle.step_of(id).filter(|_| is_step)
+        && let Some(step) = handle.get()
+    {
+        hooks::run_hook(cycle, id, Level::Step, clause, which(&step.hooks));
+    }
+}
+
+/// Runs the `on-start` of the task's step.
+///
+/// # Errors
+/// The cause when a form cannot be evaluated.
+pub(crate) fn run_step_start(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    if !cycle.has(id, StepClauses::HOOKS) {
+        return Ok(());
+    }
+    let is_step = matches!(cycle.task(id).map(|task| task.origin), Some(Origin::Step(_)));
+    match cycle.step_of(id).filter(|_| is_step).as_ref().and_then(|handle| handle.get()) {
+        Some(step) => hooks::run_needed(cycle, id, Level::Step, "on-start", &step.hooks.on_start),
+        None => Ok(()),
+    }
+}
+
+/// The task and all tasks below it, ancestors first.
+pub(crate) fn subtree(cycle: &Cycle<'_>, id: TaskId) -> Vec<TaskId> {
+    let mut list = Vec::new();
+    let mut open = vec![id];
+    while let Some(next) = open.pop() {
+        list.push(next);
+        if let Some(controller) = cycle.task(next).and_then(|task| task.controller.as_deref()) {
+            open.extend(controller.children().into_iter().rev());
+        }
+    }
+    list
+}
+
+/// Suspends the task with its whole subtree: nothing below it works or begins until it is resumed.
+pub(crate) fn suspend(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    if cycle.task(id).is_none_or(Task::is_terminated) || !cycle.agent.set_suspended(id, true) {
+        return;
+    }
+    for each in subtree(cycle, id) {
+        if each == id {
+            stop(cycle, id, Trigger::Suspended, because.clone());
+        } else {
+            let cause = Cause::AncestorSuspended { ancestor: id };
+            stop(cycle, each, Trigger::Suspended, Because::new(cause, because.place));
+        }
+        withdraw_claims(cycle, each);
+    }
+}
+
+fn withdraw_claims(cycle: &mut Cycle<'_>, id: TaskId) {
+    for need in resources::needs_of(cycle, id) {
+        if let Some(resource) = cycle.agent.resources.get_mut(need.resource)
+            && resource.waiting.remove(id)
+        {
+            cycle.work.dirty.insert(need.resource);
+        }
+    }
+}
+
+/// Lifts the suspension: the subtree claims what it needs again.
+pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
+    if !cycle.agent.set_suspended(id, false) {
+        return;
+    }
+    for each in reclaim(cycle, id) {
+        let cause = if each == id { because.cause.clone() } else { Cause::AncestorResumed { ancestor: id } };
+        let evidence = if each == id { because.evidence.clone() } else { EvidenceList::default() };
+        cycle.work.resumed.insert(each, Because { cause, place: because.place, evidence });
+    }
+}
+
+/// Everything of the subtree that could work claims again.
+fn reclaim(cycle: &mut Cycle<'_>, id: TaskId) -> Vec<TaskId> {
+    let mut tasks = subtree(cycle, id);
+    tasks.retain(|each| matches!(cycle.state(*each), TaskState::Interrupted | TaskState::Enabled));
+    cycle.work.claims.extend(tasks.iter().copied());
+    tasks
+}
+
+/// Steps that were enabled while the task did not work claim now.
+pub(crate) fn offer_children(cycle: &mut Cycle<'_>, id: TaskId) {
+    let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
+    for child in children.unwrap_or_default() {
+        if cycle.state(child) == TaskState::Enabled {
+            cycle.work.claims.push(child);
+        }
+    }
+}
+
+/// Steps that claimed before the task stopped do not until it goes on: they are offered then.
+pub(crate) fn hold_children(cycle: &mut Cycle<'_>, id: TaskId) {
+    let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
+    for child in children.unwrap_or_default() {
+        if cycle.state(child) == TaskState::Enabled {
+            withdraw_claims(cycle, child);
+        }
+    }
+}
+
+/// Makes the monitors of the clauses of the procedure that the task begins.
+///
+/// # Errors
+/// The cause when an expression of a condition cannot be evaluated.
+pub(crate) fn watch_procedure(cycle: &mut Cycle<'_>, id: TaskId, clauses: &Transitions) -> Result<(), Because> {
+    let level = Level::Procedure;
+    watch(cycle, id, Clause::EndWhen, level, clauses.end_when.as_deref())?;
+    watch(cycle, id, Clause::RestartWhen, level, clauses.restart_when.as_deref())?;
+    watch(cycle, id, Clause::SuspendWhen, level, clauses.suspend_when.as_deref())?;
+    watch(cycle, id, Clause::ResumeWhen, level, clauses.resume_when.as_deref())?;
+    Ok(())
+}
+
+/// Makes the monitors of the step's `suspend-when` and `resume-when`, unless they are there: as its task is created,
+/// when everything that they name is known then; else as it becomes enabled, when its `waitfor` and `select` have bound
+/// what they bind.
+///
+/// # Errors
+/// The cause when an expression of a condition cannot be evaluated.
+pub(crate) fn watch_step_suspension(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
+    if cycle.state(id) == TaskState::Pending && !all_known(cycle, id, &clauses) || has_suspension(cycle, id) {
+        return Ok(());
+    }
+    watch(cycle, id, Clause::ResumeWhen, Level::Step, clauses.resume_when.as_deref())?;
+    if let Some(monitor) = watch(cycle, id, Clause::SuspendWhen, Level::Step, clauses.suspend_when.as_deref())? {
+        monitoring_clauses::judge(cycle, monitor);
+    }
+    Ok(())
+}
+
+/// Has every variable of the clauses about suspension a value?
+fn all_known(cycle: &Cycle<'_>, id: TaskId, clauses: &Transitions) -> bool {
+    let view = cycle.view(id, Level::Step);
+    let mut known = true;
+    for condition in [&clauses.suspend_when, &clauses.suspend_until, &clauses.resume_when].into_iter().flatten() {
+        of_condition(condition, &mut |name| known &= view.variable(name).is_some());
+    }
+    known
+}
+
+/// Does the task watch, or wait out, its step's suspension?
+fn has_suspension(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
+    monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0)).any(|watch| {
+        watch.level == Level::Step
+            && matches!(watch.clause, Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen)
+    })
+}
+
+/// Makes the monitor of the step's `restart-when` as its task begins. Its `end-when` is watched from the creation on.
+///
+/// # Errors
+/// The cause when an expression of the condition cannot be evaluated.
+pub(crate) fn watch_step_restart(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Because> {
+    let Some(clauses) = step_clauses(cycle, id) else { return Ok(()) };
+    watch(cycle, id, Clause::RestartWhen, Level::Step, clauses.restart_when.as_deref())?;
+    Ok(())
+}
+
+/// Does the task watch for a reason to start over?
+pub(crate) fn may_start_over(cycle: &Cycle<'_>, id: TaskId) -> bool {
+    let monitors = cycle.task(id).map(|task| task.monitors.as_slice()).unwrap_or_default();
+    let mut watches = monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
+    watches.any(|watch| watch.clause == Clause::RestartWhen)
+}
+
+/// The clauses of the step that the task was made from, if it has any; items and handlers have none of their own.
+fn step_clauses(cycle: &Cycle<'_>, id: TaskId) -> Option<Transitions> {
+    let task = cycle.task(id).filter(|task| task.clauses.has(StepClauses::TRANSITIONS))?;
+    let is_step = matches!(task.origin, Origin::Step(_));
+    let handle = cycle.step_of(id).filter(|_| is_step)?;
+    let Transitions { end_when, restart_when, resume_when, suspend_when, suspend_until } = &handle.get()?.transitions;
+    let some = [end_when, restart_when, resume_when, suspend_when, suspend_until].into_iter().any(Option::is_some);
+    some.then(|| handle.get().map(|step| step.transitions.clone()))?
+}
+
+fn watch(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    clause: Clause,
+    level: Level,
+    condition: Option<&Condition>,
+) -> Result<Option<MonitorId>, Because> {
+    let (Some(condition), Some(task)) = (condition, cycle.task(id)) else { return Ok(None) };
+    // What is watched from a later moment than the creation counts from there: a procedure's own clauses, since it is
+    // not known before which one is chosen, and for what; what names something that was not bound before; and what
+    // starts work over, which has to begin first.
+    let start = if task.state == TaskState::Pending { task.created_at } else { cycle.now };
+    let after_sequence = match clause {
+        // What the task's `waitfor` answered says nothing about these.
+        Clause::SuspendWhen | Clause::ResumeWhen => None,
+        Clause::EndWhen | Clause::RestartWhen | Clause::SuspendUntil | Clause::Waitfor => task.after_sequence,
+    };
+    let window = Window { start, after_sequence };
+    // Work that begins in a state that would start it over has not begun before that.
+    let standing = clause != Clause::RestartWhen;
+    monitoring_clauses::watch(cycle, id, clause, level, condition, window, standing)
+        .map(Some)
+        .map_err(|error| Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place)))
+}
+
+/// The clauses of the task at `level`; those of its procedure only once it has begun.
+fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
+    match level {
+        Level::Step => step_clauses(cycle, id),
+        Level::Procedure => match &cycle.task(id).filter(|task| works_itself(task))?.selection.as_ref()?.way {
+            Way::Procedure(reference, _) => {
+                cycle.agent.procedure(*reference).map(|procedure| procedure.transitions.clone())
+            }
+            Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+        },
+    }
+}
+
+/// Is the task's work that of the way that was chosen, and not what handles its failure?
+fn works_itself(task: &Task) -> bool {
+    task.controller.as_deref().is_some_and(|controller| !matches!(controller, Controller::Handling(_)))
+}
+
+/// What counts for a clause that begins to watch in the middle of a task's life: everything after this moment.
+pub(crate) fn window_from_here(cycle: &Cycle<'_>) -> Window {
+    window_after(cycle, cycle.now, None)
+}
+
+/// What counts for a clause that begins to watch when another came true at `at`, with `answered` as its newest arrival:
+/// everything after that, also where it was found by looking back.
+pub(crate) fn window_after(cycle: &Cycle<'_>, at: Time, answered: Option<u64>) -> Window {
+    let newest = cycle.agent.next.arrival.checked_sub(1).filter(|_| at >= cycle.now);
+    Window { start: at.min(cycle.now), after_sequence: answered.or(newest) }
+}
+
+/// The task's work is over before the task is: what its procedure watched is forgotten, with a suspension that the
+/// procedure brought about. What the step watches about ends, and about a suspension that goes on, stays.
+pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
+    let by_procedure = cycle.task(id).is_some_and(|task| {
+        let mut watches = task.monitors.iter().filter_map(|id| cycle.agent.watches.get(id.0));
+        watches.any(|watch| watch.clause == Clause::SuspendUntil && watch.level == Level::Procedure)
+    });
+    if by_procedure {
+        cycle.agent.set_suspended(id, false);
+    }
+    let Some(suspended) = cycle.task(id).map(|task| task.suspended) else { return };
+    monitoring_clauses::unwatch(cycle, id, |clause, level| match clause {
+        Clause::EndWhen => level == Level::Procedure,
+        Clause::SuspendWhen | Clause::SuspendUntil | Clause::ResumeWhen => level == Level::Procedure || !suspended,
+        Clause::Waitfor | Clause::RestartWhen => true,
+    });
+}
+
+/// After a suspension by `suspend-when`: watches its `until`, and `resume-when` anew.
+pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, window: Window) {
+    let Some(clauses) = clauses(cycle, id, level) else { return };
+    monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
+    let wanted = [(Clause::SuspendUntil, clauses.suspend_until), (Clause::ResumeWhen, clauses.resume_when)];
+    // Where that holds already for which it is to wait, there is nothing to wait for.
+    watch_again(cycle, id, level, wanted, window, true);
+}
+
+/// Watches clauses in the middle of a task's life. A task with a clause that cannot be watched has failed: it would be
+/// suspended for ever, or never again.
+fn watch_again(
+    cycle: &mut Cycle<'_>,
+    id: TaskId,
+    level: Level,
+    wanted: [(Clause, Option<Box<Condition>>); 2],
+    window: Window,
+    standing: bool,
+) {
+    for (clause, condition) in wanted {
+        if let Some(condition) = condition
+            && let Err(error) = monitoring_clauses::watch(cycle, id, clause, level, &condition, window, standing)
+        {
+            let cause = Cause::ExpressionFailed { message: error.message };
+            return termination::fail(cycle, id, Because::new(cause, Some(error.place)));
+        }
+    }
+}
+
+/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew; that of a step
+/// whose task has yet to learn what it names is watched when the task is enabled, as at its creation.
+pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
+    monitoring_clauses::unwatch(cycle, id, |clause, _| {
+        matches!(clause, Clause::SuspendUntil | Clause::ResumeWhen | Clause::SuspendWhen)
+    });
+    for level in [Level::Step, Level::Procedure] {
+        let Some(clauses) = clauses(cycle, id, level) else { continue };
+        if cycle.state(id) == TaskState::Pending && !all_known(cycle, id, &clauses) {
+            continue;
+        }
+        let wanted = [(Clause::SuspendWhen, clauses.suspend_when), (Clause::ResumeWhen, clauses.resume_when)];
+        // What still stands has had its suspension.
+        watch_again(cycle, id, level, wanted, window, false);
+    }
+}

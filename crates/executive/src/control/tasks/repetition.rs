@@ -1,0 +1,266 @@
+//! Repetition (TC)
+//! What: makes an ended task pending again (`repeating`), and puts a fresh instance beside an enabled one (`responding`).
+//! Runs: when a task ends, and when one is enabled.  Reads: Repetition clauses.  Writes: Task, wakes, monitors.
+//! Bound: O(1) per instance; at most `REPETITIONS_PER_INSTANT_MAX` instances at one instant.
+//! PDL: `repeating`, `responding`.  Paper: section IV, example 1.
+
+use crate::control::cycle::Cycle;
+use crate::control::tasks::instantiation::{self, Seed};
+use crate::control::tasks::{binding, monitoring_clauses, procedure, termination};
+use crate::control::transition::{Trigger, transition};
+use crate::expression::evaluate;
+use apex_model::agent_limits::Limit;
+use apex_model::because::{Because, Cause};
+use apex_model::bindings::Bindings;
+use apex_model::clause::{Clause, Level};
+use apex_model::expression::Expr;
+use apex_model::monitor::Window;
+use apex_model::procedure::Repetition;
+use apex_model::step_clauses::StepClauses;
+use apex_model::task::{HeldBack, Origin, Outcome, TaskId};
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use apex_model::wake::Wake;
+
+/// Counts the instances of a task that begin at one instant.
+///
+/// # Errors
+/// The cause, when there are too many: a loop that takes no time.
+pub(crate) fn count_instance(cycle: &mut Cycle<'_>, id: TaskId) -> Result<(), Cause> {
+    let now = cycle.now;
+    let Some(task) = cycle.agent.task_mut(id) else { return Ok(()) };
+    let extras = task.extras_mut();
+    extras.instances = if extras.instant == now { extras.instances + 1 } else { 1 };
+    extras.instant = now;
+    let instances = u64::from(extras.instances);
+    if instances > cycle.agent.limits.of(Limit::RepetitionsPerInstant) {
+        return Err(cycle.agent.limits.reached(Limit::RepetitionsPerInstant));
+    }
+    Ok(())
+}
+
+/// The task is not to be repeated: its step, not only this instance, was ended.
+pub(crate) fn forbid(cycle: &mut Cycle<'_>, id: TaskId, level: Level) {
+    if level == Level::Step
+        && let Some(task) = cycle.agent.task_mut(id)
+    {
+        task.extras_mut().repeats_no_more = true;
+    }
+}
+
+fn condition(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>, default: bool) -> Result<bool, Because> {
+    let Some(expr) = expr else { return Ok(default) };
+    match evaluate(expr, &cycle.view(id, Level::Step)) {
+        Ok(value) => Ok(value.is_true()),
+        Err(error) => Err(Because::new(Cause::ExpressionFailed { message: error.message }, Some(error.place))),
+    }
+}
+
+/// Do `:while` and `:until` allow another instance?
+fn is_allowed(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<bool, Because> {
+    Ok(condition(cycle, id, clause.while_true.as_ref(), true)? && !condition(cycle, id, clause.until.as_ref(), false)?)
+}
+
+/// Makes the ended task pending again when its step says so. False when it has ended for good.
+pub(crate) fn repeat(cycle: &mut Cycle<'_>, id: TaskId, outcome: &Outcome) -> bool {
+    let Some(task) = cycle.task(id) else { return false };
+    if !task.clauses.has(StepClauses::REPETITION) {
+        return false;
+    }
+    let over = task.extras.as_ref().is_some_and(|extras| extras.repeats_no_more);
+    if over || !matches!(task.origin, Origin::Step(_)) || !matches!(outcome, Outcome::Success(_)) {
+        return false;
+    }
+    let Some(handle) = cycle.step_of(id) else { return false };
+    let Some(clause) = handle.get().and_then(|step| step.repeating.as_ref()) else { return false };
+    let again = match again(cycle, id, clause) {
+        Ok(Some(again)) => again,
+        Ok(None) => return false,
+        Err(because) => {
+            fail_parent(cycle, id, because);
+            return true;
+        }
+    };
+    if let Err(cause) = count_instance(cycle, id) {
+        let place = cycle.place_of(id);
+        fail_parent(cycle, id, Because::new(cause, place));
+        return true;
+    }
+    begin(cycle, id, &again);
+    true
+}
+
+/// How a repetition begins.
+struct Again {
+    /// It does not wait for its conditions.
+    skip: bool,
+    /// From start to start at least.
+    interval: Option<Duration>,
+}
+
+/// Whether and how the ended task begins again; none when it does not.
+///
+/// # Errors
+/// The cause when an option of the clause cannot be evaluated.
+fn again(cycle: &Cycle<'_>, id: TaskId, clause: &Repetition) -> Result<Option<Again>, Because> {
+    if !is_allowed(cycle, id, clause)? {
+        return Ok(None);
+    }
+    let skip = clause.enabled.is_some() && condition(cycle, id, clause.enabled.as_ref(), false)?;
+    let interval = clause.minimum_interval.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
+    // Priorities look at the recovery later; whether it has a value is found out here.
+    clause.recovery.as_ref().map(|expr| span(cycle, id, expr)).transpose()?;
+    Ok(Some(Again { skip, interval }))
+}
+
+fn report(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    let message = because.cause.text();
+    cycle.decide(Some(id), apex_model::effect::DecisionKind::Trouble { message }, because);
+}
+
+/// A repetition that nobody can decide, or a loop that takes no time, is an error of the procedure that holds it.
+fn fail_parent(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
+    report(cycle, id, because.clone());
+    if let Some(parent) = cycle.task(id).and_then(|task| task.parent) {
+        termination::fail(cycle, parent, because);
+    }
+}
+
+fn begin(cycle: &mut Cycle<'_>, id: TaskId, again: &Again) {
+    let now = cycle.now;
+    let started = cycle.task(id).and_then(|task| task.started_at);
+    let &Again { skip, interval } = again;
+    let because = Because::new(Cause::Repetition, cycle.place_of(id));
+    transition(cycle, id, Trigger::Repeated, None, because);
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    task.created_at = now;
+    if let Some(extras) = &mut task.extras {
+        extras.first_created = None;
+    }
+    task.started_at = None;
+    task.held_back = HeldBack::default();
+    if !skip {
+        task.bindings = Bindings::new();
+    }
+    let extras = task.extras_mut();
+    extras.ended_before = Some(now);
+    extras.worked = Duration::ZERO;
+    let next_start = interval.zip(started).map(|(interval, started)| started + interval);
+    if let Some(at) = next_start.filter(|at| *at > now) {
+        let wake = cycle.agent.wakes.schedule(at, Wake::MinimumInterval(id));
+        if let Some(task) = cycle.agent.task_mut(id) {
+            task.held_back.by_interval = true;
+            task.extras_mut().wake = Some(wake);
+        }
+    }
+    if skip {
+        cycle.work.freed.insert(id, Cause::RepeatedEnabled);
+        instantiation::offer(cycle, id);
+    } else {
+        instantiation::arm(cycle, id);
+    }
+}
+
+fn span(cycle: &Cycle<'_>, id: TaskId, expr: &Expr) -> Result<Duration, Because> {
+    let failed = |message: String, place| Because::new(Cause::ExpressionFailed { message }, Some(place));
+    let value = evaluate(expr, &cycle.view(id, Level::Step)).map_err(|error| failed(error.message, error.place))?;
+    crate::expression::arithmetic::duration(&value)
+        .map_err(|_| failed(format!("{value} is no span of time; write a duration such as 10s"), expr.place))
+}
+
+/// The least interval between two instances is over.
+pub(crate) fn interval_over(cycle: &mut Cycle<'_>, id: TaskId) {
+    if let Some(task) = cycle.agent.task_mut(id) {
+        task.held_back.by_interval = false;
+        task.extras_mut().wake = None;
+    }
+    if cycle.task(id).is_some_and(|task| task.held_back.is_free()) {
+        cycle.work.freed.insert(id, Cause::IntervalElapsed);
+    }
+    instantiation::offer(cycle, id);
+}
+
+/// The values of the `:for-new` variables, when the step has any.
+fn combination(cycle: &Cycle<'_>, id: TaskId, bindings: &Bindings) -> Option<Vec<Value>> {
+    if !cycle.has(id, StepClauses::REPETITION) {
+        return None;
+    }
+    let handle = cycle.step_of(id)?;
+    let step = handle.get()?;
+    let clause = step.responding.as_ref().or(step.repeating.as_ref())?;
+    if clause.for_new.is_empty() {
+        return None;
+    }
+    let values = clause.for_new.iter().map(|name| bindings.get(name).cloned().unwrap_or_else(Value::nil));
+    Some(values.collect())
+}
+
+/// Was this combination of `:for-new` variables answered before? If not, it is now.
+pub(crate) fn is_known(cycle: &mut Cycle<'_>, id: TaskId, bindings: &Bindings) -> bool {
+    let Some(combination) = combination(cycle, id, bindings) else { return false };
+    cycle.agent.task_mut(id).is_some_and(|task| !task.extras_mut().answered.insert(combination))
+}
+
+/// Goes on waiting for a combination that was not answered before.
+pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u64>) {
+    let Some(task) = cycle.agent.task_mut(id) else { return };
+    task.after_sequence = task.after_sequence.max(answered);
+    let window = Window { start: cycle.now, after_sequence: task.after_sequence };
+    monitoring_clauses::unwatch(cycle, id, |clause, _| clause == Clause::Waitfor);
+    let Some(step) = cycle.task(id).and_then(|task| task.step()) else { return };
+    let index = cycle.agent.procedure_index(step.procedure).cloned();
+    let condition = index.and_then(|index| index.steps.get(step.step as usize)?.waitfor.clone());
+    if let Some(condition) = condition
+        && let Err(error) = monitoring_clauses::watch(cycle, id, Clause::Waitfor, Level::Step, &condition, window, true)
+    {
+        let cause = Cause::ExpressionFailed { message: error.message };
+        termination::fail(cycle, id, Because::new(cause, Some(error.place)));
+    }
+}
+
+/// The task of a responding step was enabled: a fresh instance waits beside it.
+pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
+    let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return };
+    let (Origin::Step(step), Some(parent), answered) = (task.origin, task.parent, task.after_sequence) else { return };
+    let Some(handle) = cycle.step_of(id) else { return };
+    let Some(clause) = handle.get().and_then(|step| step.responding.as_ref()) else { return };
+    binding::set_current(cycle, parent, step, id);
+    match is_allowed(cycle, id, clause) {
+        Ok(true) => {}
+        Ok(false) => return,
+        Err(because) => return fail_parent(cycle, id, because),
+    }
+    if let Err(cause) = count_instance(cycle, id) {
+        let place = cycle.place_of(id);
+        return fail_parent(cycle, id, Because::new(cause, place));
+    }
+    let seed = Seed {
+        parent: Some(parent),
+        origin: Origin::Step(step),
+        bindings: Bindings::new(),
+        by_predecessor: false,
+        after_sequence: answered,
+        cause: Cause::Responding { answered: id },
+    };
+    let fresh = match instantiation::create(cycle, seed) {
+        Ok(fresh) => fresh,
+        Err(cause) => {
+            let place = cycle.place_of(id);
+            return fail_parent(cycle, id, Because::new(cause, place));
+        }
+    };
+    let index = cycle.agent.procedure_index(step.procedure).cloned();
+    let counts = index.and_then(|index| index.steps.get(step.step as usize).map(|step| step.counts)).unwrap_or(false);
+    procedure::adopt(cycle, parent, fresh, counts);
+    let before = cycle.agent.task_mut(id).map(|task| {
+        let extras = task.extras_mut();
+        (std::mem::take(&mut extras.answered), extras.instances, extras.instant)
+    });
+    if let (Some((answered, instances, instant)), Some(task)) = (before, cycle.agent.task_mut(fresh)) {
+        let extras = task.extras_mut();
+        extras.answered = answered;
+        extras.instances = instances;
+        extras.instant = instant;
+    }
+    instantiation::arm(cycle, fresh);
+}

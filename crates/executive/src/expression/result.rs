@@ -1,0 +1,44 @@
+//! What evaluation leads to besides a value: errors, and what the forms of a hook want done.
+
+use apex_model::event::StateVariable;
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+
+/// Why an expression has no value: a sentence for people and where it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct EvaluationError {
+    /// What went wrong, with the values concerned, and what to do.
+    pub(crate) message: String,
+    /// Where.
+    pub(crate) place: Place,
+}
+
+/// What a hook's forms want done, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Action {
+    /// `(inform FORM [router])`.
+    Inform(Value, Option<Value>),
+    /// `(print ..)`.
+    Print(String),
+    /// `(command FORM [:timeout D])`, or a call of a host function declared `:command t`.
+    Command {
+        /// The ground form.
+        form: Value,
+        /// How long to wait for the answer; none is the default.
+        timeout: Option<Duration>,
+        /// Where it stands.
+        place: Place,
+    },
+    /// `(publish (ATTR OBJ) value [router])`.
+    Publish(StateVariable, Value, Option<Value>),
+    /// `(complete [value])`.
+    Complete(Value),
+    /// `(setq ?x value)`.
+    SetTaskVariable(Symbol, Value),
+    /// `(cogevent FORM [agent])`.
+    Cogevent(Value, Option<Value>),
+    /// `(end-application [reason])`.
+    EndApplication(Option<Value>),
+}

@@ -1,0 +1,98 @@
+//! Event detection (M&I)
+//! What: has a message arrived whose form matches?
+//! Runs: on every message that may match; once over the remembered messages.
+//! Reads: histories, surroundings.
+//! Writes: the event part of a monitor.
+//! Bound: one bounded match per message.
+//! PDL: any list that is no known form; `(:atomic-episode ..)`.
+//! Paper: Appendix B, atomic episodes.
+
+use crate::expression::{EvaluationError, Surroundings};
+use crate::monitoring::constraints::{Reading, all};
+use crate::monitoring::part::{Site, Troubles, remember};
+use crate::monitoring::pattern_matching::match_pattern;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::history::Occurrence;
+use apex_model::monitor::{EventPart, Interest, Keep, Satisfaction};
+use apex_model::pattern::Pattern;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(part: &mut EventPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    part.settled.clear();
+    part.blind = !surroundings.histories().events_cover(site.window.start);
+    for Occurrence { at, sequence, form } in surroundings.histories().events_from(site.window.start) {
+        notice(part, site, form, *at, *sequence, surroundings, troubles);
+    }
+}
+
+/// A message has arrived.
+pub(crate) fn notice(
+    part: &mut EventPart,
+    site: Site,
+    form: &Value,
+    at: Time,
+    sequence: u64,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !site.window.contains(at, sequence) || (site.keep == Keep::First && !part.settled.is_empty()) {
+        return;
+    }
+    let mut bindings = Bindings::new();
+    match holds(part, site, form, at, &mut bindings, surroundings) {
+        Ok(true) => {
+            let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at, sequence });
+            remember(
+                &mut part.settled,
+                Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence },
+                site,
+                troubles,
+            );
+        }
+        Ok(false) => {}
+        Err(error) => troubles.add(error),
+    }
+}
+
+fn holds(
+    part: &EventPart,
+    site: Site,
+    form: &Value,
+    at: Time,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    if !match_pattern(&part.pattern, form, bindings, surroundings, site.place)? {
+        return Ok(false);
+    }
+    let (stamp, timing) = (Value::Time(at), &part.timing);
+    Ok(all(&timing.start, &stamp, Reading::Instant, bindings, surroundings, site.place)?
+        && all(&timing.end, &stamp, Reading::Instant, bindings, surroundings, site.place)?
+        && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, surroundings, site.place)?)
+}
+
+/// Which messages may match.
+pub(crate) fn interest(pattern: &Pattern) -> Interest {
+    let head = match pattern {
+        Pattern::Literal(value) => Some(value),
+        Pattern::List(parts) => match parts.first() {
+            Some(Pattern::Literal(value)) => Some(value),
+            _ => None,
+        },
+        _ => None,
+    };
+    head.and_then(head_of).map_or(Interest::AnyEvent, Interest::EventHead)
+}
+
+/// The symbol by which messages of this form are routed: its head, or the form itself.
+pub(crate) fn head_of(form: &Value) -> Option<apex_model::symbol::Symbol> {
+    let head = match form {
+        Value::List(items) => items.first()?,
+        other => other,
+    };
+    head.as_symbol().cloned()
+}

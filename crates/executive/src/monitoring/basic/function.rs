@@ -1,0 +1,37 @@
+//! Function conditions (M&I)
+//! What: is a pure expression true?
+//! Runs: at every instant at which anything happens to the agent: what an expression reads (histories, tasks, time,
+//! host functions) cannot be told from its text in all cases, and a missed change would be worse than an evaluation.
+//! Reads: surroundings.
+//! Writes: the function part of a monitor.
+//! Bound: one bounded evaluation per instant.
+//! PDL: `(:function EXPR)`.
+//! Paper: Appendix B, user-defined constraints.
+
+use crate::expression::{Surroundings, evaluate};
+use crate::monitoring::part::Troubles;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::monitor::FunctionPart;
+use apex_model::monitor::Satisfaction;
+
+/// Evaluates the expression anew: it holds at this instant, or it does not, whatever was before.
+pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    part.holds = None;
+    match evaluate(&part.expression, surroundings) {
+        Ok(value) => {
+            if value.is_true() {
+                let (at, what) = (surroundings.now(), apex_model::words::expression(&part.expression));
+                let evidence = EvidenceList::one(Evidence::Function { what, value: value.clone(), at });
+                let bindings = Bindings::new();
+                part.holds = Some(Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });
+            }
+            part.value = Some(value.to_string());
+        }
+        Err(error) => {
+            part.value = None;
+            troubles.add(error);
+        }
+    }
+}

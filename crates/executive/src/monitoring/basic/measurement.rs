@@ -1,0 +1,260 @@
+//! Measurement (M&I)
+//! What: is there one sample whose value, object and time satisfy the constraints?
+//! Runs: on every sample of the watched variable; once over the remembered samples.
+//! Reads: histories, surroundings.
+//! Writes: the measurement part of a monitor.
+//! Bound: O(1) per sample and object; a late sample looks back over the window again.
+//! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`.
+//! Paper: Table 1, rows 1 to 4.
+
+use crate::expression::{EvaluationError, Surroundings};
+use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use crate::monitoring::part::{Site, Troubles, remember};
+use crate::monitoring::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use crate::planted::{self, Bug};
+use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::MeasurementCondition;
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window};
+use apex_model::thresholds::Threshold;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use std::sync::Arc;
+
+/// The part for `condition`, not yet looked back.
+///
+/// # Errors
+/// When a value that never changes cannot be evaluated.
+pub(crate) fn create(
+    condition: &Arc<MeasurementCondition>,
+    surroundings: &dyn Surroundings,
+) -> Result<MeasurementPart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    Ok(MeasurementPart {
+        tests: prepare(&condition.value, unit, surroundings)?,
+        variable: known_variable(&condition.variable, surroundings),
+        condition: Arc::clone(condition),
+        blind: false,
+        seen: None,
+    })
+}
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(
+    part: &mut MeasurementPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.seen = None;
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    part.blind = blind;
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// The comparison that no sample can do without, where nothing but the value decides and nothing else is remembered.
+pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
+    let plain = part.variable.is_some() && part.condition.object.is_empty() && part.condition.timestamp.is_empty();
+    match part.tests.first().filter(|_| plain)? {
+        Test::Fixed { relation, right } => Threshold::of(*relation, right),
+        Test::General(_) => None,
+    }
+}
+
+/// A sample has arrived; `newest` when no sample of its variable is as new.
+pub(crate) fn notice(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    newest: bool,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    if !site.window.contains(sample.at, sample.sequence) {
+        return;
+    }
+    let known = part.seen.as_ref().and_then(|seen| seen.newest.get(&sample.variable.object));
+    if newest || known.is_none_or(|known| sample.at >= known.at) {
+        feed(part, site, sample, surroundings, troubles);
+    } else if !planted::is(Bug::LateSampleIgnored) {
+        feed_late(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// A sample that is older than another of its variable: it stands for itself, and in the place of one of its instant.
+fn feed_late(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let result = judge(part, site, sample, surroundings, troubles);
+    let Some(seen) = &mut part.seen else { return };
+    if let Some(newest) = seen.newest.get_mut(&sample.variable.object) {
+        newest.rank = newest.rank.min(sample.sequence);
+    }
+    seen.settled.retain(|result| result.interval.0 != sample.at || variable_of(result) != Some(sample.variable));
+    if let Some(result) = result {
+        remember(&mut seen.settled, result, site, troubles);
+    }
+}
+
+fn feed(
+    part: &mut MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && part.seen.as_ref().is_some_and(|seen| !seen.settled.is_empty()) {
+        return;
+    }
+    if let Some(seen) = &mut part.seen
+        && let Some(newest) = seen.newest.get_mut(&sample.variable.object)
+        && sample.at > newest.at
+        && let Some(result) = newest.result.take()
+    {
+        remember(&mut seen.settled, result, site, troubles);
+        if site.keep == Keep::First {
+            return;
+        }
+    }
+    let result = judge(part, site, sample, surroundings, troubles);
+    let seen = part.seen.get_or_insert_default();
+    let objects = seen.newest.len();
+    match seen.newest.get_mut(&sample.variable.object) {
+        Some(newest) if newest.at == sample.at && planted::is(Bug::FirstDuplicateWins) => {}
+        Some(newest) => {
+            newest.at = sample.at;
+            newest.rank = newest.rank.min(sample.sequence);
+            newest.result = result;
+        }
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, surroundings, site.place)
+        }
+        None => {
+            let newest = NewestSample { rank: sample.sequence, at: sample.at, result };
+            seen.newest.insert(sample.variable.object.clone(), newest);
+        }
+    }
+}
+
+fn judge(
+    part: &MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Satisfaction> {
+    let mut bindings = Bindings::new();
+    match holds(part, site, sample, &mut bindings, surroundings) {
+        Ok(true) => Some(Satisfaction {
+            interval: (sample.at, sample.at),
+            recognised_at: sample.at,
+            bindings,
+            evidence: EvidenceList::one(Evidence::Sample {
+                variable: sample.variable.clone(),
+                value: sample.value.clone(),
+                at: sample.at,
+            }),
+        }),
+        Ok(false) => None,
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    }
+}
+
+fn holds(
+    part: &MeasurementPart,
+    site: Site,
+    sample: Seen<'_>,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    let condition = &part.condition;
+    let Seen { variable, value, at, .. } = sample;
+    let known = part.variable.is_some();
+    let stamp = Value::Time(at);
+    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
+        && satisfies_all(
+            &part.tests,
+            &condition.value,
+            value,
+            &variable.attribute,
+            bindings,
+            surroundings,
+            site.place,
+        )?
+        && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
+}
+
+/// All results up to now, earliest first; those of one instant in the order in which their objects were heard of.
+pub(crate) fn results(part: &MeasurementPart) -> Vec<Satisfaction> {
+    let Some(seen) = &part.seen else { return Vec::new() };
+    let pending = seen.newest.samples().filter_map(|newest| newest.result.as_ref());
+    let mut all: Vec<Satisfaction> = seen.settled.iter().chain(pending).cloned().collect();
+    let rank = |result: &Satisfaction| {
+        variable_of(result).and_then(|variable| seen.newest.get(&variable.object)).map(|newest| newest.rank)
+    };
+    all.sort_by_key(|result| (result.recognised_at, rank(result)));
+    all
+}
+
+/// Whose sample the result is.
+fn variable_of(result: &Satisfaction) -> Option<&StateVariable> {
+    match result.evidence.iter().next() {
+        Some(Evidence::Sample { variable, .. }) => Some(variable),
+        _ => None,
+    }
+}
+
+/// The first of [`results`].
+pub(crate) fn first_result(part: &MeasurementPart) -> Option<Satisfaction> {
+    let seen = part.seen.as_ref()?;
+    match (&seen.newest, seen.settled.is_empty()) {
+        (Newest::One(_, newest), true) => newest.result.clone(),
+        _ => results(part).into_iter().next(),
+    }
+}
+
+/// Is there any result?
+pub(crate) fn any(part: &MeasurementPart) -> bool {
+    let found =
+        |seen: &SeenSamples| !seen.settled.is_empty() || seen.newest.samples().any(|newest| newest.result.is_some());
+    part.seen.as_deref().is_some_and(found)
+}
+
+/// The newest sample of `variable` that counts for the part, told of or not.
+fn newest_seen(
+    part: &MeasurementPart,
+    window: Window,
+    variable: &StateVariable,
+    surroundings: &dyn Surroundings,
+) -> Option<Time> {
+    if part.variable.is_none() {
+        return part.seen.as_ref()?.newest.get(&variable.object).map(|newest| newest.at);
+    }
+    let mut samples = surroundings.histories().get(variable)?.samples().rev();
+    samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
+}
+
+/// Has any sample counted so far? For explanations.
+pub(crate) fn has_seen_any(part: &MeasurementPart, window: Window, surroundings: &dyn Surroundings) -> bool {
+    match &part.variable {
+        Some(variable) => newest_seen(part, window, variable, surroundings).is_some(),
+        None => part.seen.as_ref().is_some_and(|seen| !seen.newest.is_empty()),
+    }
+}

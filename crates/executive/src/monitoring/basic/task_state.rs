@@ -1,0 +1,131 @@
+//! Task conditions (M&I)
+//! What: has a task ended, or entered a state?
+//! Runs: on transitions of the task; once on the task as it is when the monitor is made.
+//! Reads: surroundings.
+//! Writes: the task parts of a monitor.
+//! Bound: O(1) per transition.
+//! PDL: `?s1`, `(end ?s1)`, `(state ?s1 = S)`.
+//! Paper: section III, monitors check events of internal mechanisms.
+
+use crate::expression::{Surroundings, evaluate};
+use crate::monitoring::part::{Site, Troubles, remember};
+use crate::monitoring::pattern_matching::match_pattern;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Learns which task is meant, and whether it has ended already.
+pub(crate) fn advance_ended(part: &mut TaskEndedPart, surroundings: &dyn Surroundings) {
+    if let Some(Value::Task(task)) = surroundings.variable(&part.variable) {
+        if part.task != Some(task) {
+            part.task = Some(task);
+            part.ended = None;
+        }
+        if part.ended.is_none() && part.standing {
+            part.ended = surroundings.task_end(task);
+        }
+    }
+}
+
+/// A task ended.
+pub(crate) fn notice_ended(part: &mut TaskEndedPart, task: TaskId, at: Time) {
+    if part.task == Some(task) && part.ended.is_none() {
+        part.ended = Some(at);
+    }
+}
+
+/// The result of a wait for a task's end.
+pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
+    let (task, at) = part.task.zip(part.ended)?;
+    let evidence = EvidenceList::one(Evidence::TaskEnd { task, at });
+    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
+}
+
+/// Learns which task is meant; its present state counts if the part says so, and where a tag stands for another task now.
+pub(crate) fn advance_state(
+    part: &mut TaskStatePart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let Ok(Value::Task(task)) = evaluate(&part.expression, surroundings) else { return };
+    if part.task == Some(task) {
+        return;
+    }
+    let another = part.task.replace(task).is_some();
+    part.settled.clear();
+    if (part.standing || another)
+        && let Some(state) = surroundings.task_state(task)
+    {
+        note(part, site, task, state.word(), surroundings.now(), surroundings, troubles);
+    }
+}
+
+/// A task changed state.
+pub(crate) fn notice_state(
+    part: &mut TaskStatePart,
+    site: Site,
+    (task, from, state, at): (TaskId, TaskState, TaskState, Time),
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if part.task != Some(task) || at < site.window.start {
+        return;
+    }
+    note(part, site, task, state.word(), at, surroundings, troubles);
+    if from == TaskState::Interrupted && state == TaskState::Ongoing {
+        note(part, site, task, "resumed", at, surroundings, troubles);
+    }
+}
+
+fn note(
+    part: &mut TaskStatePart,
+    site: Site,
+    task: TaskId,
+    word: &str,
+    at: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let (mut bindings, value) = (Bindings::new(), Value::symbol(word));
+    match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
+        Ok(true) => {
+            let evidence = EvidenceList::one(Evidence::TaskState { task, state: value, at });
+            remember(
+                &mut part.settled,
+                Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence },
+                site,
+                troubles,
+            );
+        }
+        Ok(false) => {}
+        Err(error) => troubles.add(error),
+    }
+}
+
+/// The only interest of a monitor that waits for one task's end or state, as it is now; none of all others.
+pub(crate) fn sole_interest(monitor: &Monitor) -> Option<Interest> {
+    match &monitor.root.kind {
+        PartKind::TaskEnded(leaf) => Some(interest(leaf.task)),
+        PartKind::TaskState(leaf) => Some(interest(leaf.task)),
+        _ => None,
+    }
+}
+
+/// Whose transitions matter.
+pub(crate) fn interest(task: Option<TaskId>) -> Interest {
+    task.map_or(Interest::AnyTask, Interest::Task)
+}
+
+/// The name by which a wait for a task's end is explained.
+pub(crate) fn ended_words(variable: &Symbol) -> String {
+    format!("(end ?{variable})")
+}

@@ -1,0 +1,137 @@
+//! Time conditions (M&I)
+//! What: has an instant come, or has so much time passed?
+//! Runs: whenever the verdict is asked; wakes the agent at the instant.
+//! Reads: surroundings.
+//! Writes: the time part of a monitor.
+//! Bound: O(1).
+//! PDL: `(:timestamp T1 [T2])`, `(:delay D1 [D2])`.
+//! Paper: Appendix B, timestamp constraints.
+
+use crate::expression::arithmetic::{duration, instant};
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::part::Site;
+use crate::monitoring::wake::WakeReason;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::builtins::CHANGING;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::monitor::{Satisfaction, TimePart};
+use apex_model::time::{Duration, Time};
+use apex_model::walk;
+
+/// Which of the two forms a part is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// `:timestamp`.
+    Timestamp,
+    /// `:delay` after the window's start.
+    Delay,
+}
+
+/// Evaluates the instants anew, until one of them was reached. An instant that cannot be told yet (the end of a task
+/// that goes on) is no error: it is not reached.
+pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: Site, surroundings: &dyn Surroundings) {
+    if part.reached.is_some() {
+        return;
+    }
+    part.span = span(part, kind, site.window.start, surroundings).ok();
+    let Some((from, to)) = part.span else { return };
+    let first = from.max(site.window.start);
+    if first <= to && first <= surroundings.now() {
+        part.reached = Some(first);
+    }
+}
+
+/// A part whose expressions cannot be evaluated, now or later. One that waits for a task or a value is none.
+///
+/// # Errors
+/// Why an expression has no value.
+pub(crate) fn check(
+    part: &TimePart,
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<(), EvaluationError> {
+    let mut exprs = std::iter::once(&part.from).chain(&part.to);
+    if exprs.all(|expr| is_settled(expr, surroundings)) {
+        span(part, kind, start, surroundings)?;
+    }
+    Ok(())
+}
+
+/// Does the expression depend on nothing that is still to come?
+fn is_settled(expr: &Expr, surroundings: &dyn Surroundings) -> bool {
+    let library = surroundings.library();
+    let mut settled = true;
+    walk::each(expr, &mut |part| {
+        settled &= match &part.kind {
+            ExprKind::Variable { name, .. } => surroundings.variable(name).is_some(),
+            ExprKind::Call { function, .. } | ExprKind::FunctionName(function) => {
+                CHANGING.binary_search(&function.folded()).is_err() && !library.functions.contains_key(function)
+            }
+            ExprKind::Indexical(name) => !library.indexicals.contains_key(name),
+            _ => true,
+        };
+    });
+    settled
+}
+
+/// First and last instant that satisfy the part.
+///
+/// # Errors
+/// When an expression cannot be evaluated.
+pub(crate) fn span(
+    part: &TimePart,
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<(Time, Time), EvaluationError> {
+    match kind {
+        Kind::Timestamp => {
+            let at = |expr: &Expr| {
+                let value = evaluate(expr, surroundings)?;
+                instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
+            };
+            let from = at(&part.from)?;
+            Ok((from, part.to.as_ref().map_or(Ok(from), at)?))
+        }
+        Kind::Delay => {
+            let (least, most) = delays(part, surroundings)?;
+            Ok((start + least, start + most))
+        }
+    }
+}
+
+/// Least and greatest delay.
+///
+/// # Errors
+/// When an expression cannot be evaluated.
+pub(crate) fn delays(
+    part: &TimePart,
+    surroundings: &dyn Surroundings,
+) -> Result<(Duration, Duration), EvaluationError> {
+    let length = |expr: &Expr| {
+        let value = evaluate(expr, surroundings)?;
+        duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
+    };
+    Ok((length(&part.from)?, part.to.as_ref().map_or(Ok(Duration::MAX), length)?))
+}
+
+/// The result, once the instant was reached.
+pub(crate) fn result(part: &TimePart, kind: Kind, start: Time) -> Option<Satisfaction> {
+    let at = part.reached?;
+    let since = matches!(kind, Kind::Delay).then_some(start);
+    let evidence = EvidenceList::one(Evidence::Instant { since, at });
+    Some(Satisfaction { interval: (at, at), recognised_at: at, bindings: Bindings::new(), evidence })
+}
+
+/// When the instant comes.
+pub(crate) fn next_wake(part: &TimePart, kind: Kind, after: Time) -> Option<(Time, WakeReason)> {
+    let (from, to) = part.span.filter(|_| part.reached.is_none())?;
+    let what = match kind {
+        Kind::Timestamp => WakeReason::Timestamp,
+        Kind::Delay => WakeReason::Delay,
+    };
+    (from > after && from <= to).then_some((from, what))
+}

@@ -1,0 +1,253 @@
+//! Absence (M&I)
+//! What: did a whole window of this length pass without the part?
+//! Runs: whenever the verdict is asked, and at the instant at which the window is over.
+//! Reads: what the part has found, surroundings.
+//! Writes: the absent part of a monitor.
+//! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
+//! PDL: `(:absent C :for D)`.
+//! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
+
+use crate::expression::arithmetic::duration;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::asking::Asking;
+use crate::monitoring::combination::{extents, together, unmet};
+use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::time_bounds::TICK;
+use crate::planted::{self, Bug};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::estimate::Estimator;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::expression::Expr;
+use apex_model::limits::MONITOR_RESULTS_MAX;
+use apex_model::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
+use apex_model::time::{Duration, Time};
+
+/// The part, not yet looked back. The length is evaluated now.
+///
+/// # Errors
+/// When it cannot be.
+pub(crate) fn create(
+    part: Part,
+    length: &Expr,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<AbsentPart, EvaluationError> {
+    let value = evaluate(length, surroundings)?;
+    let length = duration(&value).map_err(|message| EvaluationError { message, place: length.place })?;
+    Ok(AbsentPart {
+        part,
+        length,
+        since: start,
+        since_final: start,
+        taken_back: None,
+        reached: Vec::new(),
+        goes_on: false,
+        unknown: false,
+        broken: None,
+        told: None,
+        seen: Vec::new(),
+        found: Vec::new(),
+        decides_at: Some(start + length),
+    })
+}
+
+/// Starts again.
+pub(crate) fn forget(part: &mut AbsentPart, site: Site) {
+    part.found.clear();
+    part.seen.clear();
+    part.reached.clear();
+    (part.since, part.since_final) = (site.window.start, site.window.start);
+    (part.goes_on, part.unknown) = (false, false);
+    (part.broken, part.told, part.taken_back) = (None, None, None);
+    part.decides_at = Some(part.since + part.length);
+}
+
+/// What was so from `known` on is judged again, because a sample came late: one of `at`, if it lies in the window. Then windows
+/// that reached it, and those that were found since `known`, have not passed yet.
+pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
+    if part.broken.is_some_and(|since| since >= known) {
+        part.broken = None;
+    }
+    let Some(at) = at else { return };
+    let stays = |window: &Satisfaction| window.interval.1 < at && window.recognised_at < known;
+    let gone = part.found.iter().filter(|window| !stays(window)).map(|window| window.interval.0);
+    let first = gone.chain([at - part.length]).min();
+    part.taken_back = part.taken_back.into_iter().chain(first).min();
+    part.found.retain(stays);
+    part.since = part.since_final;
+}
+
+/// Nothing more is wanted of it.
+pub(crate) fn is_done(part: &AbsentPart, site: Site) -> bool {
+    site.keep == Keep::First && !part.found.is_empty()
+}
+
+/// Looks at what the part has found, after it has caught up with the present. The window is open at its start: it
+/// begins after the last result; what happens at the very instant at which it would be over prevents it.
+pub(crate) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    if is_done(part, site) {
+        return;
+    }
+    let mut asking = Asking::new(surroundings);
+    let extents = if together::is_together(&part.part) {
+        together::take(part, &mut asking)
+    } else {
+        extents::take_final(&mut part.part, &mut asking)
+    };
+    let at_instants = holds_at_instants(&part.part);
+    let lasts = |extent: &extents::Extent| {
+        extent.open
+            || expires(&extent.result).is_some_and(|over| over > asking.now)
+            || at_instants && rests_on_now(&part.part, &extent.result, asking.now)
+    };
+    let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
+    // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
+    part.goes_on = goes_on;
+    part.unknown = !goes_on && (extents.doubt || is_blind(&part.part));
+    let quiet = !goes_on && !part.unknown;
+    // Instants between looks are as the last look found: nothing changes unnoticed. What was so only in the middle of this
+    // instant has not been.
+    if quiet && part.broken.is_some_and(|since| since < asking.now) {
+        part.since_final = part.since_final.max(asking.now);
+    }
+    part.broken = (at_instants && !quiet).then(|| part.broken.unwrap_or(asking.now));
+    if part.broken.is_some() {
+        part.seen.clear();
+    } else if quiet {
+        pass(part, &extents, site, &mut asking);
+    } else {
+        see(part, site, extents.settled.iter().map(lasting).collect(), &mut asking.troubles);
+    }
+    let over = part.since + part.length;
+    let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
+    // Doubt breaks absence of what holds at instants: the instant at which it comes is looked at.
+    let silent = if at_instants { extents::silent_after(&part.part, asking.now) } else { None };
+    let waits = waits.chain(silent);
+    part.decides_at = waits.chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
+    for trouble in asking.troubles.0 {
+        if !troubles.0.contains(&trouble) {
+            troubles.0.push(trouble);
+        }
+    }
+}
+
+/// Windows that have passed up to now. It may be known only now that nothing was there before or between.
+fn pass(part: &mut AbsentPart, extents: &extents::Extents, site: Site, asking: &mut Asking<'_>) {
+    let mut settled = std::mem::take(&mut part.seen);
+    settled.extend(extents.settled.iter().map(lasting));
+    let last = settled.iter().map(|(_, end)| *end).max();
+    let mut all = settled;
+    all.extend(extents.passing.iter().map(|extent| lasting(&extent.result)));
+    all.sort_unstable();
+    part.since = part.since_final;
+    for (start, end) in all {
+        if part.since + part.length < start {
+            note(part, site, asking);
+        }
+        part.since = part.since.max(end);
+    }
+    if part.since + part.length <= asking.now {
+        note(part, site, asking);
+    }
+    part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
+}
+
+/// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
+/// the window is one; where there is too much of it, what comes last is taken for one, which is told.
+fn see(part: &mut AbsentPart, site: Site, found: Vec<(Time, Time)>, troubles: &mut Troubles) {
+    let mut seen = std::mem::take(&mut part.seen);
+    seen.extend(found);
+    seen.sort_unstable();
+    for (start, end) in seen {
+        let full = part.seen.len() >= MONITOR_RESULTS_MAX;
+        match part.seen.last_mut() {
+            Some((_, last)) if *last + part.length >= start => *last = end.max(*last),
+            Some((_, last)) if full => {
+                troubles.too_many_results(site.place);
+                *last = end.max(*last);
+            }
+            _ => part.seen.push((start, end)),
+        }
+    }
+}
+
+/// The interval of a result, and on to the instant at which the values in it persist no more: absence begins with it.
+fn lasting(result: &Satisfaction) -> (Time, Time) {
+    let (start, end) = result.interval;
+    (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
+}
+
+/// The first instant at which some persisted value of a result is not valid any more.
+fn expires(result: &Satisfaction) -> Option<Time> {
+    let persisted = result.evidence.iter().filter_map(|evidence| match evidence {
+        Evidence::Estimate(estimate) if estimate.estimator == Estimator::Persistence => Some(estimate.extent.1),
+        _ => None,
+    });
+    persisted.min()
+}
+
+/// Does the part hold at instants, so that a result may be gone at the next look?
+pub(crate) fn holds_at_instants(part: &Part) -> bool {
+    match &part.kind {
+        PartKind::Not(_) | PartKind::Function(_) | PartKind::Regression(_) => true,
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().any(holds_at_instants)
+        }
+        // What these have found stays.
+        _ => false,
+    }
+}
+
+/// Was the result made of something that holds at this instant, and may not at the next?
+fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
+    result.evidence.iter().any(|evidence| match evidence {
+        Evidence::Absence { what, at } => *at == now && !is_window_without(part, what),
+        Evidence::Function { at, .. } => *at == now,
+        Evidence::Estimate(estimate) => estimate.estimator == Estimator::LinearRegression,
+        _ => false,
+    })
+}
+
+/// Is `what` the part of an `:absent` within, which stays absent?
+fn is_window_without(part: &Part, what: &str) -> bool {
+    let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
+    extents::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
+    is
+}
+
+/// Is there less remembered than the part's window asks for?
+fn is_blind(part: &Part) -> bool {
+    match &part.kind {
+        PartKind::Measurement(leaf) => leaf.blind,
+        PartKind::Event(leaf) => leaf.blind,
+        _ => false,
+    }
+}
+
+/// The window that began when the part was last there has passed without it.
+fn note(part: &mut AbsentPart, site: Site, asking: &mut Asking<'_>) {
+    let (since, over) = (part.since, part.since + part.length);
+    let again = part.taken_back.is_some_and(|first| first <= since)
+        && !part.found.iter().any(|window| window.interval.0 == since);
+    if again || part.told.is_none_or(|told| told < since) {
+        part.told = part.told.max(Some(since));
+        let found = result(&part.part, (since, over), asking.now);
+        remember(&mut part.found, found, site, &mut asking.troubles);
+    }
+}
+
+fn result(part: &Part, interval: (Time, Time), now: Time) -> Satisfaction {
+    let evidence = Evidence::Absence { what: unmet::text(part), at: now };
+    Satisfaction { interval, recognised_at: now, bindings: Bindings::new(), evidence: EvidenceList::one(evidence) }
+}
+
+/// Satisfied; not known, when the data do not say whether the part holds; else not.
+pub(crate) fn truth(part: &AbsentPart) -> Truth {
+    Truth::of(!part.found.is_empty(), part.unknown)
+}
+
+/// How long the part has been absent at `now`, and when that is long enough.
+pub(crate) fn state(part: &AbsentPart, now: Time) -> (Duration, Time) {
+    (now - part.since, part.since + part.length)
+}

@@ -1,0 +1,398 @@
+//! Allen relations (M&I)
+//! What: do results of adjacent parts stand in the relation, each to the next?
+//! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
+//! Reads: what the parts have found, surroundings.
+//! Writes: the Allen part of a monitor.
+//! Bound: O(new results x results kept) for two parts; at most `MONITOR_RESULTS_MAX` results of a part are kept, and
+//! only those that a run that goes on, or one to come, could still be related to; one where no constraint chooses.
+//! PDL: `:before` .. `:cotemporal`, `:tolerance`, `:constraint`.
+//! Paper: Table 1 row 11, Allen temporal predicates; Appendix B.
+
+use crate::expression::Surroundings;
+use crate::monitoring::asking::Asking;
+use crate::monitoring::combination::choices::{bounds_only, easier, keep_best, keep_first_choices};
+use crate::monitoring::combination::extents::{self, Extent, Extents};
+use crate::monitoring::combination::logic;
+use crate::monitoring::combination::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
+use crate::monitoring::part::{Site, Troubles, Truth};
+use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::AllenRelation;
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::limits::MONITOR_RESULTS_MAX;
+use apex_model::monitor::{AllenPart, Chain, Side};
+use apex_model::monitor::{Keep, Satisfaction};
+use apex_model::symbol::Symbol;
+use apex_model::time::Time;
+use std::collections::BTreeMap;
+
+/// Results kept before those of no more use are looked for; few in tests, whose traces are short.
+const SWEEP_AT_LEAST: usize = if cfg!(test) { 2 } else { 32 };
+
+/// Starts again.
+pub(crate) fn forget(part: &mut AllenPart) {
+    part.sides.iter_mut().for_each(|side| *side = Side::default());
+    part.found.clear();
+    part.passing.clear();
+    part.undecided = false;
+    part.decides_at = None;
+}
+
+/// Nothing more is wanted of it.
+pub(crate) fn is_done(part: &AllenPart, site: Site) -> bool {
+    site.keep == Keep::First && !part.found.is_empty()
+}
+
+/// A sample took the place of another one of its instant: results of the other are none.
+pub(crate) fn replace(part: &mut AllenPart, variable: &StateVariable, at: Time) {
+    let of_it = |evidence: &Evidence| matches!(evidence, Evidence::Sample { variable: own, at: own_at, .. } if own == variable && *own_at == at);
+    let stands = |result: &Satisfaction| !result.evidence.iter().any(of_it);
+    for side in &mut part.sides {
+        let before = side.settled.len();
+        side.settled.retain(&stands);
+        if side.settled.len() < before {
+            side.count = side.settled.len() as u64;
+            side.newest = side.settled.iter().map(|result| (result.interval, false)).max_by_key(|((_, end), _)| *end);
+        }
+    }
+    part.found.retain(|chain| stands(&chain.result));
+    part.passing.retain(|chain| stands(&chain.result));
+}
+
+/// Looks at what the parts have found, after they have caught up with the present.
+pub(crate) fn advance(
+    part: &mut AllenPart,
+    site: Site,
+    tag: Option<&Symbol>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if is_done(part, site) {
+        return;
+    }
+    let mut asking = Asking::new(surroundings);
+    let mut extents: Vec<Extents> = part.parts.iter_mut().map(|each| extents::take(each, &mut asking)).collect();
+    let mut join = Join::new(part, &extents, surroundings);
+    join.run();
+    let Join { met, undecided, exhausted, .. } = join;
+    if exhausted {
+        asking.troubles.reached(Limit::MonitorCombinations, surroundings, site.place);
+    }
+    part.undecided = undecided;
+    let changes = extents.iter().filter_map(|each| each.changes_at);
+    part.decides_at = changes.chain(asking.wake).filter(|at| *at > asking.now).min();
+    let mut chains: Vec<(Chain, bool)> = Vec::new();
+    for (chain, settled) in met {
+        if logic::constraints_hold(tag, &part.constraints, chain.result.interval, &chain.result.bindings, &mut asking) {
+            chains.push((chain, settled));
+        }
+    }
+    chains.sort_by(|(a, _), (b, _)| a.intervals.cmp(&b.intervals));
+    note(part, site, chains, &mut asking.troubles);
+    for (index, each) in extents.iter_mut().enumerate() {
+        keep(part, index, each);
+    }
+    for index in 0..part.sides.len() {
+        sweep(part, site, index, &extents, &mut asking);
+    }
+    for trouble in asking.troubles.0 {
+        if !troubles.0.contains(&trouble) {
+            troubles.0.push(trouble);
+        }
+    }
+}
+
+/// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
+/// instant at which it became known.
+fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>, troubles: &mut Troubles) {
+    let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
+    // By where they start, the first of several last.
+    let passing = std::mem::take(&mut part.passing);
+    let known: BTreeMap<_, _> = passing.iter().rev().map(|known| (starts(known), known.result.recognised_at)).collect();
+    for (mut chain, settled) in chains {
+        if let Some(recognised_at) = known.get(&starts(&chain)) {
+            chain.result.recognised_at = *recognised_at;
+        }
+        if site.keep == Keep::First {
+            part.found.push(chain);
+            return;
+        }
+        if !settled {
+            if part.passing.len() < MONITOR_RESULTS_MAX {
+                part.passing.push(chain);
+            } else {
+                troubles.too_many_results(site.place);
+            }
+        } else {
+            if part.found.len() >= MONITOR_RESULTS_MAX {
+                troubles.too_many_results(site.place);
+                part.found.drain(..MONITOR_RESULTS_MAX / 4);
+            }
+            part.found.push(chain);
+        }
+    }
+}
+
+/// Adds what is new to what is kept of a part.
+fn keep(part: &mut AllenPart, index: usize, extents: &mut Extents) {
+    let Some(side) = part.sides.get_mut(index) else { return };
+    let newest = extents.settled.iter().map(|result| (result.interval, false));
+    let passing = extents.passing.iter().map(|extent| (extent.result.interval, extent.open));
+    // What was not final may be gone.
+    let before = side.newest.filter(|_| side.count > 0);
+    side.newest = newest.chain(passing).max_by_key(|((_, end), _)| *end).or(before);
+    side.count += extents.settled.len() as u64;
+    side.settled.append(&mut extents.settled);
+}
+
+/// A result of a part within a search.
+#[derive(Clone, Copy)]
+struct Item<'a> {
+    result: &'a Satisfaction,
+    open: bool,
+    settled: bool,
+}
+
+/// A result as it is known at `now`.
+fn span(interval: (Time, Time), open: bool, now: Time) -> Span {
+    if open { Span::growing(interval, now) } else { Span::of(interval) }
+}
+
+impl Item<'_> {
+    fn span(&self, now: Time) -> Span {
+        span(self.result.interval, self.open, now)
+    }
+}
+
+/// The search for related results of which at least one is new.
+struct Join<'a> {
+    relation: AllenRelation,
+    part: &'a AllenPart,
+    extents: &'a [Extents],
+    now: Time,
+    combinations: u64,
+    combinations_max: u64,
+    met: Vec<(Chain, bool)>,
+    undecided: bool,
+    exhausted: bool,
+}
+
+impl<'a> Join<'a> {
+    fn new(part: &'a AllenPart, extents: &'a [Extents], surroundings: &dyn Surroundings) -> Join<'a> {
+        Join {
+            relation: part.relation,
+            part,
+            extents,
+            now: surroundings.now(),
+            combinations: 0,
+            combinations_max: surroundings.limits().of(Limit::MonitorCombinations),
+            met: Vec::new(),
+            undecided: false,
+            exhausted: false,
+        }
+    }
+
+    /// Each new result is the first new one of a chain, in order of parts: so no chain is met twice.
+    fn run(&mut self) {
+        let count = self.extents.len();
+        let mut chain: Vec<Item<'a>> = Vec::with_capacity(count);
+        for first_new in 0..count {
+            for item in self.fresh(first_new) {
+                chain.clear();
+                chain.push(item);
+                self.extend_left(first_new, first_new, &mut chain);
+            }
+        }
+    }
+
+    fn fresh(&self, index: usize) -> Vec<Item<'a>> {
+        let Some(extents) = self.extents.get(index) else { return Vec::new() };
+        let settled = extents.settled.iter().map(|result| Item { result, open: false, settled: true });
+        let passing =
+            extents.passing.iter().map(|Extent { result, open }| Item { result, open: *open, settled: false });
+        settled.chain(passing).collect()
+    }
+
+    fn kept(&self, index: usize) -> impl Iterator<Item = Item<'a>> + use<'a> {
+        let side: &'a [Satisfaction] =
+            self.part.sides.get(index).map(|side| side.settled.as_slice()).unwrap_or_default();
+        side.iter().map(|result| Item { result, open: false, settled: true })
+    }
+
+    /// `chain` holds the results of the parts from `leftmost` to `first_new`; those before are old.
+    fn extend_left(&mut self, leftmost: usize, first_new: usize, chain: &mut Vec<Item<'a>>) {
+        let Some(next) = leftmost.checked_sub(1) else {
+            self.extend_right(first_new + 1, chain);
+            return;
+        };
+        for item in self.kept(next) {
+            let Some(right) = chain.first() else { return };
+            if self.related(&item, right) {
+                chain.insert(0, item);
+                self.extend_left(next, first_new, chain);
+                chain.remove(0);
+            }
+        }
+    }
+
+    /// `chain` holds the results of the parts before `index`.
+    fn extend_right(&mut self, index: usize, chain: &mut Vec<Item<'a>>) {
+        if index >= self.extents.len() {
+            self.meet(chain);
+            return;
+        }
+        for item in self.kept(index).chain(self.fresh(index)) {
+            let Some(left) = chain.last() else { return };
+            if self.related(left, &item) {
+                chain.push(item);
+                self.extend_right(index + 1, chain);
+                chain.pop();
+            }
+        }
+    }
+
+    fn related(&mut self, left: &Item<'_>, right: &Item<'_>) -> bool {
+        let (first, second) = (left.span(self.now), right.span(self.now));
+        let decision = decide(self.relation, self.part.tolerance, first, second);
+        if decision == Decision::Fails || !self.agree(left, right) {
+            return false;
+        }
+        self.undecided |= decision == Decision::Open;
+        decision == Decision::Holds
+    }
+
+    /// Do both bind shared variables alike?
+    fn agree(&self, left: &Item<'_>, right: &Item<'_>) -> bool {
+        let bound = |name: &Symbol| right.result.bindings.get(name);
+        !self.part.shares
+            || left.result.bindings.iter().all(|(name, value)| bound(name).is_none_or(|other| other.matches(value)))
+    }
+
+    fn meet(&mut self, chain: &[Item<'a>]) {
+        self.combinations += 1;
+        if self.combinations > self.combinations_max {
+            self.exhausted = true;
+            return;
+        }
+        let intervals: Vec<(Time, Time)> = chain.iter().map(|item| item.result.interval).collect();
+        let hull = intervals.iter().copied().reduce(|(start, end), (from, to)| (start.min(from), end.max(to)));
+        let bindings = chain.iter().try_fold(Bindings::new(), |all, item| logic::joined(&all, &item.result.bindings));
+        let (Some(interval), Some(bindings)) = (hull, bindings) else { return };
+        let evidence = chain.iter().fold(EvidenceList::default(), |all, item| all.joined(&item.result.evidence));
+        let settled = chain.iter().all(|item| item.settled);
+        let result = Satisfaction { interval, recognised_at: self.now, bindings, evidence };
+        self.met.push((Chain { intervals, result }, settled));
+    }
+}
+
+/// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best. What
+/// is to come counts from the newest sample of a part on, because samples of one variable may come later than those of
+/// another; where that leaves too many, it counts from now on.
+fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], asking: &mut Asking<'_>) {
+    let Some(side) = part.sides.get(index) else { return };
+    if side.settled.len() < side.sweep_at.max(SWEEP_AT_LEAST) {
+        return;
+    }
+    retain_useful(part, site, index, looks, None);
+    if part.sides.get(index).is_some_and(|side| side.settled.len() > MONITOR_RESULTS_MAX) {
+        retain_useful(part, site, index, looks, Some(asking.now));
+    }
+    let Some(side) = part.sides.get_mut(index) else { return };
+    if side.settled.len() > MONITOR_RESULTS_MAX {
+        asking.troubles.too_many_results(site.place);
+        side.settled.drain(..MONITOR_RESULTS_MAX / 4);
+    }
+    side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);
+}
+
+fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], now: Option<Time>) {
+    let Some(side) = part.sides.get(index) else { return };
+    let any_will_do = site.keep == Keep::First && part.constraints.is_empty() && part.parts.len() == 2;
+    let longer = part.parts.len() > 2;
+    let mut useful = vec![true; side.settled.len()];
+    for (neighbour, is_left) in index.checked_sub(1).map(|left| (left, true)).into_iter().chain([(index + 1, false)]) {
+        let (Some(look), Some(other)) = (looks.get(neighbour), part.sides.get(neighbour)) else { continue };
+        if look.anywhere {
+            continue;
+        }
+        let coming = Span::coming(now.unwrap_or(look.from));
+        let runs = look.runs.iter().chain(&look.silent);
+        let mut partners: Vec<Span> = runs.map(|run| Span::growing(*run, now.unwrap_or(run.1))).collect();
+        let possible = |result: &Satisfaction, partner: Span| {
+            let own = Span::of(result.interval);
+            let (first, second) = if is_left { (partner, own) } else { (own, partner) };
+            decide(part.relation, part.tolerance, first, second) != Decision::Fails
+        };
+        if any_will_do && bounds_only(part.relation) {
+            let mut best = keep_best(&side.settled, &useful, &partners, possible);
+            let easier = |one: &Satisfaction, other: &Satisfaction| easier(part.relation, is_left, one, other);
+            keep_first_choices(&side.settled, &mut best, |result| possible(result, coming), easier);
+            useful.iter_mut().zip(best).for_each(|(useful, best)| *useful &= best);
+            continue;
+        }
+        partners.push(coming);
+        if longer {
+            // What is there already has been related to it, but the chain may lack another part.
+            let passing = look.passing.iter().map(|extent| &extent.result);
+            partners.extend(other.settled.iter().chain(passing).map(|result| Span::of(result.interval)));
+        }
+        for (result, useful) in side.settled.iter().zip(useful.iter_mut()) {
+            *useful &= partners.iter().any(|partner| possible(result, *partner));
+        }
+    }
+    let Some(side) = part.sides.get_mut(index) else { return };
+    let mut useful = useful.into_iter();
+    side.settled.retain(|_| useful.next().unwrap_or(true));
+}
+
+/// All results up to now. Of those recognised at one instant, those go first whose parts, in written order, do.
+pub(crate) fn results(part: &AllenPart) -> Vec<Satisfaction> {
+    let mut chains: Vec<&Chain> = part.found.iter().chain(&part.passing).collect();
+    chains.sort_by(|a, b| (a.result.recognised_at, &a.intervals).cmp(&(b.result.recognised_at, &b.intervals)));
+    chains.into_iter().map(|chain| chain.result.clone()).collect()
+}
+
+/// Satisfied; not known, when the data do not say whether a part holds that has found nothing; else not.
+pub(crate) fn truth(part: &AllenPart, asking: &mut Asking<'_>) -> Truth {
+    if !part.found.is_empty() || !part.passing.is_empty() {
+        return Truth::True;
+    }
+    let sides = part.parts.iter().zip(&part.sides).filter(|(_, side)| side.newest.is_none());
+    let missing: Vec<Truth> = sides.map(|(each, _)| logic::truth(each, asking)).collect();
+    missing.into_iter().min().filter(|least| *least == Truth::Unknown).unwrap_or(Truth::False)
+}
+
+/// In what the newest results of two adjacent parts miss the relation: the place of the first part, and words.
+pub(crate) fn mismatch(part: &AllenPart, now: Time) -> Option<(usize, String)> {
+    let pairs = part.sides.iter().zip(part.sides.iter().skip(1)).enumerate();
+    pairs.filter_map(|(index, (left, right))| Some((index, left.newest?, right.newest?))).find_map(
+        |(index, left, right)| {
+            let (first, second) = (span(left.0, left.1, now), span(right.0, right.1, now));
+            let decided = |link| decide_link(link, part.tolerance, first, second);
+            let missed = links(part.relation).iter().min_by_key(|link| decided(**link))?;
+            let words = match decided(*missed) {
+                Decision::Holds => return None,
+                Decision::Open => "it is not known whether",
+                Decision::Fails => "it is not so that",
+            };
+            let edge = |edge: Edge| match edge {
+                Edge::FirstStart => format!("the start of the first, {},", left.0.0),
+                Edge::FirstEnd => format!("the end of the first, {},", end_words(left)),
+                Edge::SecondStart => format!("the start of the second, {},", right.0.0),
+                Edge::SecondEnd => format!("the end of the second, {},", end_words(right)),
+            };
+            let link = match missed.1 {
+                Link::Earlier => "is before",
+                Link::Same => "is",
+            };
+            let text = format!("{words} {} {link} {}", edge(missed.0), edge(missed.2));
+            Some((index, text.trim_end_matches(',').to_string()))
+        },
+    )
+}
+
+fn end_words(((_, end), open): ((Time, Time), bool)) -> String {
+    if open { format!("{end} or later") } else { end.to_string() }
+}

@@ -1,0 +1,322 @@
+//! Monitor creation (M&I)
+//! What: makes the monitor of a condition: a tree of parts, each with its window and what it must remember.
+//! Runs: when a task is created or a clause becomes active.
+//! Reads: the condition, histories, surroundings.
+//! Writes: a new monitor.
+//! Bound: linear in the condition and in the remembered evidence within its window.
+//! PDL: all conditions.
+//! Paper: section IV, creating monitors from PDL specifications.
+
+use crate::expression::arithmetic::duration;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::basic::time_conditions::{self, Kind};
+use crate::monitoring::basic::{event, measurement, task_state};
+use crate::monitoring::combination::{absence, replay};
+use crate::monitoring::episodes::episode;
+use crate::monitoring::memory::reach;
+use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
+use crate::monitoring::part::Troubles;
+use crate::monitoring::specificity::variables;
+use apex_model::condition::{
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Relation, VariablePattern,
+};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::monitor::{AbsentPart, AllenPart, FunctionPart, Side};
+use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// How a part stands within the whole.
+#[derive(Clone, Copy)]
+struct Role {
+    window: Window,
+    keep: Keep,
+    any_pair: bool,
+    /// Ends and states of tasks count that stand already.
+    standing: bool,
+    /// Whole runs are asked for: what may still undo a run is judged when it is over.
+    whole_runs: bool,
+}
+
+/// The tree for `condition`, not yet looked back. Ends and states of tasks that are there already count if `standing`.
+///
+/// # Errors
+/// When an expression that must be known now cannot be evaluated, or the construct is not supported.
+pub(crate) fn tree(
+    condition: &Condition,
+    window: Window,
+    (keep, standing): (Keep, bool),
+    surroundings: &dyn Surroundings,
+) -> Result<Part, EvaluationError> {
+    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, surroundings)
+}
+
+fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
+    let mut window = role.window;
+    let whole_past = Window { start: Time::BEGINNING, ..role.window };
+    // Where an earliest time is written out, older evidence cannot count, and need not be remembered.
+    let past = |limits: &mut dyn Iterator<Item = &Constraint>| {
+        let limits: Vec<Constraint> = limits.cloned().collect();
+        let span = reach::of_constraints(&limits, surroundings.library());
+        Window { start: span.map_or(Time::BEGINNING, |span| surroundings.now() - span), ..role.window }
+    };
+    let kind = match &condition.kind {
+        ConditionKind::Measurement(measurement) => {
+            if !measurement.timestamp.is_empty() {
+                window = past(&mut measurement.timestamp.iter());
+            }
+            measured(measurement, surroundings)?
+        }
+        ConditionKind::Episode(episode) => {
+            if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
+                window = whole_past;
+            }
+            of_run(episode, role, surroundings)?
+        }
+        ConditionKind::Event { pattern, timing } => {
+            if !timing.start.is_empty() || !timing.end.is_empty() {
+                window = past(&mut timing.start.iter().chain(&timing.end));
+            }
+            let (pattern, timing) = (Arc::clone(pattern), Arc::clone(timing));
+            PartKind::Event(Box::new(EventPart { pattern, timing, blind: false, settled: Vec::new() }))
+        }
+        ConditionKind::TaskEnded(variable) => {
+            let (variable, standing) = (variable.clone(), role.standing);
+            PartKind::TaskEnded(Box::new(TaskEndedPart { variable, standing, task: None, ended: None }))
+        }
+        ConditionKind::TaskState { task, state } => PartKind::TaskState(Box::new(TaskStatePart {
+            expression: task.clone(),
+            state: state.clone(),
+            standing: role.standing,
+            task: None,
+            settled: Vec::new(),
+        })),
+        ConditionKind::And(parts, constraints) => {
+            PartKind::And(Box::new(composite(parts, constraints, role, false, surroundings)?))
+        }
+        ConditionKind::Or(parts, constraints) => {
+            PartKind::Or(Box::new(alternatives(parts, constraints, role, surroundings)?))
+        }
+        ConditionKind::InOrder(parts, constraints) => {
+            PartKind::InOrder(Box::new(composite(parts, constraints, role, true, surroundings)?))
+        }
+        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, surroundings)?)),
+        ConditionKind::Timestamp(from, to) => {
+            PartKind::Timestamp(time_part((from, to.as_ref()), Kind::Timestamp, window.start, surroundings)?)
+        }
+        ConditionKind::Delay(from, to) => {
+            PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, surroundings)?)
+        }
+        ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, surroundings)?)),
+        ConditionKind::Absent(inner, length) => PartKind::Absent(Box::new(absent(inner, length, role, surroundings)?)),
+        ConditionKind::Function(expression) => {
+            let expression = expression.clone();
+            PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
+        }
+        ConditionKind::Cyclic(wanted) => PartKind::Cyclic(Box::new(cyclic::create(wanted, surroundings)?)),
+        // What is pursued meanwhile is the business of control.
+        ConditionKind::Probing { condition, .. } => return part(condition, role, surroundings),
+    };
+    Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
+}
+
+fn absent(
+    inner: &Condition,
+    length: &Expr,
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<AbsentPart, EvaluationError> {
+    let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    absence::create(part(inner, whole, surroundings)?, length, role.window.start, surroundings)
+}
+
+fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<AllenPart, EvaluationError> {
+    let ConditionKind::Allen { relation, parts, tolerance, constraints } = &condition.kind else {
+        return Err(EvaluationError { message: "this is no relation in time".into(), place: condition.place });
+    };
+    let tolerance = match tolerance {
+        Some(tolerance) => {
+            let value = evaluate(tolerance, surroundings)?;
+            duration(&value).map_err(|message| EvaluationError { message, place: tolerance.place })?
+        }
+        None => Duration::ZERO,
+    };
+    let inner = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
+    Ok(AllenPart {
+        relation: *relation,
+        tolerance,
+        shares: !shared_variables(parts, surroundings).is_empty(),
+        sides: vec![Side::default(); parts.len()],
+        parts: parts.iter().map(|each| part(each, inner, surroundings)).collect::<Result<_, _>>()?,
+        constraints: constraints.clone(),
+        found: Vec::new(),
+        passing: Vec::new(),
+        undecided: false,
+        decides_at: None,
+    })
+}
+
+fn measured(
+    measurement: &Arc<MeasurementCondition>,
+    surroundings: &dyn Surroundings,
+) -> Result<PartKind, EvaluationError> {
+    Ok(match &measurement.estimation {
+        None => PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?)),
+        Some(Estimation::Persist(timeout)) => {
+            PartKind::Persisted(Box::new(persistence::create(measurement, timeout.as_ref(), surroundings)?))
+        }
+        Some(Estimation::LinearRegression(options)) => {
+            PartKind::Regression(Box::new(regression::create(measurement, options, surroundings)?))
+        }
+    })
+}
+
+fn of_run(
+    episode: &Arc<EpisodeCondition>,
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<PartKind, EvaluationError> {
+    Ok(if episode.stats.is_empty() && episode.trend.is_empty() {
+        let mut part = episode::create(episode, role.any_pair || episode.any, surroundings)?;
+        part.at_close |= role.whole_runs && !episode.last_value.is_empty();
+        PartKind::Episode(Box::new(part))
+    } else {
+        PartKind::Statistical(Box::new(statistics::create(episode, surroundings)?))
+    })
+}
+
+fn time_part(
+    (from, to): (&Expr, Option<&Expr>),
+    kind: Kind,
+    start: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<Box<TimePart>, EvaluationError> {
+    let part = TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None };
+    time_conditions::check(&part, kind, start, surroundings)?;
+    Ok(Box::new(part))
+}
+
+fn composite(
+    parts: &[Condition],
+    constraints: &[Expr],
+    role: Role,
+    ordered: bool,
+    surroundings: &dyn Surroundings,
+) -> Result<Composite, EvaluationError> {
+    let shared = shared_variables(parts, surroundings);
+    let combines = ordered || !constraints.is_empty() || !shared.is_empty();
+    let keep = if combines { Keep::Every } else { role.keep };
+    let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
+    let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
+    let parts = parts.iter().map(|each| part(each, role, surroundings)).collect::<Result<_, _>>()?;
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared })
+}
+
+fn alternatives(
+    parts: &[Condition],
+    constraints: &[Expr],
+    role: Role,
+    surroundings: &dyn Surroundings,
+) -> Result<Composite, EvaluationError> {
+    let combines = !constraints.is_empty();
+    let keep = if combines { Keep::Every } else { role.keep };
+    let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, surroundings)).collect::<Result<_, _>>()?;
+    Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new() })
+}
+
+/// The variables, not bound yet, that occur in more than one part.
+fn shared_variables(parts: &[Condition], surroundings: &dyn Surroundings) -> Vec<Symbol> {
+    let (mut seen, mut shared) = (BTreeSet::new(), BTreeSet::new());
+    for part in parts {
+        let mut own = BTreeSet::new();
+        collect(part, &mut own);
+        own.retain(|name| surroundings.variable(name).is_none());
+        shared.extend(own.intersection(&seen).copied());
+        seen.extend(own);
+    }
+    shared.into_iter().cloned().collect()
+}
+
+fn collect<'a>(condition: &'a Condition, names: &mut BTreeSet<&'a Symbol>) {
+    match &condition.kind {
+        ConditionKind::Measurement(measurement) => {
+            of_variable(&measurement.variable, names);
+            for constraints in [&measurement.value, &measurement.object, &measurement.timestamp] {
+                of_constraints(constraints, names);
+            }
+        }
+        ConditionKind::Episode(episode) => {
+            of_variable(&episode.variable, names);
+            for constraints in [&episode.value, &episode.first_value, &episode.last_value, &episode.object] {
+                of_constraints(constraints, names);
+            }
+        }
+        ConditionKind::Event { pattern, .. } => names.extend(variables(pattern)),
+        ConditionKind::TaskState { state, .. } => names.extend(variables(state)),
+        ConditionKind::And(parts, _) | ConditionKind::Or(parts, _) | ConditionKind::InOrder(parts, _) => {
+            parts.iter().for_each(|part| collect(part, names));
+        }
+        ConditionKind::Not(part) | ConditionKind::Absent(part, _) => collect(part, names),
+        ConditionKind::Allen { parts, .. } => parts.iter().for_each(|part| collect(part, names)),
+        ConditionKind::Probing { condition, .. } => collect(condition, names),
+        ConditionKind::Cyclic(cyclic) => of_variable(&cyclic.variable, names),
+        ConditionKind::Delay(..)
+        | ConditionKind::Timestamp(..)
+        | ConditionKind::TaskEnded(_)
+        | ConditionKind::Function(_) => {}
+    }
+}
+
+fn of_variable<'a>(variable: &'a VariablePattern, names: &mut BTreeSet<&'a Symbol>) {
+    names.extend(variables(&variable.object));
+}
+
+fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Symbol>) {
+    for constraint in constraints {
+        match constraint {
+            Constraint::Matches(pattern) => names.extend(variables(pattern)),
+            Constraint::Compare { relation: Relation::Equal, right, tolerance: None } => {
+                if let ExprKind::Variable { name, must_be_bound: false } = &right.kind {
+                    names.insert(name);
+                }
+            }
+            Constraint::Compare { .. } | Constraint::Predicate(..) | Constraint::Range(..) => {}
+        }
+    }
+}
+
+/// Looks back, in every part, over what is remembered since its window's start.
+pub(crate) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = crate::monitoring::part::site(part);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => measurement::look_back(leaf, site, surroundings, troubles),
+        PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
+        PartKind::Persisted(leaf) => persistence::look_back(leaf, site, surroundings, troubles),
+        PartKind::Regression(leaf) => regression::look_back(leaf, site, surroundings, troubles),
+        PartKind::Statistical(leaf) => statistics::look_back(leaf, site, surroundings, troubles),
+        PartKind::Cyclic(leaf) => cyclic::look_back(leaf, site, surroundings, troubles),
+        PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
+        PartKind::Timestamp(leaf) => {
+            time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, surroundings)
+        }
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Delay, site, surroundings),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => look_back(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            // This says what is not remembered any more; then all is looked at in order.
+            leaf.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
+            replay::replay(part, None, surroundings, troubles);
+        }
+        PartKind::Absent(leaf) => {
+            look_back(&mut leaf.part, surroundings, troubles);
+            replay::replay(part, None, surroundings, troubles);
+        }
+        PartKind::Function(_) => {}
+    }
+}

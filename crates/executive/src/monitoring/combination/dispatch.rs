@@ -1,0 +1,154 @@
+//! Dispatch (M&I)
+//! What: hands stimuli, the passing of time and questions for wakes to the service of each part's kind.
+//! Runs: when a monitor notices something or is judged.
+//! Reads: the monitor's tree, surroundings.
+//! Writes: the monitor's tree.
+//! Bound: linear in the condition, besides what the services state.
+//! PDL: all conditions.
+//! Paper: section III, condition monitoring.
+
+use crate::expression::Surroundings;
+use crate::monitoring::basic::time_conditions::{self, Kind};
+use crate::monitoring::basic::{event, function, measurement, task_state};
+use crate::monitoring::combination::{absence, allen, replay};
+use crate::monitoring::episodes::episode;
+use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
+use crate::monitoring::part::{Troubles, site};
+use crate::monitoring::samples::Seen;
+use crate::monitoring::stimulus::Stimulus;
+use crate::monitoring::wake::WakeReason;
+use apex_model::monitor::{Part, PartKind};
+use apex_model::time::Time;
+
+pub(crate) fn notice_part(
+    part: &mut Part,
+    stimulus: &Stimulus,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let site = site(part);
+    if let Some(sequence) = replay::changes_the_past(part, stimulus, surroundings) {
+        replay::replay(part, Some(sequence), surroundings, troubles);
+        return;
+    }
+    if let Stimulus::Sample { variable, value, at, sequence, newest } = stimulus {
+        let sample = Seen { variable, value, at: *at, sequence: *sequence };
+        notice_sample(part, sample, *newest, surroundings, troubles);
+    }
+    match (&mut part.kind, stimulus) {
+        (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
+            event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
+        }
+        (PartKind::TaskEnded(leaf), Stimulus::TaskEnded { task, at, .. }) => task_state::notice_ended(leaf, *task, *at),
+        (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at, .. }) => {
+            task_state::notice_state(leaf, site, (*task, *from, *state, *at), surroundings, troubles);
+        }
+        (PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite), _) => {
+            composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+        }
+        (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
+        (PartKind::Allen(leaf), _) if !allen::is_done(leaf, site) => {
+            if let Stimulus::Sample { variable, at, newest: false, .. } = stimulus {
+                allen::replace(leaf, variable, *at);
+            }
+            leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+        }
+        // Also when nothing more is wanted: what comes late may take back what was found.
+        (PartKind::Absent(leaf), _) => {
+            notice_part(&mut leaf.part, stimulus, surroundings, troubles);
+            replay::look_at(part, stimulus, surroundings, troubles);
+        }
+        _ => {}
+    }
+}
+
+/// Tells a part that watches a state variable of a sample.
+fn notice_sample(
+    part: &mut Part,
+    sample: Seen<'_>,
+    newest: bool,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    let site = site(part);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => measurement::notice(leaf, site, sample, newest, surroundings, troubles),
+        PartKind::Episode(leaf) => episode::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Persisted(leaf) => persistence::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Regression(leaf) => regression::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Statistical(leaf) => statistics::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Cyclic(leaf) => cyclic::notice(leaf, site, sample, surroundings, troubles),
+        _ => {}
+    }
+}
+
+/// Lets parts that depend on time and on other tasks catch up with the present.
+pub(crate) fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = site(part);
+    while let Some(at) = replay::overdue(part, surroundings.now()) {
+        replay::look_then(part, at, surroundings, troubles);
+    }
+    match &mut part.kind {
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
+        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, surroundings),
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, surroundings),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => advance(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            leaf.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
+            allen::advance(leaf, site, part.tag.as_ref(), surroundings, troubles);
+        }
+        PartKind::Absent(leaf) => {
+            advance(&mut leaf.part, surroundings, troubles);
+            absence::advance(leaf, site, surroundings, troubles);
+        }
+        PartKind::Function(leaf) => function::advance(leaf, surroundings, troubles),
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
+        | PartKind::Event(_) => {}
+    }
+}
+
+pub(crate) fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
+    match &part.kind {
+        PartKind::Episode(leaf) => episode::next_wake(leaf, site(part), after),
+        PartKind::Timestamp(leaf) => time_conditions::next_wake(leaf, Kind::Timestamp, after),
+        PartKind::Delay(leaf) => time_conditions::next_wake(leaf, Kind::Delay, after),
+        PartKind::And(composite) | PartKind::Or(composite) => {
+            composite.parts.iter().filter_map(|part| wake_of(part, after)).min()
+        }
+        // Delays between ordered parts are no instants of their own.
+        PartKind::InOrder(composite) => composite
+            .parts
+            .iter()
+            .filter(|part| !matches!(part.kind, PartKind::Delay(_)))
+            .filter_map(|part| wake_of(part, after))
+            .min(),
+        PartKind::Not(inner) => wake_of(inner, after),
+        PartKind::Allen(leaf) if allen::is_done(leaf, site(part)) => None,
+        PartKind::Allen(leaf) => {
+            let decided = leaf.decides_at.filter(|at| *at > after).map(|at| (at, WakeReason::RelationDecided));
+            leaf.parts.iter().filter_map(|part| wake_of(part, after)).chain(decided).min()
+        }
+        PartKind::Absent(leaf) if absence::is_done(leaf, site(part)) => None,
+        PartKind::Absent(leaf) => {
+            let over = leaf.decides_at.filter(|at| *at > after).map(|at| (at, WakeReason::AbsenceOver(leaf.length)));
+            wake_of(&leaf.part, after).into_iter().chain(over).min()
+        }
+        PartKind::Function(_) => None,
+        // The last verdict said when these would come true.
+        PartKind::Persisted(_) | PartKind::Regression(_) | PartKind::Statistical(_) => None,
+        PartKind::Measurement(_)
+        | PartKind::Cyclic(_)
+        | PartKind::Event(_)
+        | PartKind::TaskEnded(_)
+        | PartKind::TaskState(_) => None,
+    }
+}

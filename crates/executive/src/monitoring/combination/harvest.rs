@@ -1,0 +1,276 @@
+//! Harvest (M&I)
+//! What: the results of a monitor that were not told yet, each once, for whoever wants all of them and not only the first.
+//! Runs: at the end of an instant, for the monitors of a session that were touched.
+//! Reads: the monitor's tree, surroundings.
+//! Writes: what was told; results that were told leave the monitor.
+//! Bound: as the verdict's; nothing is combined again that was told already.
+//! PDL: all conditions.
+//! Paper: section IV, creating monitors from PDL specifications.
+
+use crate::expression::Surroundings;
+use crate::monitoring::asking::Asking;
+use crate::monitoring::combination::dispatch::advance;
+use crate::monitoring::combination::logic;
+use crate::monitoring::episodes::episode;
+use crate::monitoring::numbers::statistics;
+use crate::monitoring::part::{Truth, site};
+use crate::monitoring::told::{Branch, Key, Told, Used};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::monitor::{Monitor, Part, PartKind, Satisfaction};
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeSet;
+
+/// Something to tell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Telling {
+    pub(crate) result: Satisfaction,
+    pub(crate) kind: TellingKind,
+}
+
+/// What about a result is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TellingKind {
+    /// It is new; its interval may still grow when it is open.
+    Found { open: bool },
+    /// Its interval is final.
+    Closed,
+}
+
+/// What is to be told at `surroundings.now()`, after all stimuli of the instant were noticed. `lateness` is how late
+/// samples may come at most.
+pub(crate) fn harvest(
+    monitor: &mut Monitor,
+    told: &mut Told,
+    lateness: Duration,
+    surroundings: &dyn Surroundings,
+) -> Vec<Telling> {
+    let mut asking = Asking::new(surroundings);
+    advance(&mut monitor.root, surroundings, &mut asking.troubles);
+    let mut tellings = Vec::new();
+    let mut number = 0;
+    let mut search = Search { told, number: &mut number, lateness, above: Vec::new(), tellings: &mut tellings };
+    search.part(&mut monitor.root, &mut asking);
+    for telling in tellings.iter_mut().filter(|telling| telling.kind != TellingKind::Closed) {
+        // Time moves in such steps that nothing is known before it is asked for, unless its evidence came late.
+        telling.result.recognised_at = asking.now;
+    }
+    monitor.asked_at = asking.now;
+    if asking.wake.is_some() || monitor.notes.is_some() {
+        monitor.notes.get_or_insert_default().delay_over_at = asking.wake;
+    }
+    asking.troubles.tell(monitor);
+    tellings
+}
+
+/// Results that were told while their interval grew, as they stand when nothing more comes.
+pub(crate) fn finish(monitor: &Monitor, told: &mut Told, surroundings: &dyn Surroundings) -> Vec<Telling> {
+    let mut asking = Asking::new(surroundings);
+    let mut branches = Vec::new();
+    collect_branches(&monitor.root, &mut branches);
+    let mut tellings = Vec::new();
+    for (part, branch) in branches.into_iter().zip(&mut told.0) {
+        let open = std::mem::take(&mut branch.open);
+        let results = if open.is_empty() { Vec::new() } else { logic::results(part, &mut asking) };
+        let closed = results.into_iter().filter(|result| open.contains(&Key::of(part.place, result)));
+        tellings.extend(closed.map(|result| Telling { result, kind: TellingKind::Closed }));
+    }
+    tellings
+}
+
+fn collect_branches<'a>(part: &'a Part, branches: &mut Vec<&'a Part>) {
+    match &part.kind {
+        PartKind::Or(composite) => composite.parts.iter().for_each(|part| collect_branches(part, branches)),
+        _ => branches.push(part),
+    }
+}
+
+struct Search<'a> {
+    told: &'a mut Told,
+    number: &'a mut usize,
+    lateness: Duration,
+    /// Tags and constraints of the `:or`s around.
+    above: Vec<(Option<Symbol>, Vec<apex_model::expression::Expr>)>,
+    tellings: &'a mut Vec<Telling>,
+}
+
+impl Search<'_> {
+    fn part(&mut self, part: &mut Part, asking: &mut Asking<'_>) {
+        if let PartKind::Or(composite) = &mut part.kind {
+            self.above.push((part.tag.clone(), composite.constraints.clone()));
+            composite.parts.iter_mut().for_each(|part| self.part(part, asking));
+            self.above.pop();
+            return;
+        }
+        if self.told.0.len() <= *self.number {
+            self.told.0.push(Branch::default());
+        }
+        let mut branch = self.told.0.get_mut(*self.number).map(std::mem::take).unwrap_or_default();
+        self.branch(part, &mut branch, asking);
+        if let Some(slot) = self.told.0.get_mut(*self.number) {
+            *slot = branch;
+        }
+        *self.number += 1;
+    }
+
+    fn branch(&mut self, part: &mut Part, branch: &mut Branch, asking: &mut Asking<'_>) {
+        if logic::truth(part, asking) != Truth::True {
+            // An open result that is gone was taken back by a late sample.
+            branch.open.clear();
+            return;
+        }
+        let open_now = open_keys(part, asking);
+        self.closed(part, branch, &open_now, asking);
+        asking.used = Some(std::mem::take(&mut branch.used));
+        let mut fresh = logic::results(part, asking);
+        branch.used = asking.used.take().unwrap_or_default();
+        // Each window of an `:absent` is a result of its own.
+        let once = !matches!(part.kind, PartKind::Absent(_));
+        if branch.absence && once {
+            fresh.retain(|result| !is_absence(result));
+        }
+        for (tag, constraints) in self.above.iter().rev() {
+            fresh.retain(|result| logic::alternative_holds(tag.as_ref(), constraints, result, asking));
+            if let Some(tag) = tag {
+                let bind =
+                    |result: &mut Satisfaction| result.bindings.set(tag.clone(), interval_value(result.interval));
+                fresh.iter_mut().for_each(bind);
+            }
+        }
+        if fresh.is_empty() {
+            return;
+        }
+        if is_composite(part) {
+            one_for_each_binding(&mut fresh);
+        }
+        branch.absence |= fresh.iter().any(is_absence);
+        for result in fresh {
+            let key = Key::of(part.place, &result);
+            let open = open_now.contains(&key);
+            if open {
+                branch.open.push(key);
+            }
+            self.tellings.push(Telling { result, kind: TellingKind::Found { open } });
+        }
+        self.use_up(part, &mut branch.used, asking);
+    }
+
+    /// Tells the intervals that are final now.
+    fn closed(&mut self, part: &Part, branch: &mut Branch, open_now: &[Key], asking: &mut Asking<'_>) {
+        if branch.open.iter().all(|key| open_now.contains(key)) {
+            return;
+        }
+        for result in logic::results(part, asking) {
+            let key = Key::of(part.place, &result);
+            if branch.open.contains(&key) && !open_now.contains(&key) {
+                self.tellings.push(Telling { result, kind: TellingKind::Closed });
+            }
+        }
+        branch.open.retain(|key| open_now.contains(key));
+    }
+
+    /// What is known of the parts now makes up no further result.
+    fn use_up(&self, part: &mut Part, used: &mut Used, asking: &mut Asking<'_>) {
+        let horizon = asking.now - self.lateness;
+        match self.lateness {
+            Duration::ZERO => used.keys.clear(),
+            _ => {
+                used.horizon = Some(horizon);
+                used.keys.retain(|key| key.recognised_at >= horizon);
+            }
+        }
+        take_out(part, self.lateness, used, asking);
+    }
+}
+
+fn interval_value(interval: (Time, Time)) -> Value {
+    Value::Interval(interval.0, interval.1)
+}
+
+fn is_absence(result: &Satisfaction) -> bool {
+    result.evidence.iter().next().is_some()
+        && result.evidence.iter().all(|each| matches!(each, Evidence::Absence { .. }))
+}
+
+fn is_composite(part: &Part) -> bool {
+    matches!(part.kind, PartKind::And(_) | PartKind::InOrder(_))
+}
+
+/// Of results that bind the same, tags aside, the first.
+fn one_for_each_binding(fresh: &mut Vec<Satisfaction>) {
+    let mut seen = BTreeSet::new();
+    let bound = |bindings: &Bindings| -> Vec<(Symbol, Value)> {
+        let plain = bindings.iter().filter(|(_, value)| !matches!(value, Value::Interval(..)));
+        plain.map(|(name, value)| (name.clone(), value.clone())).collect()
+    };
+    fresh.retain(|result| seen.insert(bound(&result.bindings)));
+}
+
+/// The results of an episode that goes on.
+fn open_keys(part: &Part, asking: &mut Asking<'_>) -> Vec<Key> {
+    let open = match &part.kind {
+        PartKind::Episode(leaf) => {
+            episode::open_results(leaf, site(part), asking.now, asking.surroundings, &mut asking.troubles)
+        }
+        PartKind::Statistical(leaf) => statistics::open_results(leaf, site(part), asking),
+        _ => return Vec::new(),
+    };
+    open.iter().map(|result| Key::of(part.place, result)).collect()
+}
+
+/// Notes the results of all parts as used, and drops those that are settled.
+fn take_out(part: &mut Part, lateness: Duration, used: &mut Used, asking: &mut Asking<'_>) {
+    match &mut part.kind {
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| take_out(part, lateness, used, asking));
+            return;
+        }
+        // What must not have happened stays in mind.
+        PartKind::Not(_) => return,
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
+        | PartKind::Event(_)
+        | PartKind::TaskEnded(_)
+        | PartKind::TaskState(_)
+        | PartKind::Timestamp(_)
+        | PartKind::Delay(_)
+        | PartKind::Allen(_)
+        | PartKind::Absent(_)
+        | PartKind::Function(_) => {}
+    }
+    if lateness == Duration::ZERO {
+        drop_settled(part);
+    }
+    let present = logic::results(part, asking);
+    for key in present.iter().map(|result| Key::of(part.place, result)) {
+        if !used.keys.contains(&key) {
+            used.keys.push(key);
+        }
+    }
+    drop_settled(part);
+}
+
+fn drop_settled(part: &mut Part) {
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => {
+            if let Some(seen) = &mut leaf.seen {
+                seen.settled.clear();
+            }
+        }
+        PartKind::Episode(leaf) => leaf.settled.clear(),
+        PartKind::Persisted(leaf) => leaf.settled.clear(),
+        PartKind::Statistical(leaf) => leaf.settled.clear(),
+        PartKind::Cyclic(leaf) => leaf.settled.clear(),
+        PartKind::Event(leaf) => leaf.settled.clear(),
+        PartKind::TaskState(leaf) => leaf.settled.clear(),
+        PartKind::Allen(leaf) => leaf.found.clear(),
+        PartKind::Absent(leaf) => leaf.found.clear(),
+        _ => {}
+    }
+}

@@ -1,0 +1,165 @@
+//! Relations of intervals (M&I)
+//! What: are two intervals so related, are they not, or does only the end of a run that goes on decide?
+//! Runs: for pairs of results of related parts.
+//! Reads: nothing.
+//! Writes: nothing.
+//! Bound: O(1).
+//! PDL: Allen relations, `:tolerance`.
+//! Paper: Table 1 row 11, the full set of Allen predicates.
+
+use apex_model::condition::AllenRelation;
+use apex_model::time::{Duration, Time};
+
+/// An end point of an interval, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Point {
+    /// It is this.
+    Known(Time),
+    /// The end of a run that goes on: the first, if no sample continues it, else after the second.
+    Growing(Time, Time),
+    /// Of a result that is still to come: this or later.
+    Coming(Time),
+}
+
+/// An interval, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Span {
+    pub(crate) start: Point,
+    pub(crate) end: Point,
+}
+
+impl Span {
+    /// A result.
+    pub(crate) fn of((start, end): (Time, Time)) -> Span {
+        Span { start: Point::Known(start), end: Point::Known(end) }
+    }
+
+    /// A run that goes on, by samples that come after `after`.
+    pub(crate) fn growing((start, end): (Time, Time), after: Time) -> Span {
+        Span { start: Point::Known(start), end: Point::Growing(end, after) }
+    }
+
+    /// Any result that begins at `from` or later.
+    pub(crate) fn coming(from: Time) -> Span {
+        Span { start: Point::Coming(from), end: Point::Coming(from) }
+    }
+}
+
+/// What is known of a relation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Decision {
+    /// It cannot hold any more.
+    Fails,
+    /// What comes decides.
+    Open,
+    /// It holds, whatever comes.
+    Holds,
+}
+
+/// A comparison of two end points that a relation asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Link {
+    /// The first is earlier.
+    Earlier,
+    /// They are equal.
+    Same,
+}
+
+/// An end point of the first or the second interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Edge {
+    /// Start of the first.
+    FirstStart,
+    /// End of the first.
+    FirstEnd,
+    /// Start of the second.
+    SecondStart,
+    /// End of the second.
+    SecondEnd,
+}
+
+/// The comparisons that make a relation; all must hold. Points are legal, so that a point that meets an interval also
+/// starts it.
+pub(crate) fn links(relation: AllenRelation) -> &'static [(Edge, Link, Edge)] {
+    use Edge::{FirstEnd, FirstStart, SecondEnd, SecondStart};
+    use Link::{Earlier, Same};
+    match relation {
+        AllenRelation::Before => &[(FirstEnd, Earlier, SecondStart)],
+        AllenRelation::After => &[(SecondEnd, Earlier, FirstStart)],
+        AllenRelation::Meets => &[(FirstEnd, Same, SecondStart)],
+        AllenRelation::MetBy => &[(SecondEnd, Same, FirstStart)],
+        AllenRelation::Overlaps => {
+            &[(FirstStart, Earlier, SecondStart), (SecondStart, Earlier, FirstEnd), (FirstEnd, Earlier, SecondEnd)]
+        }
+        AllenRelation::OverlappedBy => {
+            &[(SecondStart, Earlier, FirstStart), (FirstStart, Earlier, SecondEnd), (SecondEnd, Earlier, FirstEnd)]
+        }
+        AllenRelation::Starts => &[(FirstStart, Same, SecondStart), (FirstEnd, Earlier, SecondEnd)],
+        AllenRelation::StartedBy => &[(FirstStart, Same, SecondStart), (SecondEnd, Earlier, FirstEnd)],
+        AllenRelation::Finishes => &[(SecondStart, Earlier, FirstStart), (FirstEnd, Same, SecondEnd)],
+        AllenRelation::FinishedBy => &[(FirstStart, Earlier, SecondStart), (FirstEnd, Same, SecondEnd)],
+        AllenRelation::During => &[(SecondStart, Earlier, FirstStart), (FirstEnd, Earlier, SecondEnd)],
+        AllenRelation::Contains => &[(FirstStart, Earlier, SecondStart), (SecondEnd, Earlier, FirstEnd)],
+        AllenRelation::Cotemporal => &[(FirstStart, Same, SecondStart), (FirstEnd, Same, SecondEnd)],
+    }
+}
+
+/// Does `first` stand in `relation` to `second`?
+pub(crate) fn decide(relation: AllenRelation, tolerance: Duration, first: Span, second: Span) -> Decision {
+    let all = links(relation).iter().map(|link| decide_link(*link, tolerance, first, second));
+    all.min().unwrap_or(Decision::Holds)
+}
+
+/// Does one of the comparisons hold?
+pub(crate) fn decide_link(
+    (left, link, right): (Edge, Link, Edge),
+    tolerance: Duration,
+    first: Span,
+    second: Span,
+) -> Decision {
+    let point = |edge| match edge {
+        Edge::FirstStart => first.start,
+        Edge::FirstEnd => first.end,
+        Edge::SecondStart => second.start,
+        Edge::SecondEnd => second.end,
+    };
+    match link {
+        Link::Earlier => earlier(point(left), point(right), tolerance),
+        Link::Same => same(point(left), point(right), tolerance),
+    }
+}
+
+/// The least that a point can be, and the greatest, which has no bound unless it is known.
+fn bounds(point: Point) -> (Time, Option<Time>) {
+    match point {
+        Point::Known(at) => (at, Some(at)),
+        Point::Growing(at, _) | Point::Coming(at) => (at, None),
+    }
+}
+
+/// Earlier by more than the tolerance.
+fn earlier(left: Point, right: Point, tolerance: Duration) -> Decision {
+    let ((left_least, left_most), (right_least, right_most)) = (bounds(left), bounds(right));
+    if left_most.is_some_and(|most| right_least - most > tolerance) {
+        Decision::Holds
+    } else if right_most.is_none_or(|most| most - left_least > tolerance) {
+        Decision::Open
+    } else {
+        Decision::Fails
+    }
+}
+
+/// Not further apart than the tolerance.
+fn same(left: Point, right: Point, tolerance: Duration) -> Decision {
+    let near = |a: Time, b: Time| (a - b).0.saturating_abs() <= tolerance.0;
+    let (known, other) = match (left, right) {
+        (Point::Known(a), Point::Known(b)) => return if near(a, b) { Decision::Holds } else { Decision::Fails },
+        (Point::Known(known), other) | (other, Point::Known(known)) => (known, other),
+        _ => return Decision::Open,
+    };
+    let possible = match other {
+        Point::Growing(at, after) => near(at, known) || known + tolerance > after,
+        Point::Coming(from) | Point::Known(from) => known + tolerance >= from,
+    };
+    if possible { Decision::Open } else { Decision::Fails }
+}

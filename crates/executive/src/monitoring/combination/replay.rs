@@ -1,0 +1,367 @@
+//! Replay (M&I)
+//! What: feeds remembered evidence to a part again, instant by instant, as it came: what relates results in time must
+//! see them in order, or it would tell other results than one that watched all the time.
+//! Runs: when a monitor with an Allen relation or an absence is made, and when a late sample changes its past.
+//! Reads: histories, surroundings.
+//! Writes: the part.
+//! Bound: O(k log k) for the k samples and messages within the window, and what each of them costs when it arrives.
+//! PDL: Allen relations, `:absent`, `:lateness`.
+//! Paper: section III, histories.
+
+use crate::expression::Surroundings;
+use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
+use crate::monitoring::combination::extents;
+use crate::monitoring::combination::interest::collect_interests;
+use crate::monitoring::numbers::{cyclic, persistence};
+use crate::monitoring::part::Troubles;
+use crate::monitoring::stimulus::Stimulus;
+use apex_model::agent_limits::Limits;
+use apex_model::because::Evidence;
+use apex_model::event::StateVariable;
+use apex_model::history::{Histories, History};
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::monitor::{Interest, Part, PartKind, Satisfaction, TimePart};
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// Surroundings as they were at an earlier instant, but for what histories have learned since.
+struct Then<'a> {
+    below: &'a dyn Surroundings,
+    now: Time,
+}
+
+impl Surroundings for Then<'_> {
+    fn variable(&self, name: &Symbol) -> Option<Value> {
+        self.below.variable(name)
+    }
+    fn local(&self, name: &Symbol) -> Option<Value> {
+        self.below.local(name)
+    }
+    fn now(&self) -> Time {
+        self.now
+    }
+    fn this_task(&self) -> Option<TaskId> {
+        self.below.this_task()
+    }
+    fn agent_name(&self) -> &Symbol {
+        self.below.agent_name()
+    }
+    fn task_start(&self, task: TaskId) -> Option<Time> {
+        self.below.task_start(task)
+    }
+    fn task_end(&self, task: TaskId) -> Option<Time> {
+        self.below.task_end(task)
+    }
+    fn task_state(&self, task: TaskId) -> Option<TaskState> {
+        self.below.task_state(task)
+    }
+    fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
+        self.below.task_time_ongoing(task)
+    }
+    fn histories(&self) -> &Histories {
+        self.below.histories()
+    }
+    fn library(&self) -> &Library {
+        self.below.library()
+    }
+    fn host(&self) -> &HostFunctions {
+        self.below.host()
+    }
+    fn limits(&self) -> &Limits {
+        self.below.limits()
+    }
+}
+
+/// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
+/// it is given, because later ones are still to be told.
+pub(crate) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let stimuli = remembered(part, newest, surroundings);
+    forget(part, surroundings, troubles);
+    let now = surroundings.now();
+    let mut asked = Time::BEGINNING;
+    let start = part.window.start;
+    if start < now
+        && stimuli.first().is_none_or(|(first, ..)| start < *first)
+        && matches!(part.kind, PartKind::Absent(_))
+    {
+        look_then(part, start, surroundings, troubles);
+        asked = start;
+    }
+    for group in stimuli.chunk_by(|(a, ..), (b, ..)| a == b) {
+        let Some((at, ..)) = group.first() else { continue };
+        let at = (*at).min(now);
+        while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < at) {
+            advance(part, &Then { below: surroundings, now: wake }, troubles);
+            asked = wake;
+        }
+        let then = Then { below: surroundings, now: at };
+        group.iter().for_each(|(.., stimulus)| notice_part(part, stimulus, &then, troubles));
+        // What has come at this instant is looked at when all of it was told.
+        if at < now {
+            advance(part, &then, troubles);
+            asked = at;
+        }
+    }
+    while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < now) {
+        advance(part, &Then { below: surroundings, now: wake }, troubles);
+        asked = wake;
+    }
+}
+
+/// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
+/// before may have been related otherwise.
+pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &dyn Surroundings) -> Option<u64> {
+    let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
+    // The present instant is looked at when all of it was told.
+    let past = *at < surroundings.now();
+    let relates = match part.kind {
+        PartKind::Allen(_) => past && !newest,
+        PartKind::Absent(_) => past && !asks_functions(part) && is_judged_again(part, surroundings),
+        _ => false,
+    };
+    (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
+}
+
+/// Looks at an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
+/// is remembered to begin again. What passed up to then has passed; what passed since may not have.
+pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
+    let PartKind::Absent(leaf) = &mut part.kind else { return };
+    if *at >= surroundings.now() || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
+        return;
+    }
+    let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
+    let known = known.max(part.window.start);
+    // What lies before the window is in no window, but from its value on it may be known what was in them.
+    crate::monitoring::combination::absence::take_back(leaf, (*at >= part.window.start).then_some(*at), known);
+    let (now, mut looked) = (surroundings.now(), known);
+    if known < now {
+        look_then(part, known, surroundings, troubles);
+        while let Some((wake, _)) = wake_of(part, looked).filter(|(wake, _)| *wake < now) {
+            look_then(part, wake, surroundings, troubles);
+            looked = wake;
+        }
+    }
+}
+
+/// Is the whole past of an absence judged again when a sample comes late? It is when a variable in it is declared with
+/// `:lateness`, for which everything is kept.
+fn is_judged_again(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let declared = &surroundings.library().state_variables;
+    let is_late =
+        |attribute: &Symbol| declared.get(attribute).and_then(crate::monitoring::memory::retention::lateness).is_some();
+    let mut again = false;
+    collect_interests(part, &mut |interest| {
+        again |= match interest {
+            Interest::Variable(variable) => is_late(&variable.attribute),
+            Interest::Attribute(attribute) => is_late(&attribute),
+            _ => false,
+        };
+    });
+    again
+}
+
+/// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
+fn asks_functions(part: &Part) -> bool {
+    let mut asks = matches!(part.kind, PartKind::Function(_));
+    extents::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
+    asks
+}
+
+/// The instant of the newest sample that the part was told of, up to this arrival: what came after it at the same instant is
+/// still to be told.
+pub(crate) fn newest_known(part: &Part, told: u64, surroundings: &dyn Surroundings) -> Option<Time> {
+    let histories = surroundings.histories();
+    let newest =
+        |history: &History| history.samples().rev().find(|sample| sample.sequence <= told).map(|newest| newest.at);
+    let mut known = None;
+    collect_interests(part, &mut |interest| {
+        let seen = match interest {
+            Interest::Variable(variable) => histories.get(&variable).and_then(newest),
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(&attribute).filter_map(|(_, history)| newest(history)).max()
+            }
+            _ => None,
+        };
+        known = known.max(seen);
+    });
+    known
+}
+
+/// The instant before `now` that decides about an absence and was not looked at: a sample that came late has made it.
+pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
+    match &part.kind {
+        PartKind::Absent(leaf)
+            if !crate::monitoring::combination::absence::is_done(leaf, crate::monitoring::part::site(part)) =>
+        {
+            leaf.decides_at
+        }
+        _ => None,
+    }
+    .filter(|at| *at < now)
+}
+
+/// Looks at the part as it was at `at`.
+pub(crate) fn look_then(part: &mut Part, at: Time, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    advance(part, &Then { below: surroundings, now: at }, troubles);
+}
+
+/// Does `part` watch `variable`?
+fn watches(part: &Part, variable: &StateVariable) -> bool {
+    let mut watched = false;
+    collect_interests(part, &mut |interest| {
+        watched |= match interest {
+            Interest::Variable(each) => each == *variable,
+            Interest::Attribute(attribute) => attribute == variable.attribute,
+            _ => false,
+        };
+    });
+    watched
+}
+
+/// Are all samples that the part watches still there, since its window began, and those that persist into it?
+fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let (start, histories) = (part.window.start, surroundings.histories());
+    let mut covers = true;
+    collect_interests(part, &mut |interest| {
+        covers &= match interest {
+            Interest::Variable(variable) => histories.get(&variable).is_none_or(|history| history.covers(start)),
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(&attribute).all(|(_, history)| history.covers(start))
+            }
+            _ => true,
+        };
+    });
+    covers && carries(part, surroundings)
+}
+
+/// Are the samples still there whose values persist into the windows of estimates in the part? They lie before what
+/// [`covers`] asks for.
+fn carries(part: &Part, surroundings: &dyn Surroundings) -> bool {
+    let mut all = true;
+    if let PartKind::Persisted(leaf) = &part.kind {
+        let kept = |history: &History| history.forgotten_until.is_none() || history.before(part.window.start).is_some();
+        let histories = surroundings.histories();
+        all = match &leaf.variable {
+            Some(variable) => histories.get(variable).is_none_or(kept),
+            None => histories.of_attribute(&leaf.condition.variable.attribute).all(|(_, history)| kept(history)),
+        };
+    }
+    extents::for_each_inner(part, &mut |inner| all &= carries(inner, surroundings));
+    all
+}
+
+/// Samples and messages that concern the part, in order of time and arrival.
+fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings) -> Vec<(Time, u64, Stimulus)> {
+    let start = first_window(part);
+    let histories = surroundings.histories();
+    let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
+    // Who asks for what came after a number is told the numbers of what counts.
+    let windowed = part.window.after_sequence.is_some();
+    let mut stimuli = Vec::new();
+    let mut samples = |variable: &StateVariable, history: &History| {
+        for sample in history.between(start, Time::END).filter(|sample| counts(sample.sequence)) {
+            let (variable, value) = (variable.clone(), sample.value.clone());
+            let sequence = if windowed { sample.sequence } else { history.first_arrival(sample) };
+            let at = sample.at;
+            stimuli.push((at, sequence, Stimulus::Sample { variable, value, at, sequence, newest: true }));
+        }
+    };
+    let mut interests = Vec::new();
+    collect_interests(part, &mut |interest| interests.push(interest));
+    interests.sort();
+    interests.dedup();
+    let mut events = false;
+    for interest in &interests {
+        match interest {
+            Interest::Variable(variable) if interests.contains(&Interest::Attribute(variable.attribute.clone())) => {}
+            Interest::Variable(variable) => {
+                if let Some(history) = histories.get(variable) {
+                    samples(variable, history);
+                }
+            }
+            Interest::Attribute(attribute) => {
+                histories.of_attribute(attribute).for_each(|(variable, history)| samples(variable, history));
+            }
+            Interest::EventHead(_) | Interest::AnyEvent => events = true,
+            Interest::Task(_) | Interest::AnyTask | Interest::EveryStep => {}
+        }
+    }
+    if events && !histories.events_cover(start) {
+        // Samples may be replaced long after messages are forgotten: what the part has made of them is left.
+        results_of_events(part, &mut stimuli);
+    } else if events {
+        for event in histories.events_from(start).filter(|event| counts(event.sequence)) {
+            let (form, at, sequence) = (event.form.clone(), event.at, event.sequence);
+            stimuli.push((at, sequence, Stimulus::Event { form, at, sequence }));
+        }
+    }
+    stimuli.sort_by_key(|(at, sequence, _)| (*at, *sequence));
+    stimuli
+}
+
+/// The messages that the part has results of.
+fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
+    let mut add = |results: &[Satisfaction]| {
+        for evidence in results.iter().flat_map(|result| result.evidence.iter()) {
+            if let Evidence::Event { form, at, sequence } = evidence {
+                let stimulus = Stimulus::Event { form: form.clone(), at: *at, sequence: *sequence };
+                let told = |(_, _, before): &(Time, u64, Stimulus)| *before == stimulus;
+                if !stimuli.iter().any(told) {
+                    stimuli.push((*at, *sequence, stimulus));
+                }
+            }
+        }
+    };
+    match &part.kind {
+        PartKind::Event(leaf) => add(&leaf.settled),
+        PartKind::Allen(leaf) => leaf.sides.iter().for_each(|side| add(&side.settled)),
+        _ => {}
+    }
+    extents::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
+}
+
+/// The earliest instant from which evidence counts in any part.
+fn first_window(part: &Part) -> Time {
+    let mut start = part.window.start;
+    extents::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));
+    start
+}
+
+/// Forgets what was found from samples, messages and time. Ends and states of tasks are in no history: they stay.
+fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let site = crate::monitoring::part::site(part);
+    let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => leaf.seen = None,
+        PartKind::Persisted(leaf) => persistence::begin_again(leaf, site, surroundings, troubles),
+        PartKind::Regression(leaf) => leaf.objects.clear(),
+        PartKind::Statistical(leaf) => {
+            leaf.settled.clear();
+            leaf.objects.clear();
+        }
+        PartKind::Episode(leaf) => {
+            leaf.settled.clear();
+            leaf.runs.clear();
+        }
+        PartKind::Cyclic(leaf) => cyclic::begin_again(leaf),
+        PartKind::Event(leaf) => leaf.settled.clear(),
+        PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => forget_time(leaf),
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+        }
+        PartKind::Not(inner) => forget(inner, surroundings, troubles),
+        PartKind::Allen(leaf) => {
+            crate::monitoring::combination::allen::forget(leaf);
+            leaf.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+        }
+        PartKind::Absent(leaf) => {
+            crate::monitoring::combination::absence::forget(leaf, site);
+            forget(&mut leaf.part, surroundings, troubles);
+        }
+        PartKind::TaskEnded(_) | PartKind::TaskState(_) | PartKind::Function(_) => {}
+    }
+}

@@ -1,0 +1,330 @@
+//! Explanation of conditions (M&I)
+//! What: the parts of a condition that do not hold, with what is known about each and since when.
+//! Runs: when a person asks (`apex why`).
+//! Reads: the monitor, histories, surroundings.
+//! Writes: nothing.
+//! Bound: linear in the condition and in the objects it follows.
+//! PDL: all conditions.
+//! Paper: section V, explanation of behaviour.
+
+use crate::monitoring::asking::Asking;
+use crate::monitoring::basic::time_conditions::{Kind, span};
+use crate::monitoring::basic::{measurement, task_state};
+use crate::monitoring::combination::{absence, allen, logic, numbers_unmet};
+use crate::monitoring::episodes::runs::{gap_cut, with_newest};
+use crate::monitoring::mismatch::first_mismatch;
+use crate::monitoring::numbers::cyclic;
+use crate::monitoring::part::Truth;
+use apex_model::condition::Relation;
+use apex_model::event::StateVariable;
+use apex_model::history::{Occurrence, Sample};
+use apex_model::monitor::{AbsentPart, AllenPart};
+use apex_model::monitor::{
+    Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet, Window,
+};
+use apex_model::pattern::Pattern;
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use apex_model::words;
+
+/// What is known about an unmet part.
+#[derive(Default)]
+pub(crate) struct Known {
+    pub(crate) now: String,
+    pub(crate) since: Option<Time>,
+    pub(crate) until: Option<Time>,
+    pub(crate) distance: Option<Value>,
+}
+
+impl Known {
+    pub(crate) fn words(now: impl Into<String>) -> Known {
+        Known { now: now.into(), ..Known::default() }
+    }
+
+    pub(crate) fn since(self, since: Option<Time>) -> Known {
+        Known { since, ..self }
+    }
+
+    fn unmet(self, what: String, place: Place) -> Unmet {
+        let Known { now, since, until, distance } = self;
+        Unmet { what, now, since, until, distance, place }
+    }
+}
+
+/// Adds the unmet parts of `part` to `list`.
+pub(crate) fn collect(part: &Part, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+    if logic::truth(part, asking) == Truth::True {
+        return;
+    }
+    match &part.kind {
+        PartKind::And(composite) | PartKind::InOrder(composite) => several(part, composite, asking, list),
+        PartKind::Or(composite) => several(part, composite, asking, list),
+        PartKind::Allen(leaf) => related(part, leaf, asking, list),
+        PartKind::Not(inner) => {
+            let what = format!("(:not {})", text(inner));
+            let now = match logic::truth(inner, asking) {
+                Truth::True => "the inner condition holds".into(),
+                Truth::False | Truth::Unknown => "the data do not say whether the inner condition holds".into(),
+            };
+            let since = logic::results(inner, asking).first().map(|result| result.recognised_at);
+            list.push(Known { now, since, ..Known::default() }.unmet(what, part.place));
+        }
+        _ => {
+            list.push(state(part, asking).unmet(text(part), part.place));
+        }
+    }
+}
+
+fn several(part: &Part, composite: &Composite, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+    let before = list.len();
+    composite.parts.iter().for_each(|part| collect(part, asking, list));
+    let waits = |part: &Part| matches!(part.kind, PartKind::Delay(_));
+    if list.len() == before
+        || list.iter().skip(before).count() == composite.parts.iter().filter(|part| waits(part)).count()
+    {
+        let constraints = match composite.constraints.as_slice() {
+            [] => "each part holds, but not together: shared variables or the order differ".to_owned(),
+            some => {
+                let texts: Vec<String> = some.iter().map(words::expression).collect();
+                format!("each part holds, but not together with {}", texts.join(" "))
+            }
+        };
+        list.push(Known::words(constraints).unmet(text(part), part.place));
+    }
+}
+
+/// The PDL text of a part.
+pub(crate) fn text(part: &Part) -> String {
+    let several = |name: &str, composite: &Composite| {
+        format!("({name} {})", composite.parts.iter().map(text).collect::<Vec<_>>().join(" "))
+    };
+    match &part.kind {
+        PartKind::Measurement(leaf) => words::measurement(&leaf.condition),
+        PartKind::Episode(leaf) => words::episode(&leaf.condition),
+        PartKind::Persisted(leaf) => words::measurement(&leaf.condition),
+        PartKind::Regression(leaf) => words::measurement(&leaf.condition),
+        PartKind::Statistical(leaf) => words::episode(&leaf.condition),
+        PartKind::Cyclic(leaf) => cyclic::text(&leaf.condition),
+        PartKind::Event(leaf) => words::event(&leaf.pattern, &leaf.timing),
+        PartKind::TaskEnded(leaf) => task_state::ended_words(&leaf.variable),
+        PartKind::TaskState(leaf) => words::task_state(&leaf.expression, &leaf.state),
+        PartKind::Timestamp(leaf) => words::span(":timestamp", &leaf.from, leaf.to.as_ref()),
+        PartKind::Delay(leaf) => words::span(":delay", &leaf.from, leaf.to.as_ref()),
+        PartKind::And(composite) => several(":and", composite),
+        PartKind::Or(composite) => several(":or", composite),
+        PartKind::InOrder(composite) => several(":in-order", composite),
+        PartKind::Not(inner) => format!("(:not {})", text(inner)),
+        PartKind::Allen(leaf) => {
+            let parts = leaf.parts.iter().map(text).collect::<Vec<_>>().join(" ");
+            format!("(:{} {parts})", leaf.relation.word())
+        }
+        PartKind::Absent(leaf) => format!("(:absent {} :for {})", text(&leaf.part), leaf.length),
+        PartKind::Function(leaf) => format!("(:function {})", words::expression(&leaf.expression)),
+    }
+}
+
+/// Parts of a relation that have found nothing yet; else in what the newest results miss it.
+fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+    let before = list.len();
+    for (each, side) in leaf.parts.iter().zip(&leaf.sides) {
+        if side.newest.is_none() {
+            collect(each, asking, list);
+        }
+    }
+    if list.len() > before {
+        return;
+    }
+    let relation = format!(":{}", leaf.relation.word());
+    let known = match allen::mismatch(leaf, asking.now) {
+        Some((index, mismatch)) => {
+            let named = |index: usize| leaf.parts.get(index).map(text).unwrap_or_default();
+            let (first, second) = (named(index), named(index + 1));
+            let told = leaf.decides_at.filter(|_| leaf.undecided);
+            let told = told.map(|at| format!("; if no sample comes, it is decided at {at}")).unwrap_or_default();
+            Known::words(format!("{mismatch}; the first is {first}, the second {second}{told}"))
+        }
+        None if leaf.constraints.is_empty() => {
+            Known::words(format!("the newest results are {relation}, but bind shared variables differently"))
+        }
+        None => {
+            let texts: Vec<String> = leaf.constraints.iter().map(words::expression).collect();
+            Known::words(format!("the newest results are {relation}, but not with {}", texts.join(" ")))
+        }
+    };
+    list.push(Known { until: leaf.decides_at, ..known }.unmet(text(part), part.place));
+}
+
+/// How long something has been absent, and when that is long enough.
+fn absence_state(leaf: &AbsentPart, asking: &Asking<'_>) -> Known {
+    let (silence, over) = absence::state(leaf, asking.now);
+    let since = Some(leaf.since);
+    let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
+        (true, _) => (format!("{} goes on", text(&leaf.part)), None, leaf.decides_at),
+        (_, true) => (format!("the data do not say whether {} goes on", text(&leaf.part)), since, leaf.decides_at),
+        _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
+    };
+    Known { until: until.filter(|at| *at > asking.now), ..Known::words(now).since(since) }
+}
+
+/// What is known about a part.
+fn state(part: &Part, asking: &mut Asking<'_>) -> Known {
+    let start = part.window.start;
+    match &part.kind {
+        PartKind::Measurement(leaf) => measurement_state(leaf, part.window, asking),
+        PartKind::Episode(leaf) => episode_state(leaf, asking),
+        PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, crate::monitoring::part::site(part), asking),
+        PartKind::Regression(leaf) => numbers_unmet::regression(leaf, crate::monitoring::part::site(part), asking),
+        PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, crate::monitoring::part::site(part), asking),
+        PartKind::Cyclic(leaf) => Known::words(cyclic::words(leaf, crate::monitoring::part::site(part), asking)),
+        PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
+        PartKind::Event(leaf) => event_state(leaf, part, asking),
+        PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), asking),
+        PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", asking),
+        PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, asking),
+        PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, asking).since(Some(start)),
+        PartKind::Absent(leaf) => absence_state(leaf, asking),
+        PartKind::Function(leaf) => match &leaf.value {
+            Some(value) => Known::words(format!("its value is {value}")),
+            None => Known::words("it has no value yet"),
+        },
+        PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Not(_) | PartKind::Allen(_) => {
+            Known::default()
+        }
+    }
+}
+
+/// No such message, and how the newest one that begins like it differs.
+fn event_state(leaf: &EventPart, part: &Part, asking: &Asking<'_>) -> Known {
+    let start = part.window.start;
+    let since = (start != Time::BEGINNING).then_some(start);
+    let events = asking.surroundings.histories().events_from(Time::BEGINNING);
+    let Some(newest) = events.filter(|event| begins_alike(&leaf.pattern, &event.form)).last() else {
+        return Known::words("no such event yet").since(since);
+    };
+    let Occurrence { form, at, sequence } = newest;
+    let reason = match first_mismatch(&leaf.pattern, form, asking.surroundings) {
+        Some(mismatch) => mismatch,
+        None if *at < start => "that was before this was waited for".into(),
+        None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
+        None => "its guards, segments or timing do not fit".into(),
+    };
+    Known::words(format!("no such event yet; the last one like it was {form} at {at}: {reason}")).since(since)
+}
+
+/// Has the form the first word of the pattern?
+fn begins_alike(pattern: &Pattern, form: &Value) -> bool {
+    let wanted = match pattern {
+        Pattern::Literal(literal) => literal.head(),
+        Pattern::List(parts) => match parts.first() {
+            Some(Pattern::Literal(first)) => first.as_symbol(),
+            _ => None,
+        },
+        _ => None,
+    };
+    wanted.is_some_and(|wanted| form.head() == Some(wanted))
+}
+
+pub(crate) fn newest(
+    known: Option<&StateVariable>,
+    attribute: &Symbol,
+    asking: &Asking<'_>,
+) -> Option<(String, Sample)> {
+    let histories = asking.surroundings.histories();
+    match known {
+        Some(variable) => histories.get(variable)?.newest().map(|sample| (variable.to_string(), sample.clone())),
+        None => histories
+            .of_attribute(attribute)
+            .filter_map(|(variable, history)| Some((variable.to_string(), history.newest()?.clone())))
+            .max_by_key(|(_, sample)| (sample.at, sample.sequence)),
+    }
+}
+
+fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>) -> Known {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
+        return Known::words("no sample yet");
+    };
+    let distance = distance(&leaf.tests, &sample.value);
+    let mut now = format!("{variable} = {}", sample.value);
+    if sample.at < window.start {
+        now.push_str(", measured before this was waited for");
+    } else if leaf.blind {
+        now.push_str("; older samples are no longer kept");
+    } else if !measurement::has_seen_any(leaf, window, asking.surroundings) {
+        now.push_str(", which is not among what this waits for");
+    } else if let Some(distance) = &distance {
+        now.push_str(&format!(", {distance} off"));
+    }
+    Known { now, since: Some(sample.at), distance, ..Known::default() }
+}
+
+/// How far a value is from the nearest threshold that it misses.
+pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
+    let (own, dimension) = value.as_number()?;
+    let missed = tests.iter().filter_map(|test| match test {
+        Test::Fixed { relation, right } => right.as_number().map(|(wanted, _)| (relation, wanted)),
+        Test::General(_) => None,
+    });
+    let misses = missed.filter(|(relation, wanted)| match relation {
+        Relation::Equal => own != *wanted,
+        Relation::Different => false,
+        Relation::Less | Relation::LessOrEqual => own >= *wanted,
+        Relation::Greater | Relation::GreaterOrEqual => own <= *wanted,
+    });
+    let off = misses.map(|(_, wanted)| (own - wanted).abs()).reduce(f64::max)?;
+    Some(match value {
+        Value::Integer(_) if libm::trunc(off) == off => Value::Integer(off as i64),
+        _ => Value::measured(off, dimension),
+    })
+}
+
+fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
+        return Known::words("no sample yet");
+    };
+    let run = leaf
+        .runs
+        .values()
+        .filter_map(|state| with_newest(leaf, state).map(|run| (run, state)))
+        .max_by_key(|(run, _)| run.last);
+    let Some((run, state)) = run else {
+        let gap = leaf.runs.values().find_map(|state| state.gap);
+        let gap = gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default();
+        return Known::words(format!("{variable} = {}{gap}", sample.value)).since(Some(sample.at));
+    };
+    let mut now = format!("{variable} = {}, holds for {} so far", sample.value, run.last - run.start);
+    if let Some(most) = leaf.gap_max {
+        let silence = asking.now - state.newest.at;
+        if silence > most {
+            now.push_str(&format!("; no sample for {silence}, more than the gap of {most} allowed"));
+        } else if let Some(gap) = gap_cut(leaf, state).or(state.gap) {
+            now.push_str(&format!("; a gap of {gap} > {most} cut it before"));
+        }
+    }
+    let silent = leaf.gap_max.is_some_and(|most| asking.now - state.newest.at > most);
+    let until = Some(run.start + leaf.duration_min).filter(|at| *at > asking.now && !silent);
+    if let Some(at) = until {
+        now.push_str(&format!("; it is long enough at {at} if it goes on"));
+    }
+    Known { now, since: Some(run.start), until, distance: None }
+}
+
+fn task_words(task: Option<TaskId>, unknown: &str, asking: &Asking<'_>) -> Known {
+    let Some(task) = task else { return Known::words(unknown) };
+    match asking.surroundings.task_state(task) {
+        Some(state) => Known::words(format!("{task} is {state}")).since(asking.surroundings.task_start(task)),
+        None => Known::words(format!("{task} is not known any more")),
+    }
+}
+
+fn time_state(leaf: &TimePart, kind: Kind, start: Time, asking: &Asking<'_>) -> Known {
+    match span(leaf, kind, start, asking.surroundings) {
+        Err(error) => Known::words(error.message),
+        Ok((from, _)) if from > asking.now => {
+            Known { until: Some(from), ..Known::words(format!("it is {}, {from} is to come", asking.now)) }
+        }
+        Ok((from, _)) => Known::words(format!("it is {}, {from} had passed before this was waited for", asking.now)),
+    }
+}

@@ -1,0 +1,353 @@
+//! Episode detection (M&I)
+//! What: is there a run of samples that satisfies value, timing and sampling constraints?
+//! Runs: on every sample of the watched variable, and at the instant at which a duration is reached.
+//! Reads: histories, surroundings.
+//! Writes: the episode part of a monitor.
+//! Bound: O(1) per sample and object, O(1) memory per open run (any pair of samples: O(run)).
+//! PDL: `:episode`.
+//! Paper: section IV example 1, Table 1 row 7.
+
+use crate::expression::arithmetic::duration;
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
+use crate::monitoring::episodes::runs::{Judged, advance_run};
+use crate::monitoring::episodes::{plain_look_back, quick_runs};
+use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::time_bounds::TICK;
+use crate::monitoring::wake::WakeReason;
+use crate::planted::{self, Bug};
+use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
+use apex_model::expression::Expr;
+use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample, Satisfaction};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The part for `condition`, not yet looked back. Gap and durations are evaluated now.
+///
+/// # Errors
+/// When they cannot be.
+pub(crate) fn create(
+    condition: &Arc<EpisodeCondition>,
+    any_pair: bool,
+    surroundings: &dyn Surroundings,
+) -> Result<EpisodePart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let gap_max = match &condition.quality {
+        Quality::NoConstraints => None,
+        Quality::MaximumGap(gap) => Some(evaluate_duration(gap, surroundings)?),
+    };
+    let timing = &condition.timing;
+    let mut duration_min = Duration::ZERO;
+    for constraint in &timing.duration {
+        duration_min = duration_min.max(least_duration(constraint, surroundings)?.unwrap_or_default());
+    }
+    Ok(EpisodePart {
+        tests: prepare(&condition.value, unit, surroundings)?,
+        variable: known_variable(&condition.variable, surroundings),
+        gap_max,
+        duration_min,
+        at_close: !timing.duration.iter().chain(&timing.end).all(is_lower_bound),
+        any_pair,
+        blind: false,
+        settled: Vec::new(),
+        runs: BTreeMap::new(),
+        condition: Arc::clone(condition),
+    })
+}
+
+fn evaluate_duration(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
+    let value = evaluate(expr, surroundings)?;
+    duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
+}
+
+/// The least duration that a lower bound allows.
+fn least_duration(
+    constraint: &Constraint,
+    surroundings: &dyn Surroundings,
+) -> Result<Option<Duration>, EvaluationError> {
+    Ok(match constraint {
+        Constraint::Compare { relation: Relation::Greater, right, tolerance: None } => {
+            let more = if planted::is(Bug::LongerIsAtLeast) { Duration::ZERO } else { TICK };
+            Some(evaluate_duration(right, surroundings)? + more)
+        }
+        Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
+        | Constraint::Range(Some(right), None) => Some(evaluate_duration(right, surroundings)?),
+        _ => None,
+    })
+}
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(part: &mut EpisodePart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    look_back_with(plain_look_back::look_back, part, site, surroundings, troubles);
+}
+
+/// As [`look_back`], where `quick` takes in what it can and says how many samples these were.
+pub(crate) fn look_back_with(
+    quick: impl FnOnce(&mut EpisodePart, Site, &[Seen<'_>], &dyn Surroundings, &mut Troubles) -> usize,
+    part: &mut EpisodePart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.settled.clear();
+    part.runs.clear();
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    part.blind = blind;
+    let passed = quick(part, site, &samples, surroundings, troubles);
+    for sample in samples.into_iter().skip(passed) {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut EpisodePart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    if quick_runs::notice(part, site, sample) {
+        return;
+    }
+    let newest = part.runs.get(&sample.variable.object).map(|run| run.newest.at);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late if planted::is(Bug::LateSampleIgnored) => {}
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
+    }
+}
+
+fn feed(
+    part: &mut EpisodePart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let object = &sample.variable.object;
+    let objects = part.runs.len();
+    let before = match part.runs.get_mut(object).map(std::mem::take) {
+        Some(object_run) if sample.at > object_run.newest.at => {
+            settle(part, site, object, object_run, sample.at, surroundings, troubles)
+        }
+        Some(object_run) => object_run,
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+            return;
+        }
+        // Of the one object of a known variable nothing need be told apart.
+        None => {
+            let rank = if part.variable.is_some() { 0 } else { sample.sequence };
+            ObjectRun { rank, ..ObjectRun::default() }
+        }
+    };
+    let newest = judge(part, site, sample, before.run.as_ref(), surroundings, troubles);
+    let after = ObjectRun { newest, rank: before.rank.min(sample.sequence), ..before };
+    match part.runs.get_mut(object) {
+        Some(slot) => *slot = after,
+        None => {
+            part.runs.insert(object.clone(), after);
+        }
+    }
+}
+
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+fn settle(
+    part: &mut EpisodePart,
+    site: Site,
+    object: &Value,
+    object_run: ObjectRun,
+    next: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> ObjectRun {
+    let Judged { run, found, over, contradicted, gap, .. } =
+        advance_run(part, site, object, &object_run, next - TICK, surroundings, troubles);
+    for result in over {
+        remember(&mut part.settled, result, site, troubles);
+    }
+    let found = match (found, site.keep) {
+        (Some(result), Keep::First) => {
+            remember(&mut part.settled, result, site, troubles);
+            None
+        }
+        (found, _) => found,
+    };
+    ObjectRun { run, found, contradicted, gap, ..object_run }
+}
+
+/// Does the sample satisfy the value constraints, together with what the run before it binds or on its own?
+fn judge(
+    part: &EpisodePart,
+    site: Site,
+    sample: Seen<'_>,
+    run: Option<&Run>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> RunSample {
+    let mut newest = RunSample { at: sample.at, holds: None, joins: true, first_holds: true, last_holds: true };
+    let attempt = |mut bindings: Bindings| -> Result<Option<Bindings>, EvaluationError> {
+        Ok(holds(part, site, sample, &mut bindings, surroundings)?.then_some(bindings))
+    };
+    let judged = match run {
+        Some(run) => attempt(run.bindings.clone()).and_then(|joined| match joined {
+            None if !run.bindings.is_empty() => {
+                newest.joins = false;
+                attempt(Bindings::new())
+            }
+            joined => Ok(joined),
+        }),
+        None => attempt(Bindings::new()),
+    };
+    match judged {
+        Ok(holds) => newest.holds = holds,
+        Err(error) => troubles.add(error),
+    }
+    let condition = &part.condition;
+    if let Some(bindings) = &mut newest.holds {
+        let unit = unit_of(&condition.variable.attribute, surroundings.library());
+        for (constraints, holds) in
+            [(&condition.first_value, &mut newest.first_holds), (&condition.last_value, &mut newest.last_holds)]
+        {
+            if !constraints.is_empty() {
+                match all(constraints, sample.value, Reading::Value(unit), bindings, surroundings, site.place) {
+                    Ok(truth) => *holds = truth,
+                    Err(error) => {
+                        *holds = false;
+                        troubles.add(error);
+                    }
+                }
+            }
+        }
+    }
+    newest
+}
+
+fn holds(
+    part: &EpisodePart,
+    site: Site,
+    sample: Seen<'_>,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    let condition = &part.condition;
+    let Seen { variable, value, .. } = sample;
+    let known = part.variable.is_some();
+    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
+        && satisfies_all(
+            &part.tests,
+            &condition.value,
+            value,
+            &variable.attribute,
+            bindings,
+            surroundings,
+            site.place,
+        )?)
+}
+
+/// All results up to `now`, earliest recognised first.
+pub(crate) fn results(
+    part: &EpisodePart,
+    site: Site,
+    now: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Vec<Satisfaction> {
+    let mut results = part.settled.clone();
+    if site.keep == Keep::First && !results.is_empty() {
+        return results;
+    }
+    for (object, object_run) in &part.runs {
+        let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
+        results.extend(judged.over);
+        results.extend(judged.closed_by_time);
+        results.extend(judged.found);
+    }
+    // Those of one instant in the order in which their objects were heard of.
+    let rank = |result: &Satisfaction| match result.evidence.iter().next() {
+        Some(Evidence::Run { variable, .. }) => part.runs.get(&variable.object).map(|run| run.rank),
+        _ => None,
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
+    results
+}
+
+/// The results of runs that go on: their intervals may still grow.
+pub(crate) fn open_results(
+    part: &EpisodePart,
+    site: Site,
+    now: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Vec<Satisfaction> {
+    let judged = |(object, object_run): (&Value, &ObjectRun)| {
+        advance_run(part, site, object, object_run, now, surroundings, troubles).found
+    };
+    part.runs.iter().filter_map(judged).collect()
+}
+
+/// Satisfied, contradicted, or not known: no sample yet, everything seen so far holds but not for long enough, or a
+/// gap hides what happened.
+pub(crate) fn truth(
+    part: &EpisodePart,
+    site: Site,
+    now: Time,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Truth {
+    if !part.settled.is_empty() {
+        return Truth::True;
+    }
+    let mut open = part.blind || part.runs.is_empty();
+    for (object, object_run) in &part.runs {
+        if let Some(undetermined) = quick_runs::undecided(part, object_run, now) {
+            open |= undetermined;
+            continue;
+        }
+        let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
+        if judged.found.is_some() || !judged.over.is_empty() || judged.closed_by_time.is_some() {
+            return Truth::True;
+        }
+        let stale = part.gap_max.is_some_and(|gap| now - object_run.newest.at > gap);
+        open |= judged.run.is_some() && (!judged.contradicted || stale);
+    }
+    if open { Truth::Unknown } else { Truth::False }
+}
+
+/// The next instant at which time alone can decide, and why.
+pub(crate) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(Time, WakeReason)> {
+    let gap = part.gap_max?;
+    if part.any_pair || (site.keep == Keep::First && !part.settled.is_empty()) {
+        return None;
+    }
+    part.runs
+        .values()
+        .filter_map(|object_run| {
+            let run = crate::monitoring::episodes::runs::with_newest(part, object_run)?;
+            let licensed_until = run.last + gap;
+            if part.at_close {
+                let over = licensed_until + TICK;
+                return (over > after).then_some((over, WakeReason::GapEnds(gap)));
+            }
+            let reached = run.start + part.duration_min;
+            let waits = reached > run.last && reached > after && reached <= licensed_until;
+            waits.then_some((reached, WakeReason::DurationReached(part.duration_min)))
+        })
+        .min()
+}

@@ -1,0 +1,146 @@
+//! Demands on memory (M&I)
+//! What: holds how far back a clause looks, and why.
+//! Runs: when a library is loaded or reported on.
+//! Reads: nothing.
+//! Writes: nothing.
+//! Bound: O(1).
+//! PDL: all conditions, queries and `log` clauses.
+//! Paper: section IV, logging and retrieving data.
+
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::Duration;
+
+/// What is remembered.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Subject {
+    /// Samples of one attribute, for each object.
+    Attribute(Symbol),
+    /// Samples of any attribute.
+    EveryAttribute,
+    /// Messages.
+    Messages,
+    /// Messages that begin with this word.
+    MessagesOf(Symbol),
+}
+
+/// How much of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// So long before the newest.
+    Span(Duration),
+    /// Everything, up to the hard limit.
+    Unbounded,
+    /// What a log policy keeps while its procedure is at work.
+    Log {
+        /// Not longer.
+        time: Option<Duration>,
+        /// Not more.
+        count: Option<u64>,
+    },
+}
+
+/// Why it is remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// A query or a constraint on time names its window.
+    Window,
+    /// Late samples are accepted.
+    Lateness,
+    /// A `:timestamp` without an earliest time that is written out.
+    AnyTime,
+    /// An episode's start or end is constrained.
+    EpisodeTimes,
+    /// A message's time is constrained, without an earliest time that is written out.
+    EventTimes,
+    /// A condition counts from its task's creation, but can be watched later only.
+    SinceCreation,
+    /// How far back a query asks is known only then.
+    QueryTime,
+    /// Which variable a query asks for is known only then.
+    QueryVariable,
+    /// The fit interval of a line begins at a time that is not written out.
+    FitInterval,
+    /// A `:custom` trend is asked about all values of an episode.
+    Values,
+    /// Cycles are looked for in all that is remembered.
+    Cycles,
+    /// A `log` clause.
+    Log,
+}
+
+impl Why {
+    /// Why the clause needs what it needs, and what to write where it should need less.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Why::Window => ("it names its window", "a shorter window"),
+            Why::Lateness => (
+                "when a sample comes late, conditions that wait look back over all they have waited for",
+                "no `:lateness`, where the variable's samples come in order",
+            ),
+            Why::AnyTime => {
+                ("its samples may lie any time ago", "an earliest time before now: `:timestamp (> (- +now+ P10M))`")
+            }
+            Why::EpisodeTimes => (
+                "its run may have begun any time ago",
+                "no `:start` and no `:end`: without them it counts from its task's creation",
+            ),
+            Why::EventTimes => {
+                ("its message may lie any time ago", "an earliest time before now: `:timing (:es (- +now+ P10M))`")
+            }
+            Why::SinceCreation => (
+                "it counts from its task's creation, but names a task that is known only later",
+                "two steps: one that waits for the task, and after it one that waits for this",
+            ),
+            Why::QueryTime => (
+                "how far back it asks is known only when it asks",
+                "a window such as `P10M`, or an instant such as `(- +now+ P10S)`",
+            ),
+            Why::QueryVariable => {
+                ("which state variable it asks for is known only when it asks", "the name of the state variable")
+            }
+            Why::FitInterval => (
+                "the samples of its line may begin any time ago",
+                "a `:start` before now that is written out: `:start (- +now+ P10M)`",
+            ),
+            Why::Values => (
+                "its predicate is asked about all values of the episode",
+                "a statistic or another trend, which keep no values",
+            ),
+            Why::Cycles => ("it looks for cycles in all that is remembered", "a condition with a window"),
+            Why::Log => ("its policy has no `:time-limit` and no `:count-limit`", "`:time-limit P10M`"),
+        }
+    }
+}
+
+/// What one clause needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Demand {
+    /// What it looks at.
+    pub subject: Subject,
+    /// How far.
+    pub reach: Reach,
+    /// Why.
+    pub why: Why,
+    /// The clause as PDL.
+    pub text: String,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl Demand {
+    /// Is it without a bound of its own?
+    pub fn is_unbounded(&self) -> bool {
+        matches!(self.reach, Reach::Unbounded | Reach::Log { time: None, count: None })
+    }
+
+    /// Why the clause needs what it needs.
+    pub fn reason(&self) -> &'static str {
+        self.why.words().0
+    }
+
+    /// What to write instead, so that it needs less.
+    pub fn help(&self) -> &'static str {
+        self.why.words().1
+    }
+}

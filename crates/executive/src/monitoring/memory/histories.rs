@@ -1,0 +1,171 @@
+//! Recording (M&I)
+//! What: puts samples and messages into the histories, in the declared unit, and says what monitors must see of them.
+//! Runs: first phase of every step.
+//! Reads: library.
+//! Writes: histories.
+//! Bound: O(log n) in the number of state variables per sample; a late one O(samples kept).
+//! PDL: `(state-variable ..)`, `:lateness`.
+//! Paper: section IV, logging and retrieving data.
+
+use crate::expression::arithmetic::{described, duration, with_unit};
+use crate::monitoring::constraints::unit_of;
+use crate::monitoring::memory::demand::{Demand, Reach, Subject};
+use crate::monitoring::stimulus::Stimulus;
+use apex_model::agent_limits::{Limit, Limits};
+use apex_model::event::StateVariable;
+use apex_model::history::{Histories, Occurrence, Recorded, Sample};
+use apex_model::library::Library;
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// What became of a measurement that arrived.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Recording {
+    /// To be shown to the monitors interested; none when it changes nothing (repeated, missing, too late, refused).
+    pub(crate) stimulus: Option<Stimulus>,
+    /// A sentence for the trace when the sample was refused or kept aside.
+    pub(crate) trouble: Option<String>,
+    /// What the history did with it; none when it was refused.
+    pub(crate) recorded: Option<Recorded>,
+    /// A sample that somebody may ask for was dropped for it, the first of its variable.
+    pub(crate) overflows: bool,
+}
+
+/// Puts a measurement into its history. A bare number takes the unit that the variable is declared with; a value that
+/// the unit cannot measure is refused.
+pub(crate) fn record_sample(
+    histories: &mut Histories,
+    library: &Library,
+    variable: StateVariable,
+    value: Value,
+    at: Time,
+    sequence: u64,
+) -> Recording {
+    let declaration = library.state_variables.get(&variable.attribute);
+    let value = match declaration.and_then(|_| unit_of(&variable.attribute, library)) {
+        None => value,
+        Some(unit) => match value.as_number() {
+            Some((number, Dimension::NONE)) => with_unit(number, unit),
+            Some((_, dimension)) if dimension == unit.dimension => value,
+            _ => {
+                let found = described(&value);
+                let message = format!(
+                    "the sample {found} of {variable} was refused: it is declared in {}, which measures {}",
+                    unit.name, unit.dimension
+                );
+                return Recording { stimulus: None, trouble: Some(message), recorded: None, overflows: false };
+            }
+        },
+    };
+    let lateness = declaration.and_then(|declared| declared.lateness.as_ref()).and_then(|value| duration(value).ok());
+    let sample = Sample { at, sequence, value: value.clone() };
+    let (recorded, overflows) = histories.record(&variable, sample, lateness.unwrap_or(Duration::ZERO));
+    match recorded {
+        Recorded::Appended | Recorded::Inserted | Recorded::Replaced => {
+            let newest = recorded == Recorded::Appended;
+            let stimulus = Some(Stimulus::Sample { variable, value, at, sequence, newest });
+            Recording { stimulus, trouble: None, recorded: Some(recorded), overflows }
+        }
+        Recorded::Repeated | Recorded::Missing => {
+            Recording { stimulus: None, trouble: None, recorded: Some(recorded), overflows }
+        }
+        Recorded::TooLate => {
+            let message = format!(
+                "the sample {value} of {variable} at {at} came too late and is kept aside; (state-variable ({} ?) :lateness D) accepts later ones",
+                variable.attribute
+            );
+            Recording { stimulus: None, trouble: Some(message), recorded: Some(recorded), overflows }
+        }
+    }
+}
+
+/// Keeps as much as is demanded.
+pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
+    for demand in demands {
+        let lookback = match demand.reach {
+            Reach::Span(span) => span,
+            Reach::Unbounded => Duration::MAX,
+            // A log is opened by its procedure, for as long as that is at work.
+            Reach::Log { .. } => continue,
+        };
+        match &demand.subject {
+            Subject::Attribute(attribute) => histories.require_lookback(attribute, lookback),
+            Subject::EveryAttribute => histories.require_lookback_of_all(lookback),
+            Subject::Messages => histories.require_event_lookback(lookback),
+            Subject::MessagesOf(head) => histories.require_events_of(head, lookback),
+        }
+    }
+}
+
+/// Puts a message into the memory of events. True besides when one that somebody may ask for was dropped for it, the first.
+pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
+    let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
+    (Stimulus::Event { form, at, sequence }, overflows)
+}
+
+/// What is told when the first sample of `variable` was dropped that somebody may still ask for.
+pub(crate) fn overflow_of_samples(variable: &StateVariable, limits: &Limits) -> String {
+    let most = limits.of(Limit::HistorySamples);
+    let over = format!("more than {most} samples of {variable} within what conditions or logs ask for");
+    forgotten(&over, Limit::HistorySamples, limits)
+}
+
+/// What is told when the first message was dropped that somebody may still ask for.
+pub(crate) fn overflow_of_messages(limits: &Limits) -> String {
+    let most = limits.of(Limit::EventHistory);
+    forgotten(
+        &format!("more than {most} messages within what conditions, queries or logs ask for"),
+        Limit::EventHistory,
+        limits,
+    )
+}
+
+fn forgotten(over: &str, limit: Limit, limits: &Limits) -> String {
+    let raise = if limits.of(limit) < limit.most() { format!(", or raise `:{}`", limit.word()) } else { String::new() };
+    format!(
+        "{over}: the oldest of them are forgotten, and a question that reaches back to them is \
+         answered with \"unknown\"; ask less far back{raise}"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::library::StateVariableDeclaration;
+    use apex_model::quantity::unit_named;
+    use apex_model::source::Place;
+    use apex_model::symbol::Symbol;
+
+    fn library() -> Library {
+        let feet = unit_named("ft").unwrap();
+        let mut library = Library::default();
+        let declaration = StateVariableDeclaration {
+            unit: Some(Symbol::new("ft")),
+            dimension: feet.dimension,
+            value_type: None,
+            lateness: Some(Value::Duration(Duration::from_seconds(1.0))),
+            rate_per_s: None,
+            place: Place::default(),
+        };
+        library.state_variables.insert(Symbol::new("altitude"), declaration);
+        library
+    }
+
+    #[test]
+    fn bare_numbers_take_the_declared_unit_and_other_dimensions_are_refused() {
+        let (mut histories, library) = (Histories::default(), library());
+        let variable = StateVariable::new(Symbol::new("altitude"), Value::symbol("uav"));
+        let mut record = |value: Value, at: f64| {
+            record_sample(&mut histories, &library, variable.clone(), value, Time::from_seconds(at), 0)
+        };
+        let Some(Stimulus::Sample { value, .. }) = record(Value::Integer(400), 1.0).stimulus else { panic!() };
+        assert_eq!(value.to_string(), "400ft");
+        let refused = record(Value::Duration(Duration(1)), 2.0);
+        assert_eq!(refused.stimulus, None);
+        assert!(refused.trouble.unwrap().contains("declared in ft, which measures length"));
+        assert!(record(Value::Real(f64::NAN), 3.0).stimulus.is_none());
+        assert!(record(Value::Integer(500), 0.5).stimulus.is_some());
+        assert!(record(Value::Integer(500), -5.0).trouble.unwrap().contains("too late"));
+    }
+}

@@ -1,0 +1,110 @@
+//! Mismatches: the first place where a form does not fit a pattern, in words.
+
+use crate::expression::Surroundings;
+use apex_model::bindings::Bindings;
+use apex_model::pattern::Pattern;
+use apex_model::value::Value;
+use apex_model::words;
+
+/// The first place where `value` does not fit `pattern`; none when no single place is to blame.
+pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings) -> Option<String> {
+    find(pattern, value, surroundings, &mut Bindings::new())
+}
+
+fn find(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings, bound: &mut Bindings) -> Option<String> {
+    let instead = |wanted: String| Some(format!("it has {value} where {wanted} is wanted"));
+    match pattern {
+        Pattern::Literal(literal) if literal.matches(value) => None,
+        Pattern::Literal(literal) => match (literal.as_list(), value.as_list()) {
+            (Some(wanted), Some(items)) => of_literals(wanted, items),
+            _ => instead(literal.to_string()),
+        },
+        Pattern::Variable(name) | Pattern::BoundVariable(name) => {
+            let known = bound.get(name).cloned().or_else(|| surroundings.variable(name));
+            match known {
+                Some(known) if known.matches(value) => None,
+                Some(known) => instead(format!("?{name} = {known}")),
+                None => {
+                    bound.set(name.clone(), value.clone());
+                    None
+                }
+            }
+        }
+        Pattern::List(parts) => of_list(pattern, parts, value, surroundings, bound),
+        Pattern::And(parts) => parts.iter().find_map(|part| find(part, value, surroundings, bound)),
+        Pattern::Anonymous => None,
+        Pattern::Computed(_)
+        | Pattern::Segment { .. }
+        | Pattern::Guard(_)
+        | Pattern::Is { .. }
+        | Pattern::Or(_)
+        | Pattern::Not(_) => None,
+    }
+}
+
+fn of_literals(wanted: &[Value], items: &[Value]) -> Option<String> {
+    let differs = wanted.iter().zip(items).find(|(wanted, item)| !wanted.matches(item));
+    match differs {
+        Some((wanted, item)) => match (wanted.as_list(), item.as_list()) {
+            (Some(wanted), Some(items)) => of_literals(wanted, items),
+            _ => Some(format!("it has {item} where {wanted} is wanted")),
+        },
+        None => Some(format!("it has {} parts where {} are wanted", items.len(), wanted.len())),
+    }
+}
+
+fn of_list(
+    pattern: &Pattern,
+    parts: &[Pattern],
+    value: &Value,
+    surroundings: &dyn Surroundings,
+    bound: &mut Bindings,
+) -> Option<String> {
+    let Some(items) = value.as_list() else {
+        return Some(format!("it is {value} where {} is wanted", words::pattern(pattern)));
+    };
+    for (part, item) in parts.iter().zip(items) {
+        if let Pattern::Segment { .. } = part {
+            return None;
+        }
+        if let Some(text) = find(part, item, surroundings, bound) {
+            return Some(text);
+        }
+    }
+    let open = parts.iter().any(|part| matches!(part, Pattern::Segment { .. } | Pattern::Guard(_)));
+    let differ = !open && parts.len() != items.len();
+    differ.then(|| format!("it has {} parts where {} are wanted", items.len(), parts.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::View;
+    use apex_model::symbol::Symbol;
+
+    fn word(name: &str) -> Pattern {
+        Pattern::Literal(Value::symbol(name))
+    }
+
+    fn form(words: &[&str]) -> Value {
+        Value::list(words.iter().map(|word| Value::symbol(word)))
+    }
+
+    #[test]
+    fn the_first_part_that_differs_is_named() {
+        let pattern = Pattern::List(vec![word("ready"), word("camera-1")]);
+        let told = |value: &Value| first_mismatch(&pattern, value, &View::default()).unwrap_or_default();
+        assert_eq!(told(&form(&["ready", "camera-2"])), "it has camera-2 where camera-1 is wanted");
+        assert_eq!(told(&form(&["ready", "camera-1", "now"])), "it has 3 parts where 2 are wanted");
+        assert_eq!(told(&Value::Integer(3)), "it is 3 where (ready camera-1) is wanted");
+        assert_eq!(told(&form(&["ready", "camera-1"])), "");
+    }
+
+    #[test]
+    fn a_repeated_variable_wants_the_same_again() {
+        let variable = || Pattern::Variable(Symbol::new("x"));
+        let pattern = Pattern::List(vec![variable(), variable()]);
+        let told = first_mismatch(&pattern, &form(&["a", "b"]), &View::default());
+        assert_eq!(told.as_deref(), Some("it has b where ?x = a is wanted"));
+    }
+}

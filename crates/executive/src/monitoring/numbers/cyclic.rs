@@ -1,0 +1,377 @@
+//! Cyclic patterns (M&I)
+//! What: does a value go up and down in cycles of the wanted period and amplitude, often enough one after the other?
+//! Runs: on every sample of the watched variable.
+//! Reads: histories, surroundings.
+//! Writes: the cyclic part of a monitor.
+//! Bound: O(1) per sample and object; a late sample looks back over the window again.
+//! PDL: `(:cyclic (ATTR OBJ) :period C [:amplitude C] [:cycles C] [:hysteresis V])`.
+//! Paper: section V.B, services for detecting cyclic patterns.
+
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::asking::Asking;
+use crate::monitoring::constraints::{Reading, all, unit_of};
+use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::planted::{self, Bug};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::Constraint;
+use apex_model::estimate::Aggregate;
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::limits::MONITOR_OBJECTS_MAX;
+use apex_model::monitor::{Keep, Satisfaction};
+use apex_model::monitor_cyclic::{CycleRun, CyclicCondition, CyclicObject, CyclicPart, Extreme, Heading, Swing};
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_model::words;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Cycles that make a pattern when `:cycles` is not stated.
+const CYCLES_DEFAULT: u64 = 2;
+
+/// The part for a condition, not yet looked back. The hysteresis is evaluated now.
+///
+/// # Errors
+/// When it cannot be, or is no number of the variable's unit.
+pub(crate) fn create(
+    condition: &Arc<CyclicCondition>,
+    surroundings: &dyn Surroundings,
+) -> Result<CyclicPart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let mut hysteresis = 0.0;
+    for constraint in constraints_of(condition, "hysteresis") {
+        let Constraint::Compare { right, .. } = constraint else { continue };
+        let found = evaluate(right, surroundings)?;
+        hysteresis = match (found.as_number(), unit) {
+            (Some((number, Dimension::NONE)), Some(unit)) => number * unit.factor,
+            (Some((number, _)), _) => number,
+            (None, _) => {
+                let message = format!("the :hysteresis {found} is no number");
+                return Err(EvaluationError { message, place: right.place });
+            }
+        };
+    }
+    Ok(CyclicPart {
+        condition: Arc::clone(condition),
+        variable: known_variable(&condition.variable, surroundings),
+        hysteresis,
+        blind: false,
+        settled: Vec::new(),
+        objects: BTreeMap::new(),
+    })
+}
+
+fn constraints_of<'a>(condition: &'a CyclicCondition, name: &str) -> &'a [Constraint] {
+    condition.options.iter().find(|(option, _)| option.is(name)).map_or(&[], |(_, constraints)| constraints)
+}
+
+/// The text of the condition.
+pub(crate) fn text(condition: &CyclicCondition) -> String {
+    let options = condition.options.iter().map(|(name, constraints)| words::option(&format!(":{name}"), constraints));
+    format!("(:cyclic ({}){})", words::variable(&condition.variable), options.collect::<String>())
+}
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(part: &mut CyclicPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    begin_again(part);
+    let (known, attribute) = (part.variable.clone(), part.condition.variable.attribute.clone());
+    let (samples, blind) = remembered(known.as_ref(), &attribute, site, surroundings);
+    part.blind = blind;
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// Forgets what samples have done.
+pub(crate) fn begin_again(part: &mut CyclicPart) {
+    part.settled.clear();
+    part.objects.clear();
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut CyclicPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    let newest = part.objects.get(&sample.variable.object).map(|object| object.newest.0);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
+    }
+}
+
+fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let (number, dimension) = sample.value.as_number().unwrap_or((f64::NAN, Dimension::NONE));
+    let object = &sample.variable.object;
+    match part.objects.get(object).map(|state| state.newest.0) {
+        Some(newest) if sample.at > newest => settle(part, site, object, surroundings, troubles),
+        Some(_) => {}
+        None if part.objects.len() >= MONITOR_OBJECTS_MAX => {
+            return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
+        }
+        None => {
+            let bindings = bindings_of(part, site, sample, surroundings, troubles);
+            let newest = (sample.at, number);
+            let state = CyclicObject { rank: sample.sequence, bindings, newest, swing: Swing::default() };
+            part.objects.insert(object.clone(), state);
+        }
+    }
+    let Some(state) = part.objects.get_mut(object) else { return };
+    if dimension != state.swing.dimension {
+        state.swing = Swing { dimension, contradicted: state.swing.contradicted, ..Swing::default() };
+    }
+    state.newest = (sample.at, number);
+}
+
+fn bindings_of(
+    part: &CyclicPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Bindings> {
+    let mut bindings = Bindings::new();
+    let known = part.variable.is_some();
+    match object_holds(&part.condition.variable, &[], known, sample.variable, &mut bindings, site, surroundings) {
+        Ok(holds) => holds.then_some(bindings),
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    }
+}
+
+/// Makes the newest sample of an object part of the past, because one of a later instant has come.
+fn settle(part: &mut CyclicPart, site: Site, object: &Value, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+    let judge = Judge { part, site, surroundings };
+    let Some(state) = part.objects.get(object) else { return };
+    let (swing, found) = judge.with_newest(object, state, troubles);
+    if let Some(state) = part.objects.get_mut(object) {
+        state.swing = swing;
+    }
+    if let Some(result) = found {
+        remember(&mut part.settled, result, site, troubles);
+    }
+}
+
+/// All results up to now, earliest recognised first.
+pub(crate) fn results(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let mut results = part.settled.clone();
+    if site.keep == Keep::First && !results.is_empty() {
+        return results;
+    }
+    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let mut objects: Vec<(&Value, &CyclicObject)> = part.objects.iter().collect();
+    objects.sort_by_key(|(_, state)| state.rank);
+    results.extend(
+        objects.into_iter().filter_map(|(object, state)| judge.with_newest(object, state, &mut asking.troubles).1),
+    );
+    results.sort_by_key(|result| result.recognised_at);
+    results
+}
+
+/// Does nobody know whether cycles go on as is asked for?
+pub(crate) fn in_doubt(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let mut open = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let swing = judge.with_newest(object, state, &mut asking.troubles).0;
+        open |= state.bindings.is_some() && !swing.contradicted;
+    }
+    open
+}
+
+/// Satisfied; contradicted by a complete cycle; or not known: not enough cycles yet, all those seen satisfy.
+pub(crate) fn truth(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+    if !part.settled.is_empty() {
+        return Truth::True;
+    }
+    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let mut open = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let (swing, found) = judge.with_newest(object, state, &mut asking.troubles);
+        if found.is_some() {
+            return Truth::True;
+        }
+        open |= state.bindings.is_some() && !swing.contradicted;
+    }
+    if open { Truth::Unknown } else { Truth::False }
+}
+
+/// What is known, for `apex why`: turning points, the last cycle, how many in a row.
+pub(crate) fn words(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> String {
+    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let wanted = part.objects.iter().filter(|(_, state)| state.bindings.is_some());
+    let Some((object, state)) = wanted.max_by_key(|(_, state)| state.newest.0) else {
+        return "no sample yet".to_string();
+    };
+    let (swing, _) = judge.with_newest(object, state, &mut asking.troubles);
+    let variable = StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
+    match (swing.last, swing.run, swing.turns) {
+        (Some((start, end, amplitude)), run, _) => {
+            let amplitude = judge.in_unit(amplitude, swing.dimension);
+            let row = run.map_or(0, |run| run.halves / 2);
+            let cycles = if row == 1 { "cycle" } else { "cycles" };
+            format!(
+                "{row} {cycles} of {variable} in a row; the last one took {} with an amplitude of {amplitude}",
+                end - start
+            )
+        }
+        (None, _, [_, Some(turn)]) => {
+            format!("{variable} has turned at {} for the last time, no cycle is complete", turn.at)
+        }
+        (None, ..) => format!("{variable} has not turned yet"),
+    }
+}
+
+struct Judge<'a> {
+    part: &'a CyclicPart,
+    site: Site,
+    surroundings: &'a dyn Surroundings,
+}
+
+impl Judge<'_> {
+    /// What the samples have done with the newest one among them, and the result that it completes.
+    fn with_newest(
+        &self,
+        object: &Value,
+        state: &CyclicObject,
+        troubles: &mut Troubles,
+    ) -> (Swing, Option<Satisfaction>) {
+        let mut swing = state.swing;
+        let (at, number) = state.newest;
+        let Some(bindings) = &state.bindings else { return (swing, None) };
+        if !number.is_finite() {
+            // What is no number interrupts every cycle.
+            let Swing { dimension, contradicted, .. } = swing;
+            return (Swing { dimension, contradicted, ..Swing::default() }, None);
+        }
+        swing.samples = swing.samples.saturating_add(1);
+        let sample = Extreme { at, value: number, number: swing.samples };
+        let Some(turn) = turn(&mut swing, sample, self.part.hysteresis) else { return (swing, None) };
+        match self.cycle(&mut swing, turn) {
+            Ok(Some(run)) => {
+                let result = self.result(object, bindings.clone(), run, swing.dimension, at);
+                (swing, Some(result))
+            }
+            Ok(None) => (swing, None),
+            Err(error) => {
+                troubles.add(error);
+                (swing, None)
+            }
+        }
+    }
+
+    /// Takes a turning point in. The run, when this completes enough cycles for the first time.
+    fn cycle(&self, swing: &mut Swing, turn: Extreme) -> Result<Option<CycleRun>, EvaluationError> {
+        let [before, middle] = swing.turns;
+        swing.turns = [middle, Some(turn)];
+        let (Some(before), Some(middle)) = (before, middle) else { return Ok(None) };
+        let amplitude = libm::fabs((before.value + turn.value) / 2.0 - middle.value) / 2.0;
+        swing.last = Some((before.at, turn.at, amplitude));
+        if !self.satisfies(before.at, turn.at, amplitude, swing.dimension)? {
+            swing.contradicted = true;
+            swing.run = None;
+            return Ok(None);
+        }
+        let fresh = CycleRun { start: before, end: turn, halves: 1, amplitudes: 0.0, told: false };
+        let run = swing.run.get_or_insert(fresh);
+        run.halves = run.halves.saturating_add(1);
+        run.end = turn;
+        run.amplitudes += amplitude;
+        let complete = run.halves.is_multiple_of(2) && !run.told && self.is_enough(run.halves / 2)?;
+        run.told |= complete;
+        Ok(complete.then_some(*run))
+    }
+
+    fn satisfies(&self, start: Time, end: Time, amplitude: f64, dimension: Dimension) -> Result<bool, EvaluationError> {
+        let unit = unit_of(&self.part.condition.variable.attribute, self.surroundings.library());
+        let period = Value::Duration(end - start);
+        let amplitude = Value::measured(amplitude, dimension);
+        Ok(self.hold("period", &period, Reading::Span)? && self.hold("amplitude", &amplitude, Reading::Value(unit))?)
+    }
+
+    fn is_enough(&self, cycles: u64) -> Result<bool, EvaluationError> {
+        if constraints_of(&self.part.condition, "cycles").is_empty() {
+            return Ok(cycles >= CYCLES_DEFAULT);
+        }
+        self.hold("cycles", &Value::Integer(i64::try_from(cycles).unwrap_or(i64::MAX)), Reading::Value(None))
+    }
+
+    fn hold(&self, option: &str, value: &Value, reading: Reading) -> Result<bool, EvaluationError> {
+        let constraints = constraints_of(&self.part.condition, option);
+        all(constraints, value, reading, &mut Bindings::new(), self.surroundings, self.site.place)
+    }
+
+    fn result(
+        &self,
+        object: &Value,
+        bindings: Bindings,
+        run: CycleRun,
+        dimension: Dimension,
+        recognised_at: Time,
+    ) -> Satisfaction {
+        let variable = StateVariable::new(self.part.condition.variable.attribute.clone(), object.clone());
+        let interval = (run.start.at, run.end.at);
+        let samples = run.end.number.saturating_sub(run.start.number).saturating_add(1);
+        let cycles = i64::try_from((run.halves / 2).max(1)).unwrap_or(i64::MAX);
+        // Cycles begin at maxima and at minima.
+        let overlapping = run.halves.saturating_sub(1).max(1) as f64;
+        let period = Value::Duration(Duration((interval.1 - interval.0).0 / cycles));
+        let fact = |name: &str, value: Value| {
+            let variable = variable.clone();
+            let aggregate = Aggregate { variable, name: name.to_string(), value, interval, samples };
+            Evidence::Aggregate(Box::new(aggregate))
+        };
+        let facts = vec![
+            fact("cycles", Value::Integer(cycles)),
+            fact("period", period),
+            fact("amplitude", self.in_unit(run.amplitudes / overlapping, dimension)),
+        ];
+        Satisfaction { interval, recognised_at, bindings, evidence: EvidenceList::from(facts) }
+    }
+
+    /// An amplitude in the declared unit.
+    fn in_unit(&self, amplitude: f64, dimension: Dimension) -> Value {
+        match unit_of(&self.part.condition.variable.attribute, self.surroundings.library()) {
+            Some(unit) if unit.dimension == dimension => {
+                crate::expression::arithmetic::with_unit(amplitude / unit.factor, unit)
+            }
+            _ => Value::measured(amplitude, dimension),
+        }
+    }
+}
+
+/// Takes a value in. The turning point that it reveals: an extreme that it has come back from by the hysteresis. The
+/// first extreme is none, because nobody knows what was before it.
+fn turn(swing: &mut Swing, sample: Extreme, hysteresis: f64) -> Option<Extreme> {
+    let highest = swing.highest.filter(|highest| highest.value >= sample.value).unwrap_or(sample);
+    let lowest = swing.lowest.filter(|lowest| lowest.value <= sample.value).unwrap_or(sample);
+    (swing.highest, swing.lowest) = (Some(highest), Some(lowest));
+    let back = |distance: f64| distance > 0.0 && (distance >= hysteresis || planted::is(Bug::HysteresisForgotten));
+    let (fell, rose) = (back(highest.value - sample.value), back(sample.value - lowest.value));
+    let turned = match swing.heading {
+        Heading::Rising if fell => Some((Heading::Falling, Some(highest))),
+        Heading::Falling if rose => Some((Heading::Rising, Some(lowest))),
+        Heading::Unknown if rose => Some((Heading::Rising, None)),
+        Heading::Unknown if fell => Some((Heading::Falling, None)),
+        _ => None,
+    };
+    let (heading, extreme) = turned?;
+    swing.heading = heading;
+    (swing.highest, swing.lowest) = (Some(sample), Some(sample));
+    extreme
+}

@@ -1,0 +1,207 @@
+//! Line crossing (M&I)
+//! What: the earliest instant of a window at which a line of least squares satisfies constraints on its value.
+//! Runs: when a regression is asked.
+//! Reads: surroundings.
+//! Writes: nothing.
+//! Bound: linear in the constraints.
+//! PDL: `:estimation :linear-regression`.
+//! Paper: Table 1, row 6.
+
+use crate::expression::arithmetic::described;
+use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use crate::monitoring::constraints::{Reading, read};
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, Relation};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::moments::Moments;
+use apex_model::pattern::Pattern;
+use apex_model::quantity::{Dimension, Unit};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+
+/// The values that constraints leave: an interval, each end with or without the end itself, and what is bound to the
+/// value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Band {
+    least: (f64, bool),
+    greatest: (f64, bool),
+    binds: Vec<Symbol>,
+}
+
+impl Band {
+    fn at_least(&mut self, value: f64, closed: bool) {
+        if value > self.least.0 || (value == self.least.0 && !closed) {
+            self.least = (value, closed);
+        }
+    }
+
+    fn at_most(&mut self, value: f64, closed: bool) {
+        if value < self.greatest.0 || (value == self.greatest.0 && !closed) {
+            self.greatest = (value, closed);
+        }
+    }
+
+    fn contains(&self, value: f64) -> bool {
+        let above = value > self.least.0 || (self.least.1 && value == self.least.0);
+        above && (value < self.greatest.0 || (self.greatest.1 && value == self.greatest.0))
+    }
+}
+
+/// What a right side is compared with: values of this dimension, where bare numbers are in this unit.
+#[derive(Clone, Copy)]
+pub(crate) struct Scale {
+    pub(crate) unit: Option<&'static Unit>,
+    pub(crate) dimension: Dimension,
+}
+
+/// The SI number of an expression.
+///
+/// # Errors
+/// When it cannot be evaluated, or is of another dimension.
+pub(crate) fn number_of(expr: &Expr, scale: Scale, surroundings: &dyn Surroundings) -> Result<f64, EvaluationError> {
+    let value = read(evaluate(expr, surroundings)?, Reading::Value(scale.unit), expr.place)?;
+    match value.as_number() {
+        Some((number, dimension)) if dimension == scale.dimension => Ok(number),
+        _ => {
+            let message = format!("{} stands where {} is needed", described(&value), scale.dimension);
+            Err(EvaluationError { message, place: expr.place })
+        }
+    }
+}
+
+/// The values that all `constraints` leave.
+///
+/// # Errors
+/// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
+pub(crate) fn band(
+    constraints: &[Constraint],
+    scale: Scale,
+    bindings: &Bindings,
+    surroundings: &dyn Surroundings,
+    place: Place,
+) -> Result<Band, EvaluationError> {
+    let mut band = Band { least: (f64::NEG_INFINITY, true), greatest: (f64::INFINITY, true), binds: Vec::new() };
+    let seen = WithBindings { below: surroundings, bindings };
+    for constraint in constraints {
+        match constraint {
+            Constraint::Compare { relation: Relation::Equal, right, tolerance: None }
+                if free(right, &seen).is_some() =>
+            {
+                band.binds.extend(free(right, &seen));
+            }
+            Constraint::Compare { relation, right, tolerance } => {
+                let value = number_of(right, scale, &seen)?;
+                match relation {
+                    Relation::Equal => {
+                        let around = tolerance.as_ref().map_or(Ok(0.0), |around| number_of(around, scale, &seen))?;
+                        band.at_least(value - around, true);
+                        band.at_most(value + around, true);
+                    }
+                    Relation::Less => band.at_most(value, false),
+                    Relation::LessOrEqual => band.at_most(value, true),
+                    Relation::Greater => band.at_least(value, false),
+                    Relation::GreaterOrEqual => band.at_least(value, true),
+                    Relation::Different => return Err(unsolvable(right.place)),
+                }
+            }
+            Constraint::Range(least, most) => {
+                if let Some(least) = least {
+                    band.at_least(number_of(least, scale, &seen)?, true);
+                }
+                if let Some(most) = most {
+                    band.at_most(number_of(most, scale, &seen)?, true);
+                }
+            }
+            Constraint::Matches(Pattern::Variable(name)) if seen.variable(name).is_none() => {
+                band.binds.push(name.clone());
+            }
+            Constraint::Matches(Pattern::Variable(name) | Pattern::BoundVariable(name)) => {
+                let value = seen.variable(name).and_then(|value| value.as_number()).ok_or_else(|| unsolvable(place))?;
+                band.at_least(value.0, true);
+                band.at_most(value.0, true);
+            }
+            Constraint::Matches(_) | Constraint::Predicate(..) => return Err(unsolvable(place)),
+        }
+    }
+    Ok(band)
+}
+
+/// The variable that the right side is, if nothing is bound to it yet.
+fn free(right: &Expr, seen: &dyn Surroundings) -> Option<Symbol> {
+    match &right.kind {
+        ExprKind::Variable { name, must_be_bound: false } => seen.variable(name).is_none().then(|| name.clone()),
+        _ => None,
+    }
+}
+
+fn unsolvable(place: Place) -> EvaluationError {
+    let message = "the value of a line can be constrained only by comparisons and ranges of numbers".to_owned();
+    EvaluationError { message, place }
+}
+
+/// The earliest instant from `from` to `to` at which the line through `moments` lies within the band, with its value
+/// there; none when it never does, or there is no line.
+pub(crate) fn earliest(moments: &Moments, band: &Band, from: Time, to: Time) -> Option<(Time, f64)> {
+    let (mut first, mut last) = (from, to);
+    match moments.slope_per_s()? {
+        0.0 => {
+            return (first <= last && band.contains(moments.line_at(first)?))
+                .then_some((first, moments.line_at(first)?));
+        }
+        slope => {
+            let rising = slope > 0.0;
+            let (entry, exit) = if rising { (band.least, band.greatest) } else { (band.greatest, band.least) };
+            if entry.0.is_finite() {
+                first = first.max(crossing(moments, entry.0)?.first(entry.1));
+            }
+            if exit.0.is_finite() {
+                let crossing = crossing(moments, exit.0)?;
+                // Where one value is wanted that the line has between two ticks, the second counts.
+                let between = entry == exit && entry.1 && !crossing.exact;
+                last = last.min(if between { crossing.first(true) } else { crossing.last(exit.1) });
+            }
+        }
+    }
+    if first > last {
+        return None;
+    }
+    Some((first, moments.line_at(first)?))
+}
+
+/// When a line has a value: an instant, or between it and the next tick.
+struct Crossing {
+    /// The last tick that is not after the crossing.
+    tick: Time,
+    /// The crossing is at the tick itself.
+    exact: bool,
+}
+
+impl Crossing {
+    /// The first tick at or after the crossing; after it when the value itself does not count.
+    fn first(&self, closed: bool) -> Time {
+        if self.exact && closed { self.tick } else { self.tick + Duration(1) }
+    }
+
+    /// The last tick at or before the crossing; before it when the value itself does not count.
+    fn last(&self, closed: bool) -> Time {
+        if self.exact && !closed { self.tick - Duration(1) } else { self.tick }
+    }
+}
+
+fn crossing(moments: &Moments, value: f64) -> Option<Crossing> {
+    let (anchor, offset_ns) = moments.line_reaches(value)?;
+    let nearest = libm::round(offset_ns);
+    // A crossing this near to a tick differs from it by rounding alone.
+    let rounding = (1e-3 + libm::fabs(offset_ns) * 4e-15).min(0.49);
+    let exact = libm::fabs(offset_ns - nearest) <= rounding;
+    let tick = if exact { nearest } else { libm::floor(offset_ns) };
+    Some(Crossing { tick: anchor + Duration(tick as i64), exact })
+}
+
+/// The variables that the value is bound to.
+pub(crate) fn bind(band: &Band, value: f64, scale: Scale, bindings: &mut Bindings) {
+    for name in &band.binds {
+        bindings.set(name.clone(), crate::monitoring::numbers::aggregates::in_unit(value, scale.dimension, scale.unit));
+    }
+}

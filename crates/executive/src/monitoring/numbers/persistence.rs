@@ -1,0 +1,275 @@
+//! Persistence (M&I)
+//! What: does a sample that holds until the next one, or until it expires, satisfy the constraints at some instant?
+//! Runs: on every sample of the watched variable, and at the instant at which the window begins.
+//! Reads: histories, surroundings.
+//! Writes: the persisted part of a monitor.
+//! Bound: O(1) per sample and object; a late sample looks back over the window again.
+//! PDL: `:estimation :persist`, `(:persist :with-timeout D)`.
+//! Paper: Table 1, row 5.
+
+use crate::expression::{EvaluationError, Surroundings};
+use crate::monitoring::asking::Asking;
+use crate::monitoring::constraints::{prepare, satisfies_all, unit_of};
+use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::samples::{Seen, concerns, known_variable, object_holds, remembered, seen_of};
+use crate::monitoring::time_bounds::{TICK, TimeBounds, bounds, duration_of};
+use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::MeasurementCondition;
+use apex_model::estimate::{Estimate, Estimator};
+use apex_model::event::StateVariable;
+use apex_model::expression::Expr;
+use apex_model::monitor::{Keep, Satisfaction};
+use apex_model::monitor_numbers::{PersistedPart, PersistedSample};
+use apex_model::time::{Duration, Time};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The part for `condition`, not yet looked back.
+///
+/// # Errors
+/// When the timeout or a value that never changes cannot be evaluated.
+pub(crate) fn create(
+    condition: &Arc<MeasurementCondition>,
+    timeout: Option<&Expr>,
+    surroundings: &dyn Surroundings,
+) -> Result<PersistedPart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let timeout = timeout.map(|timeout| duration_of(timeout, surroundings)).transpose()?;
+    Ok(PersistedPart {
+        tests: prepare(&condition.value, unit, surroundings)?,
+        variable: known_variable(&condition.variable, surroundings),
+        timeout: timeout.unwrap_or(Duration::MAX),
+        blind: false,
+        settled: Vec::new(),
+        objects: BTreeMap::new(),
+        condition: Arc::clone(condition),
+    })
+}
+
+/// Starts again from what is remembered, and from the sample that holds into the window.
+pub(crate) fn look_back(
+    part: &mut PersistedPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    begin_again(part, site, surroundings, troubles);
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    part.blind = blind;
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// Forgets everything but the sample that holds into the window.
+pub(crate) fn begin_again(
+    part: &mut PersistedPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.settled.clear();
+    part.objects.clear();
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let attribute = &condition.variable.attribute;
+    if site.window.after_sequence.is_none() {
+        for (variable, history) in surroundings.histories().of_attribute(attribute) {
+            let carried = history.before(site.window.start).filter(|_| concerns(known.as_ref(), attribute, variable));
+            if let Some(sample) = carried {
+                feed(part, site, seen_of(variable, history, sample), surroundings, troubles);
+            }
+        }
+    }
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut PersistedPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    let newest = part.objects.get(&sample.variable.object);
+    // One that came late from before the window may still be valid at its start.
+    if sample.at < site.window.start || newest.is_some_and(|newest| sample.at < newest.at) {
+        let history = surroundings.histories().get(sample.variable);
+        if history.is_some_and(|history| history.covers(site.window.start)) {
+            look_back(part, site, surroundings, troubles);
+        }
+    } else if site.window.contains(sample.at, sample.sequence) {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+fn feed(
+    part: &mut PersistedPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let object = &sample.variable.object;
+    let rank = match part.objects.get(object) {
+        Some(before) => {
+            let rank = before.rank;
+            if sample.at > before.at
+                && let Some(result) =
+                    judged(part, site, sample.variable, before, (sample.at - TICK, true), surroundings, troubles)
+            {
+                remember(&mut part.settled, result, site, troubles);
+            }
+            rank
+        }
+        None if part.objects.len() >= surroundings.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+        }
+        None => sample.sequence,
+    };
+    let mut bindings = Bindings::new();
+    let holds = match holds(part, site, sample, &mut bindings, surroundings) {
+        Ok(holds) => holds.then_some(bindings),
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    };
+    part.objects.insert(object.clone(), PersistedSample { rank, at: sample.at, value: sample.value.clone(), holds });
+}
+
+fn holds(
+    part: &PersistedPart,
+    site: Site,
+    sample: Seen<'_>,
+    bindings: &mut Bindings,
+    surroundings: &dyn Surroundings,
+) -> Result<bool, EvaluationError> {
+    let condition = &part.condition;
+    let Seen { variable, value, .. } = sample;
+    let known = part.variable.is_some();
+    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
+        && satisfies_all(
+            &part.tests,
+            &condition.value,
+            value,
+            &variable.attribute,
+            bindings,
+            surroundings,
+            site.place,
+        )?)
+}
+
+/// The instants that count: from the window's start on, or as `:timestamp` says.
+fn window(part: &PersistedPart, site: Site, surroundings: &dyn Surroundings) -> Result<TimeBounds, EvaluationError> {
+    let stated = bounds(&part.condition.timestamp, surroundings, site.place)?;
+    Ok(TimeBounds { from: Some(stated.from.unwrap_or(site.window.start).max(site.window.start)), to: stated.to })
+}
+
+/// The first instant of the window at which the sample holds, and the last; both may be to come.
+fn valid(part: &PersistedPart, within: TimeBounds, sample: &PersistedSample) -> Option<(Time, Time)> {
+    let first = within.from.map_or(sample.at, |from| from.max(sample.at));
+    let last = within.to.unwrap_or(Time::END).min(sample.at + part.timeout);
+    (first <= last).then_some((first, last))
+}
+
+/// The result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
+fn judged(
+    part: &PersistedPart,
+    site: Site,
+    variable: &StateVariable,
+    sample: &PersistedSample,
+    (horizon, over): (Time, bool),
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Satisfaction> {
+    let bindings = sample.holds.as_ref()?;
+    let within = match window(part, site, surroundings) {
+        Ok(within) => within,
+        Err(error) => {
+            troubles.add(error);
+            return None;
+        }
+    };
+    let (first, last) = valid(part, within, sample).filter(|(first, _)| *first <= horizon)?;
+    let last = if over { last.min(horizon) } else { last };
+    let value = sample.value.clone();
+    let expires = if last == Time::END { last } else { last + TICK };
+    let estimate = Estimate {
+        estimator: Estimator::Persistence,
+        variable: variable.clone(),
+        value: value.clone(),
+        at: first,
+        extent: (sample.at, expires),
+        samples: 1,
+        extrapolation: first - sample.at,
+        error: None,
+    };
+    Some(Satisfaction {
+        interval: (sample.at, sample.at),
+        recognised_at: first,
+        bindings: bindings.clone(),
+        evidence: vec![
+            Evidence::Sample { variable: variable.clone(), value, at: sample.at },
+            Evidence::Estimate(Box::new(estimate)),
+        ]
+        .into(),
+    })
+}
+
+/// All results up to now, earliest recognised first.
+pub(crate) fn results(part: &PersistedPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let mut results = part.settled.clone();
+    if site.keep == Keep::First && !results.is_empty() {
+        return results;
+    }
+    let mut newest: Vec<_> = part.objects.iter().collect();
+    newest.sort_by_key(|(_, sample)| sample.rank);
+    for (object, sample) in newest {
+        let variable = StateVariable { attribute: part.condition.variable.attribute.clone(), object: object.clone() };
+        let (now, surroundings) = (asking.now, asking.surroundings);
+        results.extend(judged(part, site, &variable, sample, (now, false), surroundings, &mut asking.troubles));
+    }
+    let rank = |result: &Satisfaction| match result.evidence.iter().next() {
+        Some(Evidence::Sample { variable, .. }) => part.objects.get(&variable.object).map(|sample| sample.rank),
+        _ => None,
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
+    results
+}
+
+/// Does nobody know the value now?
+pub(crate) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
+    part.blind || !part.objects.values().any(|sample| now <= sample.at + part.timeout)
+}
+
+/// Satisfied; unknown without a sample that is valid now; else not satisfied. A window to come is waited for.
+pub(crate) fn truth(part: &PersistedPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+    if !results(part, site, asking).is_empty() {
+        return Truth::True;
+    }
+    let within = match window(part, site, asking.surroundings) {
+        Ok(within) => within,
+        Err(error) => {
+            asking.troubles.add(error);
+            return Truth::Unknown;
+        }
+    };
+    for sample in part.objects.values() {
+        let opens = valid(part, within, sample).filter(|(first, _)| sample.holds.is_some() && *first > asking.now);
+        if let Some((first, _)) = opens {
+            asking.wake_at_after_now(first);
+        }
+    }
+    Truth::of(false, in_doubt(part, asking.now))
+}

@@ -1,0 +1,425 @@
+//! Linear regression (M&I)
+//! What: does the line of least squares through the samples satisfy the constraints at some instant of the window?
+//! Runs: on every sample of the watched variable, and at the instant at which the line meets the constraint.
+//! Reads: histories, surroundings.
+//! Writes: the regression part of a monitor.
+//! Bound: O(1) per sample and object; a late sample fits all again.
+//! PDL: `:estimation :linear-regression` and its options.
+//! Paper: Table 1, row 6; Appendix B, constraints on estimators.
+
+use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::monitoring::asking::Asking;
+use crate::monitoring::constraints::unit_of;
+use crate::monitoring::numbers::aggregates::in_unit;
+use crate::monitoring::numbers::line_crossing::{Scale, band, bind, earliest, number_of};
+use crate::monitoring::part::{Site, Troubles, Truth};
+use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::time_bounds::{bounds, duration_of, instant_of};
+use crate::planted::{self, Bug};
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::MeasurementCondition;
+use apex_model::estimate::{Estimate, Estimator, computed};
+use apex_model::event::StateVariable;
+use apex_model::expression::Expr;
+use apex_model::limits::MONITOR_OBJECTS_MAX;
+use apex_model::moments::{MAGNITUDE_MAX, Moments};
+use apex_model::monitor::{Satisfaction, Window};
+use apex_model::monitor_numbers::{Fit, RegressionPart};
+use apex_model::quantity::Dimension;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// A line needs two points.
+const POINTS_MIN: u64 = 2;
+
+/// Why there is no line to trust.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Refusal {
+    /// No sample of the variable is in the fit interval.
+    NoSample,
+    /// Older samples of the fit interval are no longer kept.
+    Blind,
+    /// Fewer samples than `:minimum-points`.
+    TooFew { samples: u64, least: u64 },
+    /// All samples are of one instant.
+    OneInstant,
+    /// A gap between samples, or since the last one.
+    Gap { gap: Duration, most: Duration },
+    /// The residuals are greater than `:maximum-error`.
+    Error { error: Value, most: Value },
+    /// An extrapolated value is further from the nearest sample's than `:maximum-difference`.
+    Difference { difference: Value, most: Value },
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::NoSample => f.write_str("no sample yet"),
+            Refusal::Blind => f.write_str("older samples are no longer kept"),
+            Refusal::TooFew { samples, least } => write!(f, "{samples} of at least {least} samples for a line"),
+            Refusal::OneInstant => f.write_str("all samples are of one instant: no line"),
+            Refusal::Gap { gap, most } => write!(f, "no line across a gap of {gap} > {most}"),
+            Refusal::Error { error, most } => write!(f, "the line's error {} > {}", computed(error), computed(most)),
+            Refusal::Difference { difference, most } => {
+                let (difference, most) = (computed(difference), computed(most));
+                write!(f, "the extrapolated value is {difference} from the nearest sample's, more than {most}")
+            }
+        }
+    }
+}
+
+/// The part for `condition`, not yet looked back. All options are evaluated now.
+///
+/// # Errors
+/// When they cannot be.
+pub(crate) fn create(
+    condition: &Arc<MeasurementCondition>,
+    options: &[(Symbol, Expr)],
+    surroundings: &dyn Surroundings,
+) -> Result<RegressionPart, EvaluationError> {
+    let option = |name: &str| options.iter().find(|(found, _)| found.is(name)).map(|(_, expr)| expr);
+    let (unit, declared) = declared_scale(&condition.variable.attribute, surroundings);
+    let number = |expr: &Expr| {
+        let dimension = evaluate(expr, surroundings)?.as_number().map_or(Dimension::NONE, |(_, dimension)| dimension);
+        let dimension = declared.unwrap_or(dimension);
+        number_of(expr, Scale { unit, dimension }, surroundings)
+    };
+    let points_min = match option("minimum-points") {
+        Some(expr) => match evaluate(expr, surroundings)? {
+            Value::Integer(points) if points >= 0 => points.unsigned_abs(),
+            other => {
+                let message = format!(":minimum-points is {other}, which is no number of samples");
+                return Err(EvaluationError { message, place: expr.place });
+            }
+        },
+        None => POINTS_MIN,
+    };
+    Ok(RegressionPart {
+        condition: Arc::clone(condition),
+        variable: known_variable(&condition.variable, surroundings),
+        dimension: declared,
+        points_min: points_min.max(POINTS_MIN),
+        error_max: option("maximum-error").map(number).transpose()?,
+        difference_max: option("maximum-difference").map(number).transpose()?,
+        gap_max: option("minimum-frequency").map(|expr| duration_of(expr, surroundings)).transpose()?,
+        fit: (
+            option("start").map(|expr| instant_of(expr, surroundings)).transpose()?,
+            option("end").map(|expr| instant_of(expr, surroundings)).transpose()?,
+        ),
+        blind: false,
+        objects: BTreeMap::new(),
+    })
+}
+
+/// The unit and dimension that values of `attribute` are declared with.
+pub(crate) fn declared_scale(
+    attribute: &Symbol,
+    surroundings: &dyn Surroundings,
+) -> (Option<&'static apex_model::quantity::Unit>, Option<Dimension>) {
+    let unit = unit_of(attribute, surroundings.library());
+    let declared = surroundings.library().state_variables.get(attribute);
+    (unit, declared.filter(|declared| declared.unit.is_some()).map(|declared| declared.dimension))
+}
+
+/// From where samples are fitted: `:start`, else the window's start.
+fn fit_window(part: &RegressionPart, site: Site) -> Window {
+    match part.fit.0 {
+        Some(start) => Window::from(start),
+        None => site.window,
+    }
+}
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(
+    part: &mut RegressionPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.objects.clear();
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let wider = Site { window: fit_window(part, site), ..site };
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, wider, surroundings);
+    part.blind = blind;
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut RegressionPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    let window = fit_window(part, site);
+    let fit = part.objects.get(&sample.variable.object);
+    let newest = fit.and_then(Fit::last).map(|(at, _)| at);
+    match arrival(window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        // It takes the place of one that does not stand apart any more, since what is no number came after it.
+        Arrival::Next if newest == Some(sample.at) && fit.is_some_and(|fit| fit.newest.is_none()) => {
+            look_back(part, site, surroundings, troubles);
+        }
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
+    }
+}
+
+fn feed(
+    part: &mut RegressionPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if part.fit.1.is_some_and(|end| sample.at > end) {
+        return;
+    }
+    let object = &sample.variable.object;
+    if !part.objects.contains_key(object) {
+        if part.objects.len() >= MONITOR_OBJECTS_MAX {
+            return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
+        }
+        let bindings = object_bindings(part, site, sample, surroundings, troubles);
+        part.objects.insert(object.clone(), Fit { rank: sample.sequence, bindings, ..Fit::default() });
+    }
+    let Some(fit) = part.objects.get_mut(object) else { return };
+    let Some((number, dimension)) = sample.value.as_number() else {
+        fit.miss(sample.at);
+        return troubles.add(no_number(sample, site));
+    };
+    // What is not finite is a missing measurement here: it opens a gap. What is no number at all replaces nothing.
+    if number.is_nan() {
+        return;
+    }
+    if libm::fabs(number) > MAGNITUDE_MAX {
+        return fit.miss(sample.at);
+    }
+    if *part.dimension.get_or_insert(dimension) != dimension {
+        fit.miss(sample.at);
+        return troubles.add(no_number(sample, site));
+    }
+    fit.add(sample.at, number);
+}
+
+fn no_number(sample: Seen<'_>, site: Site) -> EvaluationError {
+    let message =
+        format!("{} = {} is no number of the kind before it: no line is fitted", sample.variable, sample.value);
+    EvaluationError { message, place: site.place }
+}
+
+fn object_bindings(
+    part: &RegressionPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Bindings> {
+    let mut bindings = Bindings::new();
+    let condition = &part.condition;
+    let known = part.variable.is_some();
+    match object_holds(
+        &condition.variable,
+        &condition.object,
+        known,
+        sample.variable,
+        &mut bindings,
+        site,
+        surroundings,
+    ) {
+        Ok(holds) => holds.then_some(bindings),
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    }
+}
+
+/// A line with what it says.
+pub(crate) struct Line {
+    /// All samples of the fit.
+    pub(crate) moments: Moments,
+    /// The last fitted sample.
+    pub(crate) last: (Time, f64),
+    scale: Scale,
+}
+
+impl Line {
+    pub(crate) fn value(&self, si: f64) -> Value {
+        in_unit(si, self.scale.dimension, self.scale.unit)
+    }
+}
+
+/// The line through the samples of one object.
+///
+/// # Errors
+/// With the reason for which there is none.
+fn line(part: &RegressionPart, fit: &Fit, surroundings: &dyn Surroundings) -> Result<Line, Refusal> {
+    let Some(last) = fit.last() else { return Err(Refusal::NoSample) };
+    if part.blind {
+        return Err(Refusal::Blind);
+    }
+    let (moments, gap) = fit.with_newest();
+    let (unit, _) = declared_scale(&part.condition.variable.attribute, surroundings);
+    let scale = Scale { unit, dimension: part.dimension.unwrap_or_default() };
+    let line = Line { moments, last, scale };
+    if moments.count() < part.points_min {
+        return Err(Refusal::TooFew { samples: moments.count(), least: part.points_min });
+    }
+    if let Some(most) = part.gap_max.filter(|most| gap > *most && !planted::is(Bug::GapOfLineForgotten)) {
+        return Err(Refusal::Gap { gap, most });
+    }
+    let Some(error) = moments.error() else { return Err(Refusal::OneInstant) };
+    match part.error_max.filter(|most| error > *most) {
+        Some(most) => Err(Refusal::Error { error: line.value(error), most: line.value(most) }),
+        None => Ok(line),
+    }
+}
+
+/// What one object's line says at `now`.
+pub(crate) enum Saying {
+    /// It meets the constraints in the window.
+    Met(Satisfaction),
+    /// It will within what is known, if no sample comes before.
+    WillBe(Time, f64, Line),
+    /// It does not.
+    Unmet(Line),
+    /// There is no line, or the window cannot be told.
+    Unknown(Refusal),
+}
+
+/// What the line of `object` says at `now`.
+///
+/// # Errors
+/// When a bound cannot be evaluated.
+pub(crate) fn says(
+    part: &RegressionPart,
+    site: Site,
+    (object, fit): (&Value, &Fit),
+    now: Time,
+    surroundings: &dyn Surroundings,
+) -> Result<Saying, EvaluationError> {
+    let line = match line(part, fit, surroundings) {
+        Ok(line) => line,
+        Err(refusal) => return Ok(Saying::Unknown(refusal)),
+    };
+    let mut bindings = fit.bindings.clone().unwrap_or_default();
+    let wanted = band(&part.condition.value, line.scale, &bindings, surroundings, site.place)?;
+    let stated = bounds(&part.condition.timestamp, surroundings, site.place)?;
+    let Some((first_at, last_at)) = line.moments.span() else { return Ok(Saying::Unknown(Refusal::NoSample)) };
+    let from = match site.window.start {
+        Time::BEGINNING => stated.from.unwrap_or(first_at),
+        start => stated.from.map_or(start, |from| from.max(start)),
+    };
+    // What lies after now is predicted only where the window says so.
+    let reach = Time(i64::MAX / 2);
+    let Some((at, value)) = earliest(&line.moments, &wanted, from, stated.to.unwrap_or(reach.max(from))) else {
+        return Ok(unmet(part, line, now));
+    };
+    let predicts = stated.to.is_some() || at == from;
+    let recognised_at = if predicts { last_at } else { last_at.max(at) };
+    let extrapolation = (first_at - at).max(at - last_at).max(Duration::ZERO);
+    if let Some(most) = part.difference_max.filter(|_| extrapolation > Duration::ZERO) {
+        let nearest = if at < first_at { fit.first } else { line.last.1 };
+        let difference = libm::fabs(value - nearest);
+        if difference > most {
+            let (difference, most) = (line.value(difference), line.value(most));
+            return Ok(Saying::Unknown(Refusal::Difference { difference, most }));
+        }
+    }
+    if part.gap_max.is_some_and(|most| recognised_at - last_at > most) {
+        return Ok(unmet(part, line, now));
+    }
+    if recognised_at > now {
+        return Ok(Saying::WillBe(at, value, line));
+    }
+    bind(&wanted, value, line.scale, &mut bindings);
+    let variable = StateVariable { attribute: part.condition.variable.attribute.clone(), object: object.clone() };
+    let samples = line.moments.count();
+    let estimate = Estimate {
+        estimator: Estimator::LinearRegression,
+        variable: variable.clone(),
+        value: line.value(value),
+        at,
+        extent: (first_at, last_at + Duration(1)),
+        samples,
+        extrapolation,
+        error: line.moments.error().map(|error| line.value(error)),
+    };
+    let evidence = vec![
+        Evidence::Run { variable, start: first_at, end: last_at, samples },
+        Evidence::Estimate(Box::new(estimate)),
+    ];
+    Ok(Saying::Met(Satisfaction { interval: (first_at, last_at), recognised_at, bindings, evidence: evidence.into() }))
+}
+
+/// The line does not meet the constraints, or nobody knows since samples stopped coming.
+fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
+    let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
+    match part.gap_max.filter(|most| gap > *most) {
+        Some(most) => Saying::Unknown(Refusal::Gap { gap, most }),
+        None => Saying::Unmet(line),
+    }
+}
+
+/// What the lines of all wanted objects say, in order of first appearance.
+pub(crate) fn all(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Vec<Saying> {
+    let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
+    let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
+    objects.sort_by_key(|(_, fit)| fit.rank);
+    let mut sayings = Vec::new();
+    for object in objects {
+        match says(part, site, object, asking.now, asking.surroundings) {
+            Ok(saying) => sayings.push(saying),
+            Err(error) => asking.troubles.add(error),
+        }
+    }
+    sayings
+}
+
+/// What the lines say now, earliest recognised first.
+pub(crate) fn results(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let met = |saying| match saying {
+        Saying::Met(result) => Some(result),
+        Saying::WillBe(..) | Saying::Unmet(_) | Saying::Unknown(_) => None,
+    };
+    let mut results: Vec<Satisfaction> = all(part, site, asking).into_iter().filter_map(met).collect();
+    results.sort_by_key(|result| result.recognised_at);
+    results
+}
+
+/// Is there no line to trust for some object?
+pub(crate) fn in_doubt(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let silent = part.objects.values().all(|fit| fit.last().is_none());
+    silent || all(part, site, asking).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
+}
+
+/// Satisfied; unknown without a line to trust; else not satisfied. The instant at which a line will meet the
+/// constraint is waited for.
+pub(crate) fn truth(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+    let sayings = all(part, site, asking);
+    // An object that is not wanted was heard of, as for other conditions.
+    let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
+    let mut met = false;
+    for saying in sayings {
+        match saying {
+            Saying::Met(_) => met = true,
+            Saying::WillBe(at, ..) => asking.wake_at_after_now(at),
+            Saying::Unknown(_) => unknown = true,
+            Saying::Unmet(_) => {}
+        }
+    }
+    Truth::of(met, unknown)
+}

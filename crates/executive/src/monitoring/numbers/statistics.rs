@@ -1,0 +1,402 @@
+//! Statistics (M&I)
+//! What: is there a run, or a window of the wanted length, whose statistics and trends satisfy the constraints?
+//! Runs: on every sample of the watched variable, and at instants that the sampling quality licenses.
+//! Reads: histories, surroundings.
+//! Writes: the statistical part of a monitor.
+//! Bound: amortised O(1) per sample and object, a median O(log n); a late sample looks back over the window again.
+//! PDL: `:episode` with `:stats` or `:trend`.
+//! Paper: Table 1, rows 8 and 9.
+
+use crate::expression::{EvaluationError, Surroundings};
+use crate::monitoring::asking::Asking;
+use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use crate::monitoring::numbers::aggregates::{Judgement, criteria, name};
+use crate::monitoring::numbers::number_runs::{Evaluated, Evaluation, Outcome, contradicted, take_in};
+use crate::monitoring::numbers::regression::declared_scale;
+use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::time_bounds::duration_of;
+use apex_model::agent_limits::Limit;
+use apex_model::because::Evidence;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
+use apex_model::estimate::computed;
+use apex_model::event::StateVariable;
+use apex_model::moments::MAGNITUDE_MAX;
+use apex_model::monitor::{Keep, Satisfaction};
+use apex_model::monitor_numbers::{Measure, NumberRun, NumberSample, StatisticalPart, Totals};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The part for `condition`, not yet looked back. Gap and durations are evaluated now.
+///
+/// # Errors
+/// When they cannot be.
+pub(crate) fn create(
+    condition: &Arc<EpisodeCondition>,
+    surroundings: &dyn Surroundings,
+) -> Result<StatisticalPart, EvaluationError> {
+    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let gap_max = match &condition.quality {
+        Quality::NoConstraints => None,
+        Quality::MaximumGap(gap) => Some(duration_of(gap, surroundings)?),
+    };
+    let timing = &condition.timing;
+    let mut duration_min = Duration::ZERO;
+    for constraint in &timing.duration {
+        duration_min = duration_min.max(least_duration(constraint, surroundings)?);
+    }
+    let of_run =
+        [&condition.value, &condition.first_value, &condition.last_value].into_iter().any(|all| !all.is_empty());
+    let slides = !of_run && duration_min > Duration::ZERO;
+    let lower = |constraint: &Constraint| crate::monitoring::constraints::is_lower_bound(constraint);
+    Ok(StatisticalPart {
+        tests: prepare(&condition.value, unit, surroundings)?,
+        criteria: criteria(condition, surroundings)?,
+        variable: known_variable(&condition.variable, surroundings),
+        dimension: declared_scale(&condition.variable.attribute, surroundings).1,
+        gap_max,
+        duration_min,
+        slides,
+        at_close: !slides && !timing.duration.iter().chain(&timing.end).all(lower),
+        blind: false,
+        first_known: None,
+        settled: Vec::new(),
+        objects: BTreeMap::new(),
+        condition: Arc::clone(condition),
+    })
+}
+
+/// The least duration that a constraint allows; of a window that slides the wanted one.
+fn least_duration(constraint: &Constraint, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
+    let tick = Duration(1);
+    Ok(match constraint {
+        Constraint::Compare { relation: Relation::Greater, right, .. } => duration_of(right, surroundings)? + tick,
+        Constraint::Compare { relation: Relation::Equal, right, tolerance: Some(around) } => {
+            duration_of(right, surroundings)? - duration_of(around, surroundings)?
+        }
+        Constraint::Compare { relation: Relation::GreaterOrEqual | Relation::Equal, right, .. }
+        | Constraint::Range(Some(right), _) => duration_of(right, surroundings)?,
+        _ => Duration::ZERO,
+    })
+}
+
+/// Starts again from what is remembered.
+pub(crate) fn look_back(
+    part: &mut StatisticalPart,
+    site: Site,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    part.settled.clear();
+    part.objects.clear();
+    let known = part.variable.clone();
+    let condition = Arc::clone(&part.condition);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    part.blind = blind;
+    part.first_known = samples.first().filter(|_| blind).map(|sample| sample.at);
+    for sample in samples {
+        feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut StatisticalPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
+        return;
+    }
+    let newest = part.objects.get(&sample.variable.object).map(|state| state.newest.at);
+    match arrival(site.window, sample, newest, surroundings) {
+        Arrival::Late => look_back(part, site, surroundings, troubles),
+        Arrival::Next => feed(part, site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
+    }
+}
+
+fn feed(
+    part: &mut StatisticalPart,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if site.keep == Keep::First && !part.settled.is_empty() {
+        return;
+    }
+    let object = &sample.variable.object;
+    let objects = part.objects.len();
+    let mut state = match part.objects.get_mut(object).map(std::mem::take) {
+        Some(state) if sample.at > state.newest.at => settle(part, site, sample, state, surroundings, troubles),
+        Some(state) => state,
+        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+        }
+        None => NumberRun { rank: sample.sequence, ..NumberRun::default() },
+    };
+    state.newest = judge(part, site, sample, state.run.as_deref(), surroundings, troubles);
+    match part.objects.get_mut(object) {
+        Some(slot) => *slot = state,
+        None => drop(part.objects.insert(object.clone(), state)),
+    }
+}
+
+/// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
+fn settle(
+    part: &mut StatisticalPart,
+    site: Site,
+    next: Seen<'_>,
+    mut state: NumberRun,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> NumberRun {
+    let evaluation = Evaluation { part, site, object: &next.variable.object, surroundings };
+    let Evaluated { found, over, .. } = evaluation.up_to(&state, next.at - Duration(1), troubles);
+    for result in over {
+        remember(&mut part.settled, result, site, troubles);
+    }
+    state.found = match found {
+        Some(result) if site.keep == Keep::First => {
+            remember(&mut part.settled, result, site, troubles);
+            None
+        }
+        found => found,
+    };
+    take_in(part, site, &mut state, next.at, surroundings, troubles);
+    state
+}
+
+/// Does the sample belong to the run, and which number is it?
+fn judge(
+    part: &mut StatisticalPart,
+    site: Site,
+    sample: Seen<'_>,
+    run: Option<&Totals>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> NumberSample {
+    let mut newest = NumberSample {
+        at: sample.at,
+        number: number(part, site, sample, troubles),
+        holds: None,
+        joins: run.is_some(),
+        first_holds: true,
+        last_holds: true,
+        bad_step: false,
+    };
+    if run.is_some_and(|run| part.gap_max.is_some_and(|most| sample.at - run.last > most)) {
+        newest.joins = false;
+    }
+    match held_values(part, site, sample, run.filter(|_| newest.joins), surroundings) {
+        Ok(Some((bindings, joins))) => {
+            newest.joins &= joins;
+            newest.holds = Some(bindings);
+        }
+        Ok(None) => {}
+        Err(error) => troubles.add(error),
+    }
+    let unit = unit_of(&part.condition.variable.attribute, surroundings.library());
+    let Some(bindings) = &mut newest.holds else { return newest };
+    for (constraints, holds) in
+        [(&part.condition.first_value, &mut newest.first_holds), (&part.condition.last_value, &mut newest.last_holds)]
+    {
+        *holds = all(constraints, sample.value, Reading::Value(unit), bindings, surroundings, site.place)
+            .unwrap_or_else(|error| {
+                troubles.add(error);
+                false
+            });
+    }
+    if let (Some((_, before)), Some(number), true) = (run.and_then(|run| run.previous), newest.number, newest.joins) {
+        let evaluation = Evaluation { part, site, object: &sample.variable.object, surroundings };
+        newest.bad_step = !evaluation.step_holds(before, number, troubles);
+    }
+    newest
+}
+
+/// What the sample binds when it satisfies the value constraints, and whether it agrees with the run before it.
+fn held_values(
+    part: &StatisticalPart,
+    site: Site,
+    sample: Seen<'_>,
+    run: Option<&Totals>,
+    surroundings: &dyn Surroundings,
+) -> Result<Option<(Bindings, bool)>, EvaluationError> {
+    let condition = &part.condition;
+    let known = part.variable.is_some();
+    let attempt = |mut bindings: Bindings| -> Result<Option<Bindings>, EvaluationError> {
+        let Seen { variable, value, .. } = sample;
+        let attribute = &variable.attribute;
+        let holds =
+            object_holds(&condition.variable, &condition.object, known, variable, &mut bindings, site, surroundings)?
+                && satisfies_all(
+                    &part.tests,
+                    &condition.value,
+                    value,
+                    attribute,
+                    &mut bindings,
+                    surroundings,
+                    site.place,
+                )?;
+        Ok(holds.then_some(bindings))
+    };
+    if let Some(run) = run
+        && let Some(joined) = attempt(run.bindings.clone())?
+    {
+        return Ok(Some((joined, true)));
+    }
+    match run {
+        Some(run) if run.bindings.is_empty() => Ok(None),
+        _ => Ok(attempt(Bindings::new())?.map(|bindings| (bindings, false))),
+    }
+}
+
+/// The sample's number in SI. What is not finite is missing; where only samples are counted anything is a number.
+fn number(part: &mut StatisticalPart, site: Site, sample: Seen<'_>, troubles: &mut Troubles) -> Option<f64> {
+    let counts = |measure: &Measure| matches!(measure, Measure::Count | Measure::Frequency | Measure::Custom);
+    match sample.value.as_number() {
+        Some((number, _)) if number.is_nan() || libm::fabs(number) > MAGNITUDE_MAX => None,
+        Some((number, dimension)) if *part.dimension.get_or_insert(dimension) == dimension => Some(number),
+        _ if part.criteria.iter().all(|criterion| counts(&criterion.measure)) => Some(0.0),
+        _ => {
+            let names: Vec<&str> = part.criteria.iter().map(|criterion| name(&criterion.measure)).collect();
+            let Seen { variable, value, .. } = sample;
+            let message = format!(
+                "{variable} = {value} is no number of the kind before it: it is left out of the {}",
+                names.join(", ")
+            );
+            troubles.add(EvaluationError { message, place: site.place });
+            None
+        }
+    }
+}
+
+/// All results up to now, earliest recognised first.
+pub(crate) fn results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    let mut results = part.settled.clone();
+    if site.keep == Keep::First && !results.is_empty() {
+        return results;
+    }
+    for (object, state) in in_order(part) {
+        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
+        let evaluated = evaluation.up_to(state, asking.now, &mut asking.troubles);
+        results.extend(evaluated.over);
+        results.extend(evaluated.closed_by_time);
+        results.extend(evaluated.found);
+    }
+    // Those of one instant in the order in which their objects were heard of.
+    let rank = |result: &Satisfaction| {
+        let object = result.evidence.iter().find_map(|evidence| match evidence {
+            Evidence::Run { variable, .. } => Some(&variable.object),
+            Evidence::Aggregate(aggregate) => Some(&aggregate.variable.object),
+            _ => None,
+        });
+        object.and_then(|object| part.objects.get(object)).map(|state| state.rank)
+    };
+    results.sort_by_key(|result| (result.recognised_at, rank(result)));
+    results
+}
+
+/// Results that grow as long as their statistics go on holding.
+pub(crate) fn open_results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    open(part, site, asking).into_iter().map(|(_, result)| result).collect()
+}
+
+fn open<'a>(part: &'a StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<(&'a Value, Satisfaction)> {
+    let mut open = Vec::new();
+    for (object, state) in &part.objects {
+        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
+        let found = evaluation.up_to(state, asking.now, &mut asking.troubles).found;
+        open.extend(found.map(|result| (object, result)));
+    }
+    open
+}
+
+/// The same, each with its variable.
+pub(crate) fn open_of_variables(
+    part: &StatisticalPart,
+    site: Site,
+    asking: &mut Asking<'_>,
+) -> Vec<(StateVariable, Satisfaction)> {
+    let variable = |object: &Value| StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
+    open(part, site, asking).into_iter().map(|(object, result)| (variable(object), result)).collect()
+}
+
+/// Does nobody know whether the newest run of some object is what is asked for?
+pub(crate) fn in_doubt(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> bool {
+    let mut doubt = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
+        let outcome = evaluation.up_to(state, asking.now, &mut asking.troubles).outcome;
+        doubt |= doubtful(part, state, outcome, asking.now);
+    }
+    doubt
+}
+
+fn doubtful(part: &StatisticalPart, state: &NumberRun, outcome: Outcome, now: Time) -> bool {
+    let stale = part.gap_max.is_some_and(|gap| now - state.newest.at > gap);
+    match outcome {
+        Outcome::Early | Outcome::Undefined => !contradicted(part, state) || stale,
+        Outcome::OutOfRun | Outcome::Holds | Outcome::Fails => stale,
+    }
+}
+
+fn in_order(part: &StatisticalPart) -> Vec<(&Value, &NumberRun)> {
+    let mut objects: Vec<(&Value, &NumberRun)> = part.objects.iter().collect();
+    objects.sort_by_key(|(_, state)| state.rank);
+    objects
+}
+
+/// Satisfied; unknown while a statistic is not defined, a run not long enough, or samples are missing; else not. The
+/// next instant at which time alone decides is waited for.
+pub(crate) fn truth(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+    let mut met = !part.settled.is_empty();
+    if met && site.keep == Keep::First {
+        return Truth::True;
+    }
+    let mut open = part.blind || part.objects.is_empty();
+    for (object, state) in &part.objects {
+        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
+        let evaluated = evaluation.up_to(state, asking.now, &mut asking.troubles);
+        met |= evaluated.found.is_some() || evaluated.closed_by_time.is_some() || !evaluated.over.is_empty();
+        open |= doubtful(part, state, evaluated.outcome, asking.now);
+        if !met || site.keep == Keep::Every {
+            evaluation.foresee(state, evaluated.outcome, asking);
+        }
+    }
+    Truth::of(met, open)
+}
+
+/// What is known about the newest run, for explanations: each criterion with what it says, and since when the run is.
+pub(crate) fn standing(
+    part: &StatisticalPart,
+    site: Site,
+    asking: &Asking<'_>,
+) -> Option<crate::monitoring::numbers::number_runs::Standing> {
+    let (object, state) = part.objects.iter().max_by_key(|(_, state)| state.newest.at)?;
+    Evaluation { part, site, object, surroundings: asking.surroundings }.standing(state, asking.now)
+}
+
+/// One criterion in words: `mean = 3 does not satisfy (> 5)`.
+pub(crate) fn judgement_words(criterion: &apex_model::monitor_numbers::Criterion, judgement: &Judgement) -> String {
+    let constraints: Vec<String> = criterion.constraints.iter().map(apex_model::words::constraint).collect();
+    let (name, wanted) = (name(&criterion.measure), constraints.join(" "));
+    match judgement {
+        Judgement::Undefined(reason) => format!("no {name}: {reason}"),
+        Judgement::Holds(_) | Judgement::Fails(_) if criterion.measure == Measure::Custom => {
+            format!("{name} {wanted} is false")
+        }
+        Judgement::Holds(value) => format!("{name} = {}", computed(value)),
+        // Only the level of significance has no constraints of its own.
+        Judgement::Fails(value) if wanted.is_empty() => {
+            format!("such a slope comes by chance with probability {}", computed(value))
+        }
+        Judgement::Fails(value) => format!("{name} = {}, wanted {wanted}", computed(value)),
+    }
+}
