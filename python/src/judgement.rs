@@ -1,7 +1,7 @@
 //! What can be said about a condition now, and why.
 
 use apex_executive::Judgement as Told;
-use apex_model::monitor::{Unmet, Verdict};
+use apex_executive::state::monitors::monitor::{Unmet, Verdict};
 use pyo3::prelude::*;
 
 /// What can be said about a condition now.

@@ -6,7 +6,7 @@ use crate::results::Results;
 use crate::source::{Ready, read};
 use crate::values::{Variable, from_python, nanoseconds_of};
 use apex_executive::MonitorSession;
-use apex_model::clause::MonitorId;
+use apex_executive::state::clause::MonitorId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use numpy::PyReadonlyArray1;

@@ -4,10 +4,11 @@
 //! there but not complete is found too.
 
 use apex_executive::explanation::{Reason, ReasonKind, waiting};
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
+use apex_executive::state::task::Task;
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
-use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_runtime::ports::{Deliberator, Observer};
 #[cfg(test)]

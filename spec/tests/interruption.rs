@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
-use apex_model::clause::Clause;
+use apex_executive::state::clause::Clause;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::Batch;
 use apex_model::expression::{ExprKind, Template};

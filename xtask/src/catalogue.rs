@@ -70,7 +70,8 @@ mod tests {
 
     #[test]
     fn a_page_that_lags_behind_a_header_fails() {
-        let service = Text::sample("crates/executive/src/control/conflicts/conflict.rs", "//! Conflict\n//! What: decides.\n");
+        let service =
+            Text::sample("crates/executive/src/control/conflicts/conflict.rs", "//! Conflict\n//! What: decides.\n");
         let page = Text::sample(PAGE, &render(std::slice::from_ref(&service)));
         assert!(page.body.contains("- **What:** decides."), "{}", page.body);
         assert_eq!(check(&[service.clone(), page.clone()]), None);

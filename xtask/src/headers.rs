@@ -103,7 +103,8 @@ mod tests {
     const GOOD: &str = "//! Episode detection (M&I)\n//! What: finds runs.  Runs: on sample.  Reads: History.\n//! Writes: Monitor.\n//! Bound: O(1).  PDL: `:episode`.  Paper: App. B.\n";
 
     fn with_list(body: &str) -> Vec<Finding> {
-        let list = Text::sample("crates/executive/src/monitoring/episodes/mod.rs", "//! Services.\npub(crate) mod episode;\n");
+        let list =
+            Text::sample("crates/executive/src/monitoring/episodes/mod.rs", "//! Services.\npub(crate) mod episode;\n");
         check(&[list, Text::sample(PATH, body)])
     }
 

@@ -7,8 +7,8 @@ pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
 
 use apex_model::event::StateVariable;
-use apex_model::history::Recorded;
 use apex_model::quantity::unit_named;
+use apex_model::recorded::Recorded;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;

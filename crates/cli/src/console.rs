@@ -3,7 +3,7 @@
 
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
 use apex_model::effect::{DecisionKind, Effect, QuestionId};
 use apex_model::event::{Batch, EventKind};
 use apex_model::symbol::Symbol;

@@ -2,8 +2,8 @@
 
 use crate::expression::evaluate;
 use crate::expression::view::View;
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;

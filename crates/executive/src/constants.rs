@@ -2,8 +2,8 @@
 
 use crate::expression::view::View;
 use crate::expression::{Surroundings, evaluate};
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;

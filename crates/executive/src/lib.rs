@@ -19,16 +19,17 @@ mod test_support;
 pub mod explanation;
 pub mod memory;
 pub mod planted;
+pub mod state;
 
-pub use apex_model::agent::Agent;
 pub use calling::call;
 pub use constants::failing_constants;
 pub use session::{Judgement, MonitorResult, MonitorSession, SamplingGap, SessionTrouble, Telling};
+pub use state::agent::Agent;
 pub use step::step;
 
 use crate::expression::view::View;
 use crate::monitoring::memory::retention;
-use apex_model::clause::Level;
+use crate::state::clause::Level;
 use apex_model::host::HostFunctions;
 use apex_model::library::{AgentDeclaration, Library};
 use apex_model::task::TaskId;

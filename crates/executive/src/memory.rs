@@ -3,8 +3,8 @@
 //! What is derived here is what an agent obeys: [`crate::load`] prepares the histories by the same demands.
 
 use crate::monitoring::memory::retention;
+use crate::state::histories::history::{Occurrence, Sample};
 use apex_model::agent_limits::Limit;
-use apex_model::history::{Occurrence, Sample};
 use apex_model::library::Library;
 use apex_model::limits::HISTORY_SAMPLES_DEFAULT;
 use apex_model::time::Duration;

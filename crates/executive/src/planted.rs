@@ -29,7 +29,7 @@ pub enum Bug {
     HysteresisForgotten,
     /// Something counts as absent while it goes on.
     AbsentWhileItGoesOn,
-    /// A sample just at a bound is not told to who waits for it (planted in the model's thresholds).
+    /// A sample just at a bound is not reported to the conditions that wait for it.
     ThresholdMisses,
 }
 
@@ -63,7 +63,6 @@ static PLANTED: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(0
 pub fn plant(bug: Option<Bug>) {
     let number = bug.map_or(0, |bug| bug as u8 + 1);
     PLANTED.store(number, std::sync::atomic::Ordering::SeqCst);
-    apex_model::planted::let_thresholds_miss(bug == Some(Bug::ThresholdMisses));
 }
 
 /// Is `bug` planted?

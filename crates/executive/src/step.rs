@@ -8,13 +8,14 @@ use crate::control::cycle::{Cycle, Work};
 use crate::control::phases::{contention, enablement, invariants, invocation, recording, selection};
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{monitoring_clauses, probing, termination};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::task::Origin;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Batch, Event};
-use apex_model::task::{Origin, TaskId};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 
 /// Rounds until the next task is ended, once an instant has been found to be restless.

@@ -19,7 +19,7 @@ fn states(agent: &Agent, world: &World) -> Vec<State> {
     for (_, task) in agent.tasks.iter() {
         let tag = agent.tag(task).to_string();
         let Some(index) = tag.strip_prefix('t').and_then(|digits| digits.parse::<usize>().ok()) else { continue };
-        if !matches!(task.origin, apex_model::task::Origin::Step(_)) {
+        if !matches!(task.origin, apex_executive::state::task::Origin::Step(_)) {
             continue;
         }
         states[index] = match task.state {

@@ -3,10 +3,10 @@
 
 mod support;
 
+use apex_executive::state::histories::history::History;
 use apex_executive::{Agent, step};
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::event::{Batch, Event, StateVariable};
-use apex_model::history::History;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use support::{agent, message, run_from, sample, seconds};

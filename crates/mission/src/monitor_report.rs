@@ -1,9 +1,9 @@
 //! Results of conditions for people and for programs.
 
+use apex_executive::state::monitors::monitor::{Unmet, Verdict};
 use apex_executive::{Judgement, MonitorResult, SamplingGap, Telling};
 use apex_model::because::Evidence;
 use apex_model::library::Library;
-use apex_model::monitor::{Unmet, Verdict};
 use apex_model::source::Place;
 use apex_model::time::Time;
 use serde_json::{Value as Json, json};

@@ -4,7 +4,6 @@
 //! checker with a clear diagnostic, never ignored.
 
 use crate::expression::{Expr, Template};
-use crate::monitor_cyclic::CyclicCondition;
 use crate::pattern::Pattern;
 use crate::source::Place;
 use crate::symbol::Symbol;
@@ -182,6 +181,15 @@ pub struct EpisodeCondition {
     pub stats: Vec<(Symbol, Vec<Constraint>)>,
     /// Trends: name without the colon and constraints.
     pub trend: Vec<(Symbol, Vec<Constraint>)>,
+}
+
+/// `(:cyclic (ATTR OBJ) :period C ..)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CyclicCondition {
+    /// Whose values.
+    pub variable: VariablePattern,
+    /// Constraints by option, in the order in which they are written: `period`, `amplitude`, `cycles`, `hysteresis`.
+    pub options: Vec<(Symbol, Vec<Constraint>)>,
 }
 
 /// How dense samples must be.

@@ -4,7 +4,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// Writes `map` as a sequence of pairs.
-pub(crate) fn serialize<K: Serialize, V: Serialize, S: Serializer>(
+///
+/// # Errors
+/// As the serializer's.
+pub fn serialize<K: Serialize, V: Serialize, S: Serializer>(
     map: &BTreeMap<K, V>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
@@ -12,7 +15,10 @@ pub(crate) fn serialize<K: Serialize, V: Serialize, S: Serializer>(
 }
 
 /// Reads a sequence of pairs.
-pub(crate) fn deserialize<'de, K: Deserialize<'de> + Ord, V: Deserialize<'de>, D: Deserializer<'de>>(
+///
+/// # Errors
+/// As the deserializer's.
+pub fn deserialize<'de, K: Deserialize<'de> + Ord, V: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BTreeMap<K, V>, D::Error> {
     Ok(Vec::<(K, V)>::deserialize(deserializer)?.into_iter().collect())

@@ -1,67 +1,8 @@
-//! Probing: goals that are pursued again and again while a condition with `:probing` is waited for (active sensing).
+//! The end of probing, and its words. The executive's `state::probing` holds what is being probed.
 
-use crate::clause::{Level, MonitorId};
-use crate::expression::Template;
-use crate::source::Place;
-use crate::task::TaskId;
-use crate::time::{Duration, Time};
-use crate::wake::WakeKey;
+use crate::time::Duration;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// Names a probing: the monitor, and the place of the `:probing` among those of its condition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct ProbingId {
-    /// The monitor of the whole condition.
-    pub monitor: MonitorId,
-    /// Counted in written order.
-    pub part: u32,
-}
-
-/// A goal pursued as long as a condition is waited for. At most one of its probes lives at a time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Probing {
-    /// The task whose clause it serves.
-    pub waiting: TaskId,
-    /// Where the clause stands: at the step, the probes are children of the waiting task's parent, else of itself.
-    pub level: Level,
-    /// The condition with the option.
-    pub place: Place,
-    /// What is pursued.
-    pub goal: Template,
-    /// From start to start, at least.
-    pub interval: Duration,
-    /// Not longer than this after the first start.
-    pub time_limit: Option<Duration>,
-    /// Not more probes than this.
-    pub count_limit: Option<u64>,
-    /// How many probes have been begun.
-    pub begun: u64,
-    /// When the first was begun.
-    pub first_at: Option<Time>,
-    /// When the last was begun.
-    pub last_at: Option<Time>,
-    /// The one that lives.
-    pub running: Option<TaskId>,
-    /// The next probe, or the end of the time limit.
-    pub wake: Option<WakeKey>,
-    /// Why no other probe will be begun; none as long as one may.
-    pub end: Option<ProbingEnd>,
-    /// The clause is watched no more: this is forgotten with its last probe.
-    pub forgotten: bool,
-}
-
-impl Probing {
-    /// When the next probe may begin: `now` for the first one.
-    pub fn next_at(&self, now: Time) -> Time {
-        self.last_at.map_or(now, |last| last + self.interval)
-    }
-
-    /// When the time limit is over; none before the first probe, and without a limit.
-    pub fn deadline(&self) -> Option<Time> {
-        Some(self.first_at? + self.time_limit?)
-    }
-}
 
 /// Why probing ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

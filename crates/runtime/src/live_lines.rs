@@ -2,7 +2,7 @@
 
 use crate::input_lines::{ReadValue, read_live};
 use crate::terms::Control;
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
 use apex_model::effect::QuestionId;
 use apex_model::event::EventKind;
 use apex_model::symbol::Symbol;

@@ -3,7 +3,7 @@
 //! One trait per border. Adapters implement [`Vehicle`]; the command and tests implement the others.
 
 use crate::target_state::TargetChange;
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
 use apex_model::effect::{CommandId, Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, EventKind};
 use apex_model::planned::PlannedProcedure;

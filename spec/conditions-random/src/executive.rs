@@ -3,12 +3,12 @@
 use crate::print;
 use apex_definition::{Bindings, Outcome, Question, Time, Value as Theirs, What};
 use apex_executive::MonitorSession;
-use apex_model::clause::MonitorId;
+use apex_executive::state::clause::MonitorId;
+use apex_executive::state::monitors::monitor::{Satisfaction, Verdict};
 use apex_model::condition::Condition;
 use apex_model::event::StateVariable;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
-use apex_model::monitor::{Satisfaction, Verdict};
 use apex_model::symbol::Symbol;
 use apex_model::time;
 use apex_model::value::Value;

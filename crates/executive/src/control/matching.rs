@@ -10,13 +10,14 @@
 use crate::control::cycle::Cycle;
 use crate::expression::EvaluationError;
 use crate::monitoring::pattern_matching::match_pattern;
+use crate::state::clause::Level;
+use crate::state::index::Candidate;
+use crate::state::task::ProcedureRef;
 use apex_model::bindings::Bindings;
-use apex_model::clause::Level;
-use apex_model::index::Candidate;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Primitive, Procedure};
 use apex_model::source::Place;
-use apex_model::task::{ProcedureRef, TaskId};
+use apex_model::task::TaskId;
 use apex_model::value::Value;
 use std::sync::Arc;
 

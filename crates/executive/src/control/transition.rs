@@ -5,8 +5,8 @@
 
 use crate::control::cycle::Cycle;
 use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
 use apex_model::because::{Because, Cause};
-use apex_model::clause::MonitorId;
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Duration;

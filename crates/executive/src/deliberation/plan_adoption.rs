@@ -5,19 +5,20 @@
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{procedure, termination};
-use apex_model::agent::Generated;
+use crate::state::agent::Generated;
+use crate::state::controller::{Controller, Way};
+use crate::state::index::{Candidate, ProcedureIndex};
+use crate::state::task::ProcedureRef;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::controller::{Controller, Way};
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::SolverReport;
 use apex_model::expression::Template;
-use apex_model::index::{Candidate, ProcedureIndex};
 use apex_model::pattern::Pattern;
 use apex_model::planned::PlannedProcedure;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::source::Place;
-use apex_model::task::{Outcome, ProcedureRef, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 use std::sync::Arc;
 

@@ -8,18 +8,19 @@ use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::termination;
 use crate::deliberation::solver_selection;
 use crate::expression::evaluate;
+use crate::state::clause::Level;
+use crate::state::controller::{Controller, PlanningController};
+use crate::state::task::Origin;
+use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::clause::Level;
-use apex_model::controller::{Controller, PlanningController};
 use apex_model::effect::{Effect, SolveRequest, SolveRequestId};
 use apex_model::limits::{SOLVE_GRACE_S, SOLVE_TIMEOUT_DEFAULT_S};
 use apex_model::symbol::Symbol;
-use apex_model::task::{Origin, TaskId};
+use apex_model::task::TaskId;
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 /// The task's goal has no procedure: a solver is asked for one, which is then pursued.
 pub(crate) fn start(cycle: &mut Cycle<'_>, id: TaskId, solver: u32) {

@@ -1,11 +1,12 @@
 //! What a task is, in plain data.
 
 use crate::control::conflicts::priority::priority;
-use apex_model::agent::Agent;
-use apex_model::controller::Way;
+use crate::state::agent::Agent;
+use crate::state::controller::Way;
+use crate::state::task::{Origin, Task};
 use apex_model::effect::Method;
 use apex_model::source::Place;
-use apex_model::task::{Origin, Outcome, Task, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
 use serde::Serialize;
@@ -63,7 +64,7 @@ pub fn agenda(agent: &Agent) -> Vec<TaskView> {
 
 fn view(agent: &Agent, task: &Task) -> TaskView {
     let selection = task.selection.as_ref();
-    let holds = |each: &&apex_model::resource::Resource| each.holders.iter().any(|holding| holding.task == task.id);
+    let holds = |each: &&crate::state::resource::Resource| each.holders.iter().any(|holding| holding.task == task.id);
     let needs = selection.into_iter().flat_map(|selection| &selection.needs);
     let needs = needs.filter_map(|need| Some(agent.resources.get(need.resource)?.name.clone()));
     let step = task.step().and_then(|step| {
@@ -91,7 +92,7 @@ fn view(agent: &Agent, task: &Task) -> TaskView {
             _ => step,
         },
         depth: task.depth,
-        children: task.controller.as_deref().map(apex_model::controller::Controller::children).unwrap_or_default(),
+        children: task.controller.as_deref().map(crate::state::controller::Controller::children).unwrap_or_default(),
     }
 }
 

@@ -4,8 +4,8 @@
 
 use super::Surroundings;
 use super::arithmetic::{add, compare, described, instant};
+use crate::state::histories::history::{History, Occurrence, Sample};
 use apex_model::event::StateVariable;
-use apex_model::history::{History, Occurrence, Sample};
 use apex_model::limits::LIST_ITEMS_MAX;
 use apex_model::quantity::Quantity;
 use apex_model::time::Time;

@@ -1,10 +1,10 @@
 //! Evaluation: arithmetic, text, lists, limits. Expressions are built by hand; their text form belongs to the front end.
 
 use super::*;
+use crate::state::histories::history::Sample;
 use crate::test_support::View;
 use apex_model::event::StateVariable;
 use apex_model::expression::{ExprKind, Parameters};
-use apex_model::history::Sample;
 use apex_model::library::{Function, HostDeclaration};
 use apex_model::quantity::{Quantity, unit_named};
 use apex_model::source::Place;

@@ -1,15 +1,16 @@
 //! The view that a task has of its agent: what the expressions and conditions of its clauses may see.
 
 use crate::expression::Surroundings;
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
+use crate::state::controller::{Controller, ProcedureController, Way};
+use crate::state::histories::history::Histories;
+use crate::state::task::Task;
 use apex_model::agent_limits::Limits;
-use apex_model::clause::Level;
-use apex_model::controller::{Controller, ProcedureController, Way};
-use apex_model::history::Histories;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;
-use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 

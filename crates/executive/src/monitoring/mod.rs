@@ -1,6 +1,6 @@
 //! Monitoring and interpretation services: what conditions mean (paper, section IV and Appendix B). One file per service.
 //!
-//! A monitor is plain data (`apex_model::monitor`). `combination/monitors.rs` makes it, feeds it and asks it; the kinds of
+//! A monitor is plain data (`crate::state::monitors::monitor`). `combination/monitors.rs` makes it, feeds it and asks it; the kinds of
 //! parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files beside these folders serve all of them.
 
 pub(crate) mod asking;

@@ -8,9 +8,9 @@
 //! Paper: section III, condition monitoring.
 
 use crate::expression::{EvaluationError, Surroundings};
+use crate::state::monitors::monitor::{Keep, Monitor, Part, Satisfaction, Trouble, Window};
 use apex_model::agent_limits::Limit;
 use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{Keep, Monitor, Part, Satisfaction, Trouble, Window};
 use apex_model::source::Place;
 
 /// Kleene's three values, in order: conjunction is the least, disjunction the greatest.

@@ -7,7 +7,7 @@
 //! PDL: none.
 //! Paper: section III, sources of information for monitors.
 
-use apex_model::clause::MonitorId;
+use crate::state::clause::MonitorId;
 use apex_model::event::StateVariable;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;

@@ -7,8 +7,8 @@
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
+use crate::state::monitors::monitor::{Part, Satisfaction};
 use apex_model::because::Evidence;
-use apex_model::monitor::{Part, Satisfaction};
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;

@@ -9,17 +9,17 @@ use crate::monitoring::constraints::unit_of;
 use crate::monitoring::episodes::{plain_combination, plain_episode};
 use crate::monitoring::memory::{histories, retention};
 use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::{LeafId, Seen, Taken, What};
+use crate::state::histories::history::Sample;
+use crate::state::monitor_set::Found;
+use crate::state::monitors::monitor::Monitor;
+use crate::state::wake::WakeKey;
 use apex_model::agent_limits::UNLOWERED;
-use apex_model::clause::MonitorId;
-use apex_model::episode_bank::{LeafId, Seen, Taken, What};
 use apex_model::event::StateVariable;
-use apex_model::history::Sample;
 use apex_model::limits::HISTORY_SAMPLES_MAX;
-use apex_model::monitor::Monitor;
-use apex_model::monitor_set::Found;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_model::wake::WakeKey;
 
 impl MonitorSession {
     /// Measurements of one variable as real numbers, in the declared unit. The shorter of the two slices counts.

@@ -1,11 +1,11 @@
 //! The largest sampling gaps within results (rules 8 and 22), for sessions that ask for them. Samples cost O(1) each on
 //! average, and nothing where nobody asked.
 
+use crate::state::monitors::monitor::Satisfaction;
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
-use apex_model::history::Recorded;
 use apex_model::limits::SPACINGS_MAX;
-use apex_model::monitor::Satisfaction;
+use apex_model::recorded::Recorded;
 use apex_model::time::{Duration, Time};
 use std::collections::{BTreeMap, VecDeque};
 

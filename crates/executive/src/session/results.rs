@@ -3,8 +3,8 @@
 #[cfg(doc)]
 use super::MonitorSession;
 use super::SamplingGap;
-use apex_model::clause::MonitorId;
-use apex_model::monitor::{Satisfaction, Unmet, Verdict};
+use crate::state::clause::MonitorId;
+use crate::state::monitors::monitor::{Satisfaction, Unmet, Verdict};
 use apex_model::source::Place;
 use apex_model::time::Time;
 

@@ -9,12 +9,12 @@ use crate::monitoring::episodes::plain_episode;
 use crate::monitoring::memory::retention;
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::told::Told;
-use apex_model::clause::MonitorId;
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::Seen;
+use crate::state::interests::{Interests, Narrowed};
+use crate::state::monitors::monitor::{Interest, Keep, Monitor, Satisfaction, Unmet, Window};
 use apex_model::condition::Condition;
-use apex_model::episode_bank::Seen;
 use apex_model::event::StateVariable;
-use apex_model::interests::{Interests, Narrowed};
-use apex_model::monitor::{Interest, Keep, Monitor, Satisfaction, Unmet, Window};
 use apex_model::time::{Duration, Time};
 use std::sync::Arc;
 

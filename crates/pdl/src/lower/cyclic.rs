@@ -6,8 +6,8 @@ use super::expected::{Expected, ExpectedKind};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::Datum;
+use apex_model::condition::CyclicCondition;
 use apex_model::condition::{Condition, ConditionKind};
-use apex_model::monitor_cyclic::CyclicCondition;
 use apex_model::symbol::Symbol;
 use std::sync::Arc;
 

@@ -10,9 +10,10 @@ use apex_executive::Agent;
 use apex_executive::explanation;
 use apex_model::words;
 
-use apex_model::controller::Way;
+use apex_executive::state::controller::Way;
+use apex_executive::state::task::{Origin, ProcedureRef, StepRef, Task};
 use apex_model::procedure::{Procedure, Step};
-use apex_model::task::{Origin, ProcedureRef, StepRef, Task, TaskId};
+use apex_model::task::TaskId;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 

@@ -10,8 +10,8 @@ use crate::error::RecordError;
 use crate::record::view::decisions::DecisionRow as Row;
 use apex_executive::Agent;
 use apex_executive::explanation::describe_task;
+use apex_executive::state::resource::Resource;
 use apex_model::quantity::Dimension;
-use apex_model::resource::Resource;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 

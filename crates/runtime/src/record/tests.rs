@@ -31,7 +31,7 @@ fn record_samples(path: &Path) -> Recorder {
     for (batch, effects) in samples::steps() {
         recorder.begin(&batch).unwrap();
         recorder.observe(&batch, &effects).unwrap();
-        recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, batch.now).unwrap();
+        recorder.inspect(&apex_executive::state::agent::Agent::default(), &NoDeliberator, batch.now).unwrap();
     }
     recorder
 }
@@ -234,8 +234,8 @@ fn a_full_disk_ends_the_record_with_a_sentence_and_whole_steps() {
         let batch =
             samples::batch(number as f64, number + 1, vec![EventKind::Occurrence(Value::text(&"x".repeat(500)))]);
         let stored = recorder.begin(&batch).and_then(|()| recorder.observe(&batch, &[]));
-        if let Err(message) =
-            stored.and_then(|()| recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, batch.now))
+        if let Err(message) = stored
+            .and_then(|()| recorder.inspect(&apex_executive::state::agent::Agent::default(), &NoDeliberator, batch.now))
         {
             failure = Some(message);
             break;
@@ -295,7 +295,7 @@ fn a_day_of_packets_is_recorded_quickly() {
         let began = std::time::Instant::now();
         recorder.begin(&packet).unwrap();
         recorder.observe(&packet, &[]).unwrap();
-        recorder.inspect(&apex_model::agent::Agent::default(), &NoDeliberator, packet.now).unwrap();
+        recorder.inspect(&apex_executive::state::agent::Agent::default(), &NoDeliberator, packet.now).unwrap();
         spent += began.elapsed();
     }
     let began = std::time::Instant::now();

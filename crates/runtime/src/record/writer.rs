@@ -8,7 +8,7 @@ use crate::effect_describer::{EffectDescriber, EffectRow, outcome_word};
 use crate::error::RecordError;
 use crate::limits::{SNAPSHOT_BATCHES_MAX, SNAPSHOT_BATCHES_MIN, SNAPSHOT_BYTES_MAX};
 use crate::ports::{Deliberator, Observer, SolverAnswer};
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
 use apex_model::effect::{Decision, DecisionKind, Effect, SolveRequest, SolveRequestId};
 use apex_model::event::{Batch, SolverReport};
 use apex_model::library::Library;

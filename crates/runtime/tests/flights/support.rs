@@ -1,6 +1,6 @@
 //! A program, its inputs, and a way to fly it into a record.
 
-use apex_model::agent::Agent;
+use apex_executive::state::agent::Agent;
 use apex_model::event::{EventKind, StateVariable};
 use apex_model::host::HostFunctions;
 use apex_model::source::SourceFile;

@@ -12,7 +12,7 @@
 use crate::control::conflicts::curve::Curve;
 use crate::control::conflicts::moving::Bounds;
 use crate::control::conflicts::priority::{self, priority};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
 use apex_model::limits::{PRIORITY_LOOK_AGAIN_MS, PRIORITY_SEARCH_MAX};
 use apex_model::task::TaskId;
 use apex_model::time::{Duration, Time};

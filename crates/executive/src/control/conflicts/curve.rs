@@ -6,9 +6,10 @@
 
 use crate::control::conflicts::moving::Bounds;
 use crate::control::conflicts::priority::{self, Kind};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::task::Task;
 use apex_model::procedure::PriorityClause;
-use apex_model::task::{Task, TaskId};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cell::Cell;
 

@@ -11,13 +11,14 @@ use crate::control::conflicts::conflict::{Field, left_behind};
 use crate::control::conflicts::priority;
 use crate::control::conflicts::sharing::{Use, UseKind};
 use crate::control::cycle::Cycle;
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::resource::{Need, ResourceId};
+use crate::state::step_clauses::StepClauses;
+use crate::state::task::{Origin, Task};
+use crate::state::waiting::{Claim, Turn, Waiting};
 use apex_model::expression::ExprKind;
 use apex_model::procedure::{PriorityClause, ProcedureKind};
-use apex_model::resource::{Need, ResourceId};
-use apex_model::step_clauses::StepClauses;
-use apex_model::task::{Origin, Task, TaskId};
-use apex_model::waiting::{Claim, Turn, Waiting};
+use apex_model::task::TaskId;
 use std::rc::Rc;
 
 /// Descendants looked at to see whether one of them waits too; a task with more is left to conflict resolution.

@@ -7,7 +7,7 @@
 
 use crate::control::conflicts::competition::{Claimant, by_priority};
 use crate::control::conflicts::priority;
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::cell::RefCell;

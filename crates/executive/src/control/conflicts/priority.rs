@@ -9,15 +9,16 @@ use crate::control::conflicts::moving::{self, Bounds};
 use crate::control::cycle::Cycle;
 use crate::expression::view::View;
 use crate::expression::{Surroundings, evaluate};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
+use crate::state::controller::Way;
+use crate::state::step_clauses::StepClauses;
+use crate::state::task::Task;
 use apex_model::because::Strength;
-use apex_model::clause::Level;
-use apex_model::controller::Way;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::procedure::{PriorityClause, Step};
 use apex_model::source::Place;
-use apex_model::step_clauses::StepClauses;
-use apex_model::task::{Task, TaskId, TaskState};
+use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
@@ -62,7 +63,7 @@ fn own_priority(agent: &Agent, task: &Task, at: Time) -> Option<f64> {
         return None;
     }
     let step = task.step()?;
-    if !matches!(task.origin, apex_model::task::Origin::Step(_)) {
+    if !matches!(task.origin, crate::state::task::Origin::Step(_)) {
         return None;
     }
     let template = agent.procedure(step.procedure)?.steps.get(step.step as usize)?;
@@ -188,7 +189,7 @@ pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
 fn clauses_above(agent: &Agent, id: TaskId) -> impl Iterator<Item = (&Task, &PriorityClause)> {
     let family = std::iter::successors(agent.task(id), |task| agent.task(task.parent?));
     family.flat_map(|task| {
-        let step = task.step().filter(|_| matches!(task.origin, apex_model::task::Origin::Step(_)));
+        let step = task.step().filter(|_| matches!(task.origin, crate::state::task::Origin::Step(_)));
         let template = step.and_then(|step| agent.procedure(step.procedure)?.steps.get(step.step as usize));
         template.into_iter().flat_map(|step| &step.priority).map(move |clause| (task, clause))
     })
@@ -283,7 +284,7 @@ pub(crate) fn clause_bounds(
 pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
     let task = agent.task(id)?;
     let stated = task.selection.is_some() && task.clauses.has(StepClauses::CONTENTION);
-    if let (apex_model::task::Origin::Step(step), true) = (task.origin, stated)
+    if let (crate::state::task::Origin::Step(step), true) = (task.origin, stated)
         && let Some(expr) = agent.procedure(step.procedure)?.steps.get(step.step as usize)?.interrupt_cost.as_deref()
     {
         return Some((expr, Level::Step));
@@ -299,7 +300,7 @@ pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
 /// The rank of a task among its siblings, if it has one.
 pub(crate) fn rank(agent: &Agent, id: TaskId, now: Time) -> Option<f64> {
     let task = agent.task(id).filter(|task| task.clauses.has(StepClauses::RANK))?;
-    let apex_model::task::Origin::Step(step) = task.origin else { return None };
+    let crate::state::task::Origin::Step(step) = task.origin else { return None };
     let procedure = agent.procedure(step.procedure)?;
     let template = procedure.steps.get(step.step as usize)?;
     if let Some(expr) = &template.rank {

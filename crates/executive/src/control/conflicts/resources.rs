@@ -7,11 +7,11 @@
 use crate::control::conflicts::priority;
 use crate::control::cycle::Cycle;
 use crate::expression::{Surroundings, evaluate, instantiate};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::resource::{Holding, Need, ResourceId};
 use apex_model::library::ResourceKind;
 use apex_model::procedure::ResourceNeed;
 use apex_model::quantity::Dimension;
-use apex_model::resource::{Holding, Need, ResourceId};
 use apex_model::source::Place;
 use apex_model::task::TaskId;
 use apex_model::value::Value;

@@ -4,7 +4,7 @@
 //! Bound: O(u log u + u * depth) for u uses of a resource.
 //! PDL: `profile`, `resource`, section 9.  Paper: section III, detecting and resolving conflicts.
 
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use std::collections::{BTreeMap, BTreeSet};

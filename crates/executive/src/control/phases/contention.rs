@@ -11,15 +11,15 @@ use crate::control::cycle::{Cycle, in_order};
 use crate::control::tasks::{interruption, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::planted::{self, Bug};
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
+use crate::state::resource::{Need, ResourceId};
+use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause, Share};
 use apex_model::effect::DecisionKind;
 use apex_model::quantity::Dimension;
-use apex_model::resource::{Need, ResourceId};
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 

@@ -9,15 +9,16 @@ use crate::control::tasks::{
 };
 use crate::control::transition::{Trigger, transition};
 use crate::planted::{self, Bug};
+use crate::state::clause::Clause;
+use crate::state::controller::Controller;
+use crate::state::monitors::monitor::Satisfaction;
+use crate::state::task::Origin;
 use apex_model::because::{Because, Cause};
-use apex_model::clause::Clause;
-use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::Satisfaction;
 use apex_model::procedure::ProcedureKind;
 use apex_model::source::Place;
-use apex_model::task::{Origin, Outcome, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
 /// Ends come first, so that nothing is started only to be cut; then restarts, suspensions, and enablements.

@@ -4,7 +4,7 @@
 //! Bound: O(tasks), and only for agents small enough that this is cheap.  PDL: section 9.  Paper: section III.
 
 use crate::control::conflicts::competition::related;
-use apex_model::agent::Agent;
+use crate::state::agent::Agent;
 use apex_model::task::TaskState;
 
 /// Larger agents are not checked: the check must not change how fast a test flight is.
@@ -35,7 +35,7 @@ pub(crate) fn check(agent: &Agent) {
     }
     for (_, task) in agent.tasks.iter() {
         let needs = task.selection.iter().flat_map(|selection| &selection.needs);
-        let lacks = |need: &apex_model::resource::Need| {
+        let lacks = |need: &crate::state::resource::Need| {
             let resource = agent.resources.get(need.resource);
             resource.is_some_and(|resource| resource.holders.iter().all(|holding| holding.task != task.id))
         };

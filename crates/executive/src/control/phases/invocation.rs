@@ -8,8 +8,8 @@ use crate::control::phases::built_in;
 use crate::control::tasks::{interruption, primitive, procedure, question, termination};
 use crate::deliberation::{plan_adoption, planner_invocation};
 use crate::planted::{self, Bug};
+use crate::state::controller::{Controller, Way};
 use apex_model::because::Cause;
-use apex_model::controller::{Controller, Way};
 use apex_model::task::{TaskId, TaskState};
 
 /// The act phase.

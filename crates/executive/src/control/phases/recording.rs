@@ -8,13 +8,13 @@ use crate::control::tasks::{monitoring_clauses, primitive, probing, question, re
 use crate::deliberation::plan_adoption;
 use crate::monitoring::memory::histories;
 use crate::monitoring::stimulus::Stimulus;
+use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::effect::DecisionKind;
 use apex_model::event::{Event, EventKind, Message, StateVariable};
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 fn arrival(cycle: &mut Cycle<'_>) -> u64 {
     let number = cycle.agent.next.arrival;

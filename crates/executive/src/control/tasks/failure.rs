@@ -8,11 +8,12 @@ use crate::control::cycle::Cycle;
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{interruption, primitive, termination};
 use crate::control::transition::{Trigger, transition};
+use crate::state::controller::{Controller, HandlingController};
+use crate::state::task::{HeldBack, Origin};
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::controller::{Controller, HandlingController};
 use apex_model::effect::DecisionKind;
-use apex_model::task::{HeldBack, Origin, Outcome, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 
 /// Starts the `on-failure` goal of the task's step. False when there is none, or it is at work already.
 pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bool {

@@ -10,11 +10,12 @@
 use crate::control::cycle::Cycle;
 use crate::expression::view::View;
 use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
-use apex_model::agent::Agent;
-use apex_model::clause::Level;
+use crate::state::agent::Agent;
+use crate::state::clause::Level;
+use crate::state::task::Origin;
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, Step};
-use apex_model::task::{Origin, TaskId};
+use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 

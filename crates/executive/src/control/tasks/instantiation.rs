@@ -7,17 +7,18 @@ use crate::control::cycle::Cycle;
 use crate::control::tasks::goal::goal_as_known;
 use crate::control::tasks::{interruption, monitoring_clauses, termination};
 use crate::expression::Surroundings;
+use crate::state::clause::{Clause, Level};
+use crate::state::index::StepIndex;
+use crate::state::monitors::monitor::Window;
+use crate::state::step_clauses::StepClauses;
+use crate::state::task::{HeldBack, Origin, Task};
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::clause::{Clause, Level};
 use apex_model::effect::DecisionKind;
-use apex_model::index::StepIndex;
-use apex_model::monitor::Window;
 use apex_model::source::Place;
-use apex_model::step_clauses::StepClauses;
 use apex_model::symbol::Symbol;
-use apex_model::task::{HeldBack, Origin, Task, TaskId, TaskState};
+use apex_model::task::{TaskId, TaskState};
 use smallvec::SmallVec;
 
 /// What a new task is made from.

@@ -12,19 +12,19 @@ use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::basic::task_state;
 use crate::monitoring::combination::{interest, monitors};
 use crate::monitoring::stimulus::Stimulus;
+use crate::state::clause::{Clause, Filing, Level, MonitorId, Watch};
+use crate::state::controller::Controller;
+use crate::state::interests::{Interests, Narrowed};
+use crate::state::monitor_set::Found;
+use crate::state::monitors::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
+use crate::state::wake::Wake;
 use apex_model::because::Evidence;
-use apex_model::clause::{Clause, Filing, Level, MonitorId, Watch};
 use apex_model::condition::Condition;
-use apex_model::controller::Controller;
 use apex_model::expression::ExprKind;
-use apex_model::interests::{Interests, Narrowed};
-use apex_model::monitor::{Interest, Monitor, PartKind, Satisfaction, Verdict, Window};
-use apex_model::monitor_set::Found;
 use apex_model::pattern::Pattern;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 use smallvec::SmallVec;
 
 /// Makes the monitor of a clause; it is judged in the next notice phase. Messages and samples count from `window` on. The

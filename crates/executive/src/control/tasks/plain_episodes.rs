@@ -10,13 +10,13 @@ use crate::control::tasks::monitoring_clauses;
 use crate::expression::view::View;
 use crate::monitoring::episodes::plain_episode;
 use crate::monitoring::stimulus::Stimulus;
-use apex_model::agent::Agent;
-use apex_model::clause::{MonitorId, Watch};
-use apex_model::episode_bank::{LeafId, Taken};
+use crate::state::agent::Agent;
+use crate::state::clause::{MonitorId, Watch};
+use crate::state::episode_bank::{LeafId, Taken};
+use crate::state::monitor_set::Found;
+use crate::state::monitors::monitor::Monitor;
+use crate::state::wake::Wake;
 use apex_model::event::StateVariable;
-use apex_model::monitor::Monitor;
-use apex_model::monitor_set::Found;
-use apex_model::wake::Wake;
 use std::borrow::Cow;
 
 /// Shows the stimulus to the bank of its variable. Whoever must be told of it in the general way joins `found`.

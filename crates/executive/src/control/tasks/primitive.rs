@@ -8,10 +8,11 @@ use crate::control::tasks::hooks::{self, Wanted};
 use crate::control::tasks::termination;
 use crate::expression::evaluate;
 use crate::planted::{self, Bug};
+use crate::state::clause::Level;
+use crate::state::controller::{Controller, OpenCommand, PrimitiveController};
+use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::clause::Level;
-use apex_model::controller::{Controller, OpenCommand, PrimitiveController};
 use apex_model::effect::{CommandId, Effect};
 use apex_model::expression::Expr;
 use apex_model::limits::{COMMAND_TIMEOUT_DEFAULT_S, UPDATE_INTERVAL_DEFAULT_MS};
@@ -19,7 +20,6 @@ use apex_model::procedure::Primitive;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, NANOSECONDS_PER_SECOND};
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 fn controller<'c>(cycle: &'c mut Cycle<'_>, id: TaskId) -> Option<&'c mut PrimitiveController> {
     match cycle.agent.task_mut(id)?.controller.as_deref_mut()? {

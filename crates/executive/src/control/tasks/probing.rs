@@ -12,17 +12,19 @@ use crate::expression::arithmetic::duration;
 use crate::expression::view::View;
 use crate::expression::{EvaluationError, evaluate};
 use crate::monitoring::combination::parts;
+use crate::state::clause::{Level, MonitorId, Watch};
+use crate::state::controller::Controller;
+use crate::state::probing::{Probing, ProbingId};
+use crate::state::task::Origin;
+use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause};
-use apex_model::clause::{Level, MonitorId, Watch};
 use apex_model::condition::{Condition, ConditionKind};
-use apex_model::controller::Controller;
 use apex_model::effect::DecisionKind;
 use apex_model::expression::Expr;
-use apex_model::probing::{Probing, ProbingEnd, ProbingId};
-use apex_model::task::{Origin, Outcome, TaskId, TaskState};
+use apex_model::probing::ProbingEnd;
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 /// The probings that the condition asks for, in written order.
 ///

@@ -6,13 +6,13 @@
 use crate::control::cycle::Cycle;
 use crate::control::tasks::termination;
 use crate::expression::printed;
+use crate::state::controller::{Controller, QuestionController};
+use crate::state::wake::Wake;
 use apex_model::because::{Because, Cause};
-use apex_model::controller::{Controller, QuestionController};
 use apex_model::effect::{Effect, QuestionId};
 use apex_model::source::Place;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 /// `(ask operator QUESTION ..)` with the values of question, options, by and, if there is one, default: the task waits.
 ///

@@ -9,18 +9,19 @@ use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{binding, monitoring_clauses, procedure, termination};
 use crate::control::transition::{Trigger, transition};
 use crate::expression::evaluate;
+use crate::state::clause::{Clause, Level};
+use crate::state::monitors::monitor::Window;
+use crate::state::step_clauses::StepClauses;
+use crate::state::task::{HeldBack, Origin};
+use crate::state::wake::Wake;
 use apex_model::agent_limits::Limit;
 use apex_model::because::{Because, Cause};
 use apex_model::bindings::Bindings;
-use apex_model::clause::{Clause, Level};
 use apex_model::expression::Expr;
-use apex_model::monitor::Window;
 use apex_model::procedure::Repetition;
-use apex_model::step_clauses::StepClauses;
-use apex_model::task::{HeldBack, Origin, Outcome, TaskId};
+use apex_model::task::{Outcome, TaskId};
 use apex_model::time::Duration;
 use apex_model::value::Value;
-use apex_model::wake::Wake;
 
 /// Counts the instances of a task that begin at one instant.
 ///

@@ -10,10 +10,11 @@ use crate::control::tasks::{
     binding, failure, interruption, monitoring_clauses, primitive, probing, procedure, question, repetition,
 };
 use crate::control::transition::{Trigger, transition};
+use crate::state::controller::Controller;
+use crate::state::task::{Origin, ProcedureRef};
 use apex_model::because::{Because, Cause};
-use apex_model::controller::Controller;
 use apex_model::effect::Effect;
-use apex_model::task::{Origin, Outcome, ProcedureRef, TaskId, TaskState};
+use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::value::Value;
 
 /// Ends the task with its subtree.

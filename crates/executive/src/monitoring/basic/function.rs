@@ -10,11 +10,10 @@
 
 use crate::expression::{Surroundings, evaluate};
 use crate::monitoring::part::Troubles;
+use crate::state::monitors::monitor::{FunctionPart, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::FunctionPart;
-use apex_model::monitor::Satisfaction;
 
 /// Evaluates the expression anew: it holds at this instant, or it does not, whatever was before.
 pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {

@@ -12,14 +12,16 @@ use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_
 use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::samples::{Seen, concerns, known_variable, object_holds, remembered};
 use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::{
+    Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window,
+};
+use crate::state::thresholds::Threshold;
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::{Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window};
-use apex_model::thresholds::Threshold;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use std::sync::Arc;

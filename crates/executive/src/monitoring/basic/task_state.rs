@@ -10,10 +10,10 @@
 use crate::expression::{Surroundings, evaluate};
 use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::pattern_matching::match_pattern;
+use crate::state::monitors::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;

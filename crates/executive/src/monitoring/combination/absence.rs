@@ -14,13 +14,13 @@ use crate::monitoring::combination::{extents, together, unmet};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
 use crate::monitoring::time_bounds::TICK;
 use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::estimate::Estimator;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::Expr;
 use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
 use apex_model::time::{Duration, Time};
 
 /// The part, not yet looked back. The length is evaluated now.

@@ -8,8 +8,8 @@
 //! Paper: Table 1 row 11, the full set of Allen predicates.
 
 use crate::monitoring::combination::relation::{Edge, Link, Span, links};
+use crate::state::monitors::monitor::Satisfaction;
 use apex_model::condition::AllenRelation;
-use apex_model::monitor::Satisfaction;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;

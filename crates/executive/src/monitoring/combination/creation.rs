@@ -17,12 +17,14 @@ use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Troubles;
 use crate::monitoring::specificity::variables;
+use crate::state::monitors::monitor::{
+    AbsentPart, AllenPart, Composite, EventPart, FunctionPart, Keep, Part, PartKind, Side, TaskEndedPart,
+    TaskStatePart, TimePart, Window,
+};
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Relation, VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::monitor::{AbsentPart, AllenPart, FunctionPart, Side};
-use apex_model::monitor::{Composite, EventPart, Keep, Part, PartKind, TaskEndedPart, TaskStatePart, TimePart, Window};
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use std::collections::BTreeSet;

@@ -17,7 +17,7 @@ use crate::monitoring::part::{Troubles, site};
 use crate::monitoring::samples::Seen;
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::wake::WakeReason;
-use apex_model::monitor::{Part, PartKind};
+use crate::state::monitors::monitor::{Part, PartKind};
 use apex_model::time::Time;
 
 pub(crate) fn notice_part(

@@ -8,10 +8,10 @@
 //! Paper: section III, condition monitoring.
 
 use crate::monitoring::basic::{event, measurement, task_state};
+use crate::state::monitors::monitor::{Interest, Monitor, Part, PartKind};
+use crate::state::thresholds::Threshold;
 use apex_model::event::StateVariable;
-use apex_model::monitor::{Interest, Monitor, Part, PartKind};
 use apex_model::symbol::Symbol;
-use apex_model::thresholds::Threshold;
 
 /// What `monitor` must be told of, sorted, each once. Changes only when a task becomes known by a verdict.
 pub(crate) fn interests(monitor: &Monitor) -> Vec<Interest> {

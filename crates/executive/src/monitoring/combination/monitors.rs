@@ -14,8 +14,8 @@ use crate::monitoring::combination::{creation, logic, unmet as unmet_parts};
 use crate::monitoring::part::{Troubles, Truth};
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::wake::WakeReason;
+use crate::state::monitors::monitor::{Keep, Monitor, Satisfaction, Trouble, Unmet, Verdict, Window};
 use apex_model::condition::Condition;
-use apex_model::monitor::{Keep, Monitor, Satisfaction, Trouble, Unmet, Verdict, Window};
 use apex_model::time::Time;
 
 /// Makes the monitor of `condition` and looks back over what is remembered since the window's start. That a task has

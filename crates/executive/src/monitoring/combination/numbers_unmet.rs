@@ -13,8 +13,8 @@ use crate::monitoring::numbers::aggregates::Judgement;
 use crate::monitoring::numbers::regression::{self, Line, Saying};
 use crate::monitoring::numbers::statistics;
 use crate::monitoring::part::Site;
+use crate::state::monitors::numbers::{PersistedPart, RegressionPart, StatisticalPart};
 use apex_model::estimate::computed;
-use apex_model::monitor_numbers::{PersistedPart, RegressionPart, StatisticalPart};
 use apex_model::time::Time;
 
 /// A persisted value: whose, how long it is valid, how far it is off.

@@ -11,7 +11,7 @@ use crate::expression::Surroundings;
 use crate::monitoring::asking::Asking;
 use crate::monitoring::combination::logic;
 use crate::monitoring::part::Truth;
-use apex_model::monitor::{Monitor, Part, PartKind};
+use crate::state::monitors::monitor::{Monitor, Part, PartKind};
 use apex_model::source::Place;
 
 /// Does the part that is written at `place` hold? A part whose results count only together with those of others, by order,

@@ -15,9 +15,9 @@ use crate::monitoring::asking::Asking;
 use crate::monitoring::combination::extents::{self, Extent, Extents};
 use crate::monitoring::combination::logic;
 use crate::monitoring::part::Truth;
+use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
-use apex_model::monitor::{AbsentPart, Part, PartKind, Satisfaction};
 use apex_model::time::Time;
 
 /// Are these parts whose results all go together, each an interval that stays?

@@ -15,13 +15,13 @@ use crate::monitoring::episodes::runs::{gap_cut, with_newest};
 use crate::monitoring::mismatch::first_mismatch;
 use crate::monitoring::numbers::cyclic;
 use crate::monitoring::part::Truth;
+use crate::state::histories::history::{Occurrence, Sample};
+use crate::state::monitors::monitor::{
+    AbsentPart, AllenPart, Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet,
+    Window,
+};
 use apex_model::condition::Relation;
 use apex_model::event::StateVariable;
-use apex_model::history::{Occurrence, Sample};
-use apex_model::monitor::{AbsentPart, AllenPart};
-use apex_model::monitor::{
-    Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet, Window,
-};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;

@@ -17,12 +17,12 @@ use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variabl
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::wake::WakeReason;
 use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample, Satisfaction};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::expression::Expr;
-use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample, Satisfaction};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;

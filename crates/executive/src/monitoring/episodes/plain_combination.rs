@@ -17,9 +17,9 @@
 use crate::expression::Surroundings;
 use crate::monitoring::episodes::plain_episode::{self, Bankable};
 use crate::monitoring::part::{Troubles, remember, site};
-use apex_model::episode_bank::{Seen, Told, What};
+use crate::state::episode_bank::{Seen, Told, What};
+use crate::state::monitors::monitor::{Keep, Monitor, Part, PartKind, Satisfaction};
 use apex_model::event::StateVariable;
-use apex_model::monitor::{Keep, Monitor, Part, PartKind, Satisfaction};
 use apex_model::symbol::Symbol;
 
 /// A combination whose leaves banks watch, in written order.

@@ -11,9 +11,9 @@ use crate::expression::Surroundings;
 use crate::monitoring::episodes::plain_episode::{band, give_back, is_plain, told_of};
 use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::samples::Seen;
-use apex_model::clause::MonitorId;
-use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Told, What};
-use apex_model::monitor::{EpisodePart, Keep};
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Told, What};
+use crate::state::monitors::monitor::{EpisodePart, Keep};
 use apex_model::time::Duration;
 
 /// The only episode of its bank.

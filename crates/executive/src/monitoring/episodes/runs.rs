@@ -12,12 +12,12 @@ use crate::monitoring::constraints::{Reading, all};
 use crate::monitoring::part::{Site, Troubles};
 use crate::monitoring::time_bounds::TICK;
 use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{EpisodePart, Keep, ObjectRun, Run, Satisfaction};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 

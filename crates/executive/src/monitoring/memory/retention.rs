@@ -12,13 +12,13 @@ use crate::monitoring::memory::demand::{Demand, Reach, Subject, Why};
 use crate::monitoring::memory::histories::obey;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::cyclic;
+use crate::state::histories::history::Histories;
+use crate::state::index::{LibraryIndex, ProcedureIndex};
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Timing,
     VariablePattern,
 };
 use apex_model::expression::{Expr, ExprKind, Template};
-use apex_model::history::Histories;
-use apex_model::index::{LibraryIndex, ProcedureIndex};
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{

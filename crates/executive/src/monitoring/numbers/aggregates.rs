@@ -10,13 +10,13 @@
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as, unit_of};
 use crate::monitoring::numbers::significance::slope_by_chance;
+use crate::state::monitors::moments::{HeldMoments, Moments};
+use crate::state::monitors::numbers::{Criterion, Measure};
 use apex_model::agent_limits::Limit;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition};
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;
-use apex_model::moments::{HeldMoments, Moments};
-use apex_model::monitor_numbers::{Criterion, Measure};
 use apex_model::quantity::{Dimension, Quantity, Unit};
 use apex_model::source::Place;
 use apex_model::time::Time;

@@ -10,10 +10,10 @@
 use crate::expression::arithmetic::described;
 use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
 use crate::monitoring::constraints::{Reading, read};
+use crate::state::monitors::moments::Moments;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::{Expr, ExprKind};
-use apex_model::moments::Moments;
 use apex_model::pattern::Pattern;
 use apex_model::quantity::{Dimension, Unit};
 use apex_model::source::Place;

@@ -14,13 +14,13 @@ use crate::monitoring::numbers::aggregates::{Bench, Gathered, Judgement};
 use crate::monitoring::numbers::sliding_window::{contents, drop_before, leaving, push};
 use crate::monitoring::part::{Site, Troubles};
 use crate::monitoring::time_bounds::TICK;
+use crate::state::monitors::monitor::{Keep, Satisfaction};
+use crate::state::monitors::numbers::{Criterion, Measure, NumberRun, Point, StatisticalPart, Totals};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::event::StateVariable;
 use apex_model::limits::WINDOW_FORESIGHT_MAX;
-use apex_model::monitor::{Keep, Satisfaction};
-use apex_model::monitor_numbers::{Criterion, Measure, NumberRun, Point, StatisticalPart, Totals};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 

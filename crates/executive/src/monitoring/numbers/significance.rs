@@ -7,7 +7,7 @@
 //! PDL: `:trend (:significance P)`.
 //! Paper: Table 1, row 9.
 
-use apex_model::moments::Moments;
+use crate::state::monitors::moments::Moments;
 
 /// Enough for any degrees of freedom: the fraction converges in about their square root, or in a few terms far out.
 const FRACTION_TERMS_MAX: u32 = 10_000;

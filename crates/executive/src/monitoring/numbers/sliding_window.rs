@@ -7,8 +7,8 @@
 //! PDL: `:stats` and `:trend` with a `:duration` and no `:value`.
 //! Paper: Table 1, row 8.
 
-use apex_model::moments::{HeldMoments, Moments};
-use apex_model::monitor_numbers::{Point, SlidingWindow};
+use crate::state::monitors::moments::{HeldMoments, Moments};
+use crate::state::monitors::numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 
 /// What a window holds.

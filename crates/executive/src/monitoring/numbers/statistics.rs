@@ -16,15 +16,15 @@ use crate::monitoring::numbers::regression::declared_scale;
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
 use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
 use crate::monitoring::time_bounds::duration_of;
+use crate::state::monitors::moments::MAGNITUDE_MAX;
+use crate::state::monitors::monitor::{Keep, Satisfaction};
+use crate::state::monitors::numbers::{Measure, NumberRun, NumberSample, StatisticalPart, Totals};
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
 use apex_model::event::StateVariable;
-use apex_model::moments::MAGNITUDE_MAX;
-use apex_model::monitor::{Keep, Satisfaction};
-use apex_model::monitor_numbers::{Measure, NumberRun, NumberSample, StatisticalPart, Totals};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
@@ -384,7 +384,7 @@ pub(crate) fn standing(
 }
 
 /// One criterion in words: `mean = 3 does not satisfy (> 5)`.
-pub(crate) fn judgement_words(criterion: &apex_model::monitor_numbers::Criterion, judgement: &Judgement) -> String {
+pub(crate) fn judgement_words(criterion: &crate::state::monitors::numbers::Criterion, judgement: &Judgement) -> String {
     let constraints: Vec<String> = criterion.constraints.iter().map(apex_model::words::constraint).collect();
     let (name, wanted) = (name(&criterion.measure), constraints.join(" "));
     match judgement {

@@ -19,17 +19,17 @@ use super::memory::histories::{record_event, record_sample};
 use super::memory::retention::prepare;
 use super::part::{Site, Troubles, Truth};
 use super::stimulus::Stimulus;
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Taken};
+use crate::state::monitors::monitor::{Keep, Monitor, PartKind, Verdict, Window};
 use crate::test_support::View;
-use apex_model::clause::MonitorId;
 use apex_model::condition::{
     Condition, ConditionKind, Constraint, EpisodeCondition, MeasurementCondition, Quality, Relation, Timing,
     VariablePattern,
 };
-use apex_model::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Taken};
 use apex_model::event::StateVariable;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::limits::MONITOR_RESULTS_MAX;
-use apex_model::monitor::{Keep, Monitor, PartKind, Verdict, Window};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;

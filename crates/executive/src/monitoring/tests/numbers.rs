@@ -1,7 +1,7 @@
 //! Statistics of a sliding window against exact arithmetic, on data that cost digits.
 
 use crate::monitoring::numbers::sliding_window::{contents, drop_before, push};
-use apex_model::monitor_numbers::{Point, SlidingWindow};
+use crate::state::monitors::numbers::{Point, SlidingWindow};
 use apex_model::time::{Duration, Time};
 
 /// Noise of a fixed sequence, as whole multiples of the unit.

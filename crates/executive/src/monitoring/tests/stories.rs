@@ -1,9 +1,9 @@
 //! Small stories: one rule of the language each.
 
 use super::*;
+use crate::state::monitors::monitor::Interest;
 use apex_model::condition::Estimation;
 use apex_model::library::StateVariableDeclaration;
-use apex_model::monitor::Interest;
 use apex_model::quantity::unit_named;
 
 const SECOND: i64 = 1_000_000_000;

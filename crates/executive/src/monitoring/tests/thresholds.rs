@@ -1,10 +1,10 @@
 //! Monitors that are told only of samples on their side of a bound say the same as monitors that are told of all.
 
 use super::*;
-use apex_model::clause::MonitorId;
-use apex_model::interests::{Interests, Narrowed};
+use crate::state::clause::MonitorId;
+use crate::state::interests::{Interests, Narrowed};
+use crate::state::monitor_set::Found;
 use apex_model::library::{Library, StateVariableDeclaration};
-use apex_model::monitor_set::Found;
 use apex_model::quantity::{Dimension, Quantity};
 use proptest::prelude::*;
 

@@ -1,0 +1,107 @@
+//! Children of a task: numbers that come in ascending order and go in any.
+
+use apex_model::task::TaskId;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use smallvec::SmallVec;
+
+/// Marks the place of a child that is gone; task numbers never come near.
+const GONE: u64 = 1 << 63;
+
+/// A set of tasks in order of creation. Two numbers take no room of their own.
+#[derive(Clone, Debug, Default)]
+pub struct Children {
+    /// Ascending, but for the mark.
+    places: SmallVec<[u64; 2]>,
+    gone: u32,
+}
+
+impl Children {
+    /// Adds a child; nothing happens when it is there.
+    pub fn insert(&mut self, child: TaskId) {
+        match self.place(child) {
+            Ok(index) => {
+                if let Some(place) = self.places.get_mut(index).filter(|place| **place & GONE != 0) {
+                    *place = child.0;
+                    self.gone -= 1;
+                }
+            }
+            Err(index) => self.places.insert(index, child.0),
+        }
+    }
+
+    /// Takes a child out; nothing happens when it is not there. Constant time on average besides the search.
+    pub fn remove(&mut self, child: TaskId) {
+        let Ok(index) = self.place(child) else { return };
+        let Some(place) = self.places.get_mut(index).filter(|place| **place & GONE == 0) else { return };
+        *place |= GONE;
+        self.gone += 1;
+        if self.gone as usize * 2 > self.places.len() {
+            self.places.retain(|place| *place & GONE == 0);
+            self.gone = 0;
+        }
+    }
+
+    fn place(&self, child: TaskId) -> Result<usize, usize> {
+        self.places.binary_search_by_key(&child.0, |place| place & !GONE)
+    }
+
+    /// True when `child` is among them.
+    pub fn contains(&self, child: TaskId) -> bool {
+        self.place(child).is_ok_and(|index| self.places.get(index).is_some_and(|place| place & GONE == 0))
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        *self = Children::default();
+    }
+
+    /// Children in order of creation.
+    pub fn iter(&self) -> impl Iterator<Item = TaskId> {
+        self.places.iter().filter(|place| **place & GONE == 0).map(|place| TaskId(*place))
+    }
+}
+
+impl PartialEq for Children {
+    fn eq(&self, other: &Children) -> bool {
+        self.iter().eq(other.iter())
+    }
+}
+
+impl Serialize for Children {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.iter().collect::<Vec<TaskId>>().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Children {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Children, D::Error> {
+        let mut children = Children::default();
+        Vec::deserialize(deserializer)?.into_iter().for_each(|child| children.insert(child));
+        Ok(children)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn agrees_with_an_ordered_set() {
+        let (mut children, mut set) = (Children::default(), BTreeSet::new());
+        let mut number: u64 = 1;
+        for round in 0..2_000_u64 {
+            number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let child = TaskId((number >> 33) % 64);
+            if round % 3 == 0 {
+                children.remove(child);
+                set.remove(&child);
+            } else {
+                children.insert(child);
+                set.insert(child);
+            }
+            assert!(children.iter().eq(set.iter().copied()));
+            assert_eq!(children.contains(child), set.contains(&child));
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Monitors in their tasks: which clause of which task each monitor stands for.
+
+use crate::state::monitors::monitor::{Interest, Monitor};
+use crate::state::wake::WakeKey;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// Numbers a monitor; from a counter of the agent, never reused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct MonitorId(pub u64);
+
+/// The clauses that hold a condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Clause {
+    /// `waitfor`: the task is enabled.
+    Waitfor,
+    /// `end-when`, `(terminate (when C))`: the task ends.
+    EndWhen,
+    /// `restart-when`: the task starts over.
+    RestartWhen,
+    /// `suspend-when`: the task is suspended.
+    SuspendWhen,
+    /// The `until` of `suspend-when`: the suspension ends.
+    SuspendUntil,
+    /// `resume-when`: the suspension ends.
+    ResumeWhen,
+}
+
+impl Clause {
+    /// The clause's name in PDL.
+    pub fn word(self) -> &'static str {
+        match self {
+            Clause::Waitfor => "waitfor",
+            Clause::EndWhen => "end-when",
+            Clause::RestartWhen => "restart-when",
+            Clause::SuspendWhen => "suspend-when",
+            Clause::SuspendUntil => "until",
+            Clause::ResumeWhen => "resume-when",
+        }
+    }
+}
+
+/// Where a clause stands: what its variables mean depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Level {
+    /// At the step: variables of the surrounding procedure.
+    Step,
+    /// At the procedure: variables of the task's own controller.
+    Procedure,
+}
+
+/// A monitor with its place in a task. Small, because a hundred thousand may wait.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    /// The task.
+    pub task: TaskId,
+    /// The clause.
+    pub clause: Clause,
+    /// Where the clause stands.
+    pub level: Level,
+    /// The condition's state.
+    pub monitor: Monitor,
+    /// Under what the monitor is filed in the agent's table of interests, where the monitor alone does not say.
+    pub filing: Option<Box<Filing>>,
+    /// The wake that the monitor asked for.
+    pub wake: Option<WakeKey>,
+}
+
+/// Under what a monitor is filed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Filing {
+    /// Its interests, sorted.
+    pub interests: Vec<Interest>,
+    /// The second word of the message it waits for, where that is known.
+    pub second: Option<Value>,
+}

@@ -1,0 +1,215 @@
+//! Controllers: what carries out an ongoing task (paper, section III). One per way of pursuing a goal.
+
+use crate::state::children::Children;
+use crate::state::resource::Need;
+use crate::state::task::ProcedureRef;
+use crate::state::wake::WakeKey;
+use apex_model::bindings::Bindings;
+use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
+use apex_model::procedure::BuiltInActivity;
+use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// How a task's goal is pursued: chosen when it is enabled, kept until it ends or starts over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Selection {
+    /// The goal with its variables filled in.
+    pub goal: Value,
+    /// The way.
+    pub way: Way,
+    /// The profile: all of it or nothing.
+    pub needs: Vec<Need>,
+    /// Added to the priority of the task while it is ongoing.
+    pub interrupt_cost: f64,
+    /// How long it is expected to take, if somebody said.
+    pub expected: Option<Duration>,
+    /// The work has begun, and uses what it was granted; until then nothing is used up.
+    #[serde(default)]
+    pub begun: bool,
+}
+
+/// Ways of pursuing a goal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Way {
+    /// By a procedure, with what its index bound.
+    Procedure(ProcedureRef, Bindings),
+    /// By a primitive (its index in the library), with what its index bound.
+    Primitive(u32, Bindings),
+    /// By one child per item.
+    Items(Vec<Value>),
+    /// By a built-in activity, its arguments evaluated at the start.
+    BuiltIn(BuiltInActivity),
+    /// By `(terminate ..)`.
+    Terminate,
+    /// By asking a solver (the index of its declaration) for a procedure first.
+    Solver(u32),
+}
+
+/// What carries out an ongoing task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Controller {
+    /// An instance of a procedure.
+    Procedure(ProcedureController),
+    /// An instance of a primitive.
+    Primitive(PrimitiveController),
+    /// The items of a `forall`.
+    Items(ItemsController),
+    /// Waits for the operator.
+    Question(QuestionController),
+    /// Waits for a plan.
+    Planning(PlanningController),
+    /// A failure is being handled by another goal.
+    Handling(HandlingController),
+    /// A built-in activity: done at once.
+    BuiltIn,
+}
+
+/// An instance of a procedure: one context, one child per step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProcedureController {
+    /// The template.
+    pub procedure: ProcedureRef,
+    /// Its variables: index bindings, `=>` results. Tags are read from `current`.
+    pub context: Bindings,
+    /// The task that each step's tag stands for now.
+    pub current: SmallVec<[Option<TaskId>; 1]>,
+    /// All children that still exist, ended ones included.
+    pub children: Children,
+    /// Steps that the end of the procedure waits for.
+    pub open: u32,
+    /// How often a plan that repeats was begun again at `instant`.
+    pub rounds: u32,
+    /// The instant of `rounds`.
+    pub instant: Time,
+}
+
+/// An instance of a primitive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrimitiveController {
+    /// The template: its index in the library.
+    pub primitive: u32,
+    /// What its index bound, and what its forms assigned.
+    pub context: Bindings,
+    /// Its `locals`.
+    pub locals: Bindings,
+    /// How long it takes, if it has a duration.
+    pub duration: Option<Duration>,
+    /// Time worked before the present stretch.
+    pub worked: Duration,
+    /// When the present stretch began; none while interrupted.
+    pub running_since: Option<Time>,
+    /// The end of the duration.
+    pub end: Option<WakeKey>,
+    /// The next update.
+    pub update: Option<WakeKey>,
+    /// Spacing of updates, if it has any.
+    pub update_interval: Option<Duration>,
+    /// Time left to the next update when it was interrupted.
+    pub update_left: Duration,
+    /// Commands without an answer.
+    pub commands: Vec<CommandId>,
+    /// Commands taken back by an interruption, to be sent again, with their timeouts.
+    pub withdrawn: Vec<(Value, Duration)>,
+    /// It sent commands: it ends with their answers unless it has a duration.
+    pub commanded: bool,
+    /// The last answer's value.
+    pub answer: Option<Value>,
+}
+
+/// The children of a `forall`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ItemsController {
+    /// Children that still exist.
+    pub children: Children,
+    /// How many have not ended.
+    pub open: u64,
+    /// How many there were.
+    pub items: u64,
+}
+
+/// A question to the operator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QuestionController {
+    /// The number under which it was asked last.
+    pub question: QuestionId,
+    /// False while it is withdrawn, because the task is interrupted.
+    pub open: bool,
+    /// The question.
+    pub text: String,
+    /// Choices; empty leaves the answer free.
+    pub options: Vec<Value>,
+    /// When the operator's time is over.
+    pub by: Option<Time>,
+    /// What is taken then; none fails the task.
+    pub default: Option<Value>,
+    /// The wake at that instant.
+    pub wake: Option<WakeKey>,
+}
+
+/// A plan that is awaited.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanningController {
+    /// The request.
+    pub request: SolveRequestId,
+    /// The goal that is planned for.
+    pub goal: Value,
+    /// What is done meanwhile.
+    pub meanwhile: Option<TaskId>,
+    /// The plan is to be pursued as soon as it arrives: the task's own goal has no procedure.
+    pub pursue: bool,
+    /// How long the answer is waited for.
+    pub patience: Duration,
+    /// When that is over; none once there is an answer.
+    pub wake: Option<WakeKey>,
+    /// The plan arrived while the task was interrupted.
+    pub arrived: Option<ProcedureRef>,
+}
+
+/// A failure that another goal handles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HandlingController {
+    /// The task that handles it.
+    pub handler: TaskId,
+}
+
+impl Controller {
+    /// Is there a child?
+    pub fn has_children(&self) -> bool {
+        match self {
+            Controller::Procedure(controller) => controller.children.iter().next().is_some(),
+            Controller::Items(controller) => controller.children.iter().next().is_some(),
+            Controller::Planning(controller) => controller.meanwhile.is_some(),
+            Controller::Handling(_) => true,
+            Controller::Primitive(_) | Controller::Question(_) | Controller::BuiltIn => false,
+        }
+    }
+
+    /// The children that still exist, in order of creation.
+    pub fn children(&self) -> Vec<TaskId> {
+        match self {
+            Controller::Procedure(controller) => controller.children.iter().collect(),
+            Controller::Items(controller) => controller.children.iter().collect(),
+            Controller::Planning(controller) => controller.meanwhile.into_iter().collect(),
+            Controller::Handling(controller) => vec![controller.handler],
+            Controller::Primitive(_) | Controller::Question(_) | Controller::BuiltIn => Vec::new(),
+        }
+    }
+}
+
+/// A command without an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OpenCommand {
+    /// The primitive's task.
+    pub task: TaskId,
+    /// What was sent.
+    pub form: Value,
+    /// When.
+    pub sent_at: Time,
+    /// How long to wait for the answer.
+    pub patience: Duration,
+    /// The end of that.
+    pub timeout: WakeKey,
+}

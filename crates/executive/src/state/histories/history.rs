@@ -1,0 +1,390 @@
+//! Histories: what was measured and what happened, as far back as somebody may still ask (paper, section III).
+//!
+//! A history is a ring of samples in order of time. How much is kept follows from what conditions, queries and log
+//! policies ask for, within the hard limits of [`apex_model::limits`]. What was dropped is remembered as one instant, so
+//! that a question about the time before it is answered with "unknown", never with "no".
+
+use crate::state::histories::event_log::EventLogs;
+use crate::state::histories::history_table::HistoryTable;
+use apex_model::agent_limits::{Limit, Limits};
+use apex_model::event::StateVariable;
+use apex_model::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
+use apex_model::recorded::Recorded;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, VecDeque};
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// When it was measured.
+    pub at: Time,
+    /// Arrival number of its event.
+    pub sequence: u64,
+    /// The value.
+    pub value: Value,
+}
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Occurrence {
+    /// When it happened.
+    pub at: Time,
+    /// Arrival number of its event.
+    pub sequence: u64,
+    /// Its form.
+    pub form: Value,
+}
+
+impl Occurrence {
+    /// The symbol that the message begins with, or is.
+    pub fn head(&self) -> Option<&Symbol> {
+        let head = match &self.form {
+            Value::List(items) => items.first()?,
+            other => other,
+        };
+        head.as_symbol()
+    }
+}
+
+/// The samples of one state variable and what became of the odd ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    samples: VecDeque<Sample>,
+    late: VecDeque<Sample>,
+    /// Samples that came later than the variable's lateness allows.
+    pub late_count: u64,
+    /// Samples that replaced another value of the same instant.
+    pub replaced_count: u64,
+    /// Samples that were not a number.
+    pub missing_count: u64,
+    /// The first arrival numbers of instants whose sample was replaced.
+    #[serde(with = "apex_model::pairs")]
+    first_arrivals: BTreeMap<Time, u64>,
+    /// The newest instant of a sample that is no longer kept.
+    pub forgotten_until: Option<Time>,
+    /// Samples that conditions or logs ask for have been dropped, because there were more than the limit.
+    #[serde(default)]
+    overflowed: bool,
+    retention: Retention,
+}
+
+/// How much of a history is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Retention {
+    lookback: Duration,
+    lateness: Duration,
+    log_time: Duration,
+    log_count: u64,
+    /// The smallest spacing of samples kept for logs alone; zero keeps all.
+    log_spacing: Duration,
+}
+
+/// Limits of one open `(log ..)` policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OpenLog {
+    /// Whose samples are logged.
+    pub variable: StateVariable,
+    /// Not more often than this; zero keeps all.
+    pub spacing: Duration,
+    /// Not longer than this.
+    pub time: Duration,
+    /// Not more samples than this.
+    pub count: u64,
+}
+
+/// How much is kept whatever is asked for; by default the limits of the executive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Most {
+    samples: usize,
+    events: usize,
+}
+
+impl Default for Most {
+    fn default() -> Most {
+        Most { samples: HISTORY_SAMPLES_MAX, events: EVENT_HISTORY_MAX }
+    }
+}
+
+/// All histories of an agent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Histories {
+    #[serde(default)]
+    most: Most,
+    /// Messages that conditions ask for have been dropped, because there were more than the limit.
+    #[serde(default)]
+    events_overflowed: bool,
+    variables: HistoryTable,
+    lookbacks: BTreeMap<Symbol, Duration>,
+    lookback_of_all: Duration,
+    logs: BTreeMap<u64, OpenLog>,
+    next_log: u64,
+    events: VecDeque<Occurrence>,
+    events_forgotten_until: Option<Time>,
+    event_lookback: Duration,
+    #[serde(default)]
+    event_logs: EventLogs,
+}
+
+impl History {
+    /// All samples kept, oldest first.
+    pub fn samples(&self) -> impl DoubleEndedIterator<Item = &Sample> + ExactSizeIterator {
+        self.samples.iter()
+    }
+
+    /// Samples kept aside because they came too late, in order of arrival.
+    pub fn late_samples(&self) -> impl Iterator<Item = &Sample> {
+        self.late.iter()
+    }
+
+    /// The newest sample.
+    pub fn newest(&self) -> Option<&Sample> {
+        self.samples.back()
+    }
+
+    /// The latest sample at or before `instant`.
+    pub fn at(&self, instant: Time) -> Option<&Sample> {
+        self.samples
+            .partition_point(|sample| sample.at <= instant)
+            .checked_sub(1)
+            .and_then(|index| self.samples.get(index))
+    }
+
+    /// The latest sample strictly before `instant`.
+    pub fn before(&self, instant: Time) -> Option<&Sample> {
+        self.samples
+            .partition_point(|sample| sample.at < instant)
+            .checked_sub(1)
+            .and_then(|index| self.samples.get(index))
+    }
+
+    /// Samples with `start <= at <= end`, oldest first.
+    pub fn between(&self, start: Time, end: Time) -> impl DoubleEndedIterator<Item = &Sample> {
+        let first = self.samples.partition_point(|sample| sample.at < start);
+        let last = self.samples.partition_point(|sample| sample.at <= end).max(first);
+        self.samples.range(first..last)
+    }
+
+    /// Has a sample been dropped that somebody may still ask for, because there were more than the limit?
+    pub fn has_overflowed(&self) -> bool {
+        self.overflowed
+    }
+
+    /// True when every sample at or after `instant` is still kept.
+    pub fn covers(&self, instant: Time) -> bool {
+        self.forgotten_until.is_none_or(|forgotten| forgotten < instant)
+    }
+
+    /// When the variable was first heard of at the instant of `sample`: the arrival number of the first sample of its
+    /// instant, which is its own unless it replaced another.
+    pub fn first_arrival(&self, sample: &Sample) -> u64 {
+        if self.first_arrivals.is_empty() {
+            return sample.sequence;
+        }
+        self.first_arrivals.get(&sample.at).copied().unwrap_or(sample.sequence)
+    }
+
+    /// Puts a sample in, within the lateness that was last asked for; at most `samples_max` are kept.
+    pub fn record(&mut self, sample: Sample, samples_max: usize) -> Recorded {
+        if matches!(&sample.value, Value::Real(real) if real.is_nan())
+            || matches!(&sample.value, Value::Quantity(quantity) if quantity.si.is_nan())
+        {
+            self.missing_count = self.missing_count.saturating_add(1);
+            return Recorded::Missing;
+        }
+        let newest = self.samples.back().map(|newest| newest.at);
+        let recorded = match newest {
+            Some(newest) if sample.at <= newest => self.record_out_of_order(sample, newest),
+            _ => {
+                self.samples.push_back(sample);
+                Recorded::Appended
+            }
+        };
+        self.trim(samples_max);
+        recorded
+    }
+
+    fn record_out_of_order(&mut self, sample: Sample, newest: Time) -> Recorded {
+        let index = self.samples.partition_point(|kept| kept.at < sample.at);
+        if let Some(kept) = self.samples.get_mut(index).filter(|kept| kept.at == sample.at) {
+            if kept.value.equals(&sample.value) {
+                return Recorded::Repeated;
+            }
+            // What came too late replaces nothing either: it would depend on what is still kept.
+            if newest - sample.at <= self.retention.lateness {
+                self.first_arrivals.entry(kept.at).or_insert(kept.sequence);
+                *kept = sample;
+                self.replaced_count = self.replaced_count.saturating_add(1);
+                return Recorded::Replaced;
+            }
+        }
+        if newest - sample.at > self.retention.lateness || !self.covers(sample.at) {
+            self.late_count = self.late_count.saturating_add(1);
+            self.late.push_back(sample);
+            if self.late.len() > LATE_SAMPLES_MAX {
+                self.late.pop_front();
+            }
+            return Recorded::TooLate;
+        }
+        self.samples.insert(index, sample);
+        Recorded::Inserted
+    }
+
+    /// Drops what nobody may ask for any more; constant time on average.
+    fn trim(&mut self, samples_max: usize) {
+        self.thin();
+        let Some(newest) = self.samples.back().map(|sample| sample.at) else { return };
+        let Retention { lookback, lateness, log_time, log_count, .. } = self.retention;
+        let needed_from = newest - (lookback + lateness);
+        let log_from = newest - log_time;
+        let log_count = usize::try_from(log_count).unwrap_or(usize::MAX);
+        while self.samples.len() > HISTORY_SAMPLES_DEFAULT {
+            let Some(oldest) = self.samples.front().map(|sample| sample.at) else { return };
+            // The sample before the window's edge is kept too: it is the value that held at the edge.
+            let next = self.samples.get(1).map_or(oldest, |sample| sample.at);
+            let asked = lookback > Duration::ZERO && next > needed_from;
+            let logged = log_count >= self.samples.len() && oldest >= log_from;
+            if asked || logged {
+                if self.samples.len() <= samples_max {
+                    return;
+                }
+                self.overflowed = true;
+            }
+            self.samples.pop_front();
+            self.forget(oldest);
+        }
+    }
+
+    /// Keeps samples that only logs want no denser than the densest log asks.
+    fn thin(&mut self) {
+        let Retention { lookback, log_spacing, .. } = self.retention;
+        if lookback > Duration::ZERO || log_spacing == Duration::ZERO {
+            return;
+        }
+        let Some(index) = self.samples.len().checked_sub(HISTORY_SAMPLES_DEFAULT + 1).filter(|index| *index > 0) else {
+            return;
+        };
+        let close = match (self.samples.get(index - 1), self.samples.get(index)) {
+            (Some(before), Some(sample)) => sample.at - before.at < log_spacing,
+            _ => false,
+        };
+        // Not forgotten: the log asked for a history of just this density.
+        if close {
+            self.samples.remove(index);
+        }
+    }
+
+    fn forget(&mut self, at: Time) {
+        while self.first_arrivals.first_key_value().is_some_and(|(first, _)| *first <= at) {
+            self.first_arrivals.pop_first();
+        }
+        self.forgotten_until = Some(self.forgotten_until.map_or(at, |before| before.max(at)));
+    }
+}
+
+impl Histories {
+    /// Keeps no more than an agent with these limits may.
+    pub fn limit(&mut self, limits: &Limits) {
+        self.most = Most { samples: limits.count(Limit::HistorySamples), events: limits.count(Limit::EventHistory) };
+    }
+
+    /// The history of `variable`, if it was ever measured.
+    pub fn get(&self, variable: &StateVariable) -> Option<&History> {
+        self.variables.get(variable)
+    }
+
+    /// The history of `variable`, to put many samples in.
+    pub fn get_mut(&mut self, variable: &StateVariable) -> Option<&mut History> {
+        self.variables.get_mut(variable)
+    }
+
+    /// All variables ever measured, in order, with their histories.
+    pub fn iter(&self) -> impl Iterator<Item = (&StateVariable, &History)> {
+        self.variables.iter()
+    }
+
+    /// The variables of one attribute, in order of their objects.
+    pub fn of_attribute(&self, attribute: &Symbol) -> impl Iterator<Item = (&StateVariable, &History)> {
+        self.variables.of_attribute(attribute)
+    }
+
+    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). True besides when
+    /// a sample that somebody may ask for was dropped for it, because of the limit, and none was before.
+    pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> (Recorded, bool) {
+        if let Some(history) = self.variables.get_mut(variable) {
+            history.retention.lateness = lateness;
+            let before = history.overflowed;
+            let recorded = history.record(sample, self.most.samples);
+            return (recorded, history.overflowed && !before);
+        }
+        let mut history = History { retention: self.retention_of(variable), ..History::default() };
+        history.retention.lateness = lateness;
+        let recorded = history.record(sample, self.most.samples);
+        self.variables.insert(variable.clone(), history);
+        (recorded, false)
+    }
+
+    /// Somebody may ask for samples of `attribute` up to `lookback` before the newest.
+    pub fn require_lookback(&mut self, attribute: &Symbol, lookback: Duration) {
+        let slot = self.lookbacks.entry(attribute.clone()).or_default();
+        *slot = (*slot).max(lookback);
+        let lookback = (*slot).max(self.lookback_of_all);
+        let of_attribute = |variable: &StateVariable| variable.attribute == *attribute;
+        self.variables.change(of_attribute, |history| history.retention.lookback = lookback);
+    }
+
+    /// Somebody may ask for samples of any attribute up to `lookback` before the newest.
+    pub fn require_lookback_of_all(&mut self, lookback: Duration) {
+        self.lookback_of_all = self.lookback_of_all.max(lookback);
+        self.variables
+            .change(|_| true, |history| history.retention.lookback = history.retention.lookback.max(lookback));
+    }
+
+    /// Opens a log policy; the number closes it again.
+    pub fn open_log(&mut self, log: OpenLog) -> u64 {
+        let number = self.next_log;
+        self.next_log = self.next_log.saturating_add(1);
+        let variable = log.variable.clone();
+        self.logs.insert(number, log);
+        self.refresh(&variable);
+        number
+    }
+
+    /// Closes a log policy. Samples it kept go with the next sample that arrives.
+    pub fn close_log(&mut self, number: u64) {
+        if let Some(log) = self.logs.remove(&number) {
+            self.refresh(&log.variable);
+        }
+        self.event_logs.close(number);
+    }
+
+    fn refresh(&mut self, variable: &StateVariable) {
+        let retention = self.retention_of(variable);
+        if let Some(history) = self.variables.get_mut(variable) {
+            let lateness = history.retention.lateness;
+            history.retention = Retention { lateness, ..retention };
+        }
+    }
+
+    /// The least restrictive of all open policies, and what conditions ask.
+    fn retention_of(&self, variable: &StateVariable) -> Retention {
+        let mut retention = Retention {
+            lookback: self.lookbacks.get(&variable.attribute).copied().unwrap_or_default().max(self.lookback_of_all),
+            ..Retention::default()
+        };
+        let mut spacing = None;
+        for log in self.logs.values().filter(|log| log.variable == *variable) {
+            retention.log_time = retention.log_time.max(log.time);
+            retention.log_count = retention.log_count.max(log.count);
+            spacing = Some(spacing.map_or(log.spacing, |least: Duration| least.min(log.spacing)));
+        }
+        retention.log_spacing = spacing.unwrap_or_default();
+        retention
+    }
+}
+
+mod events;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! The memory of messages: what conditions ask for, and what is logged by first words.
+
+use super::{Histories, Occurrence};
+use crate::state::histories::event_log::OpenEventLog;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+
+impl Histories {
+    /// Puts a message into the memory of events. True when an earlier one that somebody may ask for was dropped for it,
+    /// because of the limit, and none was before.
+    pub fn record_event(&mut self, event: Occurrence) -> bool {
+        let before = self.events_overflowed;
+        let log_overflows = self.event_logs.record(&event, self.most.events);
+        self.keep_event(event);
+        log_overflows || (self.events_overflowed && !before)
+    }
+
+    fn keep_event(&mut self, event: Occurrence) {
+        let index = self.events.partition_point(|kept| kept.at <= event.at);
+        self.events.insert(index, event);
+        while let Some(oldest) = self.events.front().map(|event| event.at) {
+            let newest = self.events.back().map_or(oldest, |event| event.at);
+            if newest - oldest <= self.event_lookback {
+                if self.events.len() <= self.most.events {
+                    return;
+                }
+                self.events_overflowed |= newest > oldest;
+            }
+            self.events.pop_front();
+            self.events_forgotten_until = Some(self.events_forgotten_until.map_or(oldest, |before| before.max(oldest)));
+        }
+    }
+
+    /// Remembered messages with `start <= at`, in order of time and, within an instant, of arrival.
+    pub fn events_from(&self, start: Time) -> impl Iterator<Item = &Occurrence> {
+        let first = self.events.partition_point(|event| event.at < start);
+        self.events.range(first..)
+    }
+
+    /// True when every message at or after `instant` is still remembered.
+    pub fn events_cover(&self, instant: Time) -> bool {
+        self.events_forgotten_until.is_none_or(|forgotten| forgotten < instant)
+    }
+
+    /// Somebody may ask for messages up to `lookback` before the newest.
+    pub fn require_event_lookback(&mut self, lookback: Duration) {
+        self.event_lookback = self.event_lookback.max(lookback);
+    }
+
+    /// Somebody may ask for messages that begin with `head`, up to `lookback` before the newest of them.
+    pub fn require_events_of(&mut self, head: &Symbol, lookback: Duration) {
+        self.event_logs.require(head, lookback);
+    }
+
+    /// Messages that begin with `head` with `start <= at <= end`, oldest first; none when they are no longer kept.
+    pub fn events_of(&self, head: &Symbol, start: Time, end: Time) -> Option<Vec<&Occurrence>> {
+        let of_it = |event: &&Occurrence| event.at <= end && event.head() == Some(head);
+        if self.events_cover(start) {
+            return Some(self.events_from(start).filter(of_it).collect());
+        }
+        let (kept, whole) = self.event_logs.of(head, start)?;
+        whole.then(|| kept.filter(|event| event.at >= start).filter(of_it).collect())
+    }
+
+    /// Opens a policy of messages: those that are still remembered count; the number closes it again.
+    pub fn open_event_log(&mut self, log: OpenEventLog) -> u64 {
+        let number = self.next_log;
+        self.next_log = self.next_log.saturating_add(1);
+        let forgotten = self.events_forgotten_until;
+        let remembered = self.events.iter().filter(|event| forgotten.is_none_or(|until| event.at > until));
+        self.event_logs.open(number, log, remembered, forgotten, self.most.events);
+        number
+    }
+}

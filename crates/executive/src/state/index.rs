@@ -1,0 +1,202 @@
+//! What is found out about a library once, so that nobody has to search it again: candidates by the first word of a
+//! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
+
+use crate::state::step_clauses::StepClauses;
+use apex_model::awaited::Awaited;
+use apex_model::condition::{Condition, ConditionKind};
+use apex_model::expression::{Expr, ExprKind};
+use apex_model::library::Library;
+use apex_model::pattern::Pattern;
+use apex_model::procedure::{Hooks, Procedure, Repetition, Step};
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::walk;
+use rustc_hash::FxBuildHasher;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// Something with an index that may serve a goal. Of equally specific ones the first in this order is taken: a plan that was
+/// made in flight goes before what is stored for the same goal, since whoever asked for it wants it used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Candidate {
+    /// A generated procedure.
+    Generated(u64),
+    /// A stored procedure.
+    Procedure(u32),
+    /// A primitive.
+    Primitive(u32),
+    /// A solver declaration.
+    Solver(u32),
+}
+
+/// Candidates by the first word of their index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Heads {
+    by_head: HashMap<Symbol, Vec<Candidate>, FxBuildHasher>,
+    general: Vec<Candidate>,
+}
+
+impl Heads {
+    /// Files `candidate` under the first word of `pattern`.
+    pub fn insert(&mut self, pattern: &Pattern, candidate: Candidate) {
+        match head(pattern) {
+            Some(head) => self.by_head.entry(head).or_default().push(candidate),
+            None => self.general.push(candidate),
+        }
+    }
+
+    /// Takes `candidate` out again.
+    pub fn remove(&mut self, pattern: &Pattern, candidate: Candidate) {
+        let list = match head(pattern) {
+            Some(head) => self.by_head.get_mut(&head),
+            None => Some(&mut self.general),
+        };
+        if let Some(list) = list {
+            list.retain(|each| *each != candidate);
+        }
+    }
+
+    /// Candidates for a goal that begins with `head`, in order of filing.
+    pub fn candidates(&self, head: Option<&Symbol>) -> impl Iterator<Item = Candidate> {
+        let filed = head.and_then(|head| self.by_head.get(head));
+        filed.into_iter().flatten().chain(&self.general).copied()
+    }
+}
+
+/// The symbol that every value matching `pattern` begins with, if there is one.
+fn head(pattern: &Pattern) -> Option<Symbol> {
+    match pattern {
+        Pattern::Literal(value) => match value.as_list() {
+            Some(items) => items.first()?.as_symbol().cloned(),
+            None => value.as_symbol().cloned(),
+        },
+        Pattern::List(parts) => match parts.first()? {
+            Pattern::Literal(value) => value.as_symbol().cloned(),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// What is known about a step beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepIndex {
+    /// Its preconditions as one condition; none when there are none.
+    pub waitfor: Option<Arc<Condition>>,
+    /// Results of other steps that its preconditions, activity, `select` or `forall` mention.
+    pub awaits: Vec<Symbol>,
+    /// Those of them that its preconditions mention: until they are there, the preconditions cannot be watched.
+    pub condition_awaits: Vec<Symbol>,
+    /// The end of its procedure waits for it.
+    pub counts: bool,
+    /// Which clauses it has.
+    pub clauses: StepClauses,
+}
+
+/// What is known about a procedure beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProcedureIndex {
+    /// Steps by tag.
+    pub tags: HashMap<Symbol, u32, FxBuildHasher>,
+    /// Its steps.
+    pub steps: Vec<StepIndex>,
+    /// Variables that get another value while it runs, or may: results of steps, and what its forms assign.
+    pub changing: BTreeSet<Symbol>,
+}
+
+/// What is known about a library beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LibraryIndex {
+    /// Procedures and primitives in library order, procedures first.
+    pub methods: Heads,
+    /// Solver declarations.
+    pub solvers: Heads,
+    /// By index in the library.
+    pub procedures: Vec<Arc<ProcedureIndex>>,
+}
+
+impl LibraryIndex {
+    /// The index of `library` for an agent that uses `bundles`; no bundles are all.
+    pub fn new(library: &Library, bundles: &[Symbol]) -> LibraryIndex {
+        let uses = |bundle: &Option<Symbol>| {
+            bundles.is_empty() || bundle.as_ref().is_none_or(|bundle| bundles.contains(bundle))
+        };
+        let mut index = LibraryIndex::default();
+        for (procedure, number) in library.procedures.iter().zip(0..) {
+            if uses(&procedure.bundle) {
+                index.methods.insert(&procedure.index, Candidate::Procedure(number));
+            }
+            index.procedures.push(Arc::new(ProcedureIndex::new(procedure)));
+        }
+        for (primitive, number) in library.primitives.iter().zip(0..) {
+            if uses(&primitive.bundle) {
+                index.methods.insert(&primitive.index, Candidate::Primitive(number));
+            }
+        }
+        for (solver, number) in library.solvers.iter().zip(0..) {
+            index.solvers.insert(&solver.index, Candidate::Solver(number));
+        }
+        index
+    }
+}
+
+impl ProcedureIndex {
+    /// The index of `procedure`.
+    pub fn new(procedure: &Procedure) -> ProcedureIndex {
+        let endless_only = procedure.steps.iter().all(|step| !ends_by_itself(step));
+        let awaited = Awaited::new(procedure);
+        let steps = procedure.steps.iter().enumerate().map(|(number, step)| {
+            let awaits = awaited.by(number);
+            StepIndex {
+                waitfor: conjunction(&step.waitfor, step.place),
+                clauses: StepClauses::of(step, procedure.kind, !awaits.is_empty()),
+                awaits,
+                condition_awaits: awaited.by_conditions_of(number),
+                counts: endless_only || ends_by_itself(step),
+            }
+        });
+        let steps = steps.collect();
+        ProcedureIndex {
+            tags: procedure.steps.iter().zip(0..).map(|(step, number)| (step.tag.clone(), number)).collect(),
+            steps,
+            changing: changing(procedure, awaited.into_produced()),
+        }
+    }
+}
+
+/// Results of steps, and variables that are assigned by hooks, activities and `select`.
+fn changing(procedure: &Procedure, results: impl Iterator<Item = Symbol>) -> BTreeSet<Symbol> {
+    let mut names: BTreeSet<Symbol> = results.collect();
+    let mut see = |expr: &Expr| {
+        if let ExprKind::Assign { name, of_task: true, .. } = &expr.kind {
+            names.insert(name.clone());
+        }
+    };
+    let hooks = procedure.steps.iter().map(|step| &step.hooks).chain([&procedure.hooks]);
+    let forms = hooks.flat_map(|Hooks { on_start, on_end, on_suspend, on_resume }| {
+        [on_start, on_end, on_suspend, on_resume].into_iter().flatten()
+    });
+    forms.for_each(|form| walk::each(form, &mut see));
+    for step in &procedure.steps {
+        step.select.iter().for_each(|(_, expr)| walk::each(expr, &mut see));
+        walk::each_in_activity(&step.activity, &mut see);
+    }
+    names
+}
+
+/// A step that repeats without bound, or responds again and again, never ends by itself.
+fn ends_by_itself(step: &Step) -> bool {
+    let bounded = |repetition: &Repetition| repetition.while_true.is_some() || repetition.until.is_some();
+    step.responding.is_none() && step.repeating.as_deref().is_none_or(bounded)
+}
+
+fn conjunction(conditions: &[Condition], place: Place) -> Option<Arc<Condition>> {
+    match conditions {
+        [] => None,
+        [one] => Some(Arc::new(one.clone())),
+        several => {
+            let place = several.first().map_or(place, |first| first.place);
+            Some(Arc::new(Condition { tag: None, kind: ConditionKind::And(several.to_vec(), Vec::new()), place }))
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
+
+use crate::state::clause::MonitorId;
+use crate::state::episode_bank::{EpisodeBank, LeafId, PlainEpisode};
+use crate::state::histories::variable_map::VariableMap;
+use crate::state::monitor_set::{Found, MonitorSet};
+use crate::state::monitors::monitor::{Interest, ObjectRun};
+use crate::state::thresholds::{Threshold, Thresholds};
+use apex_model::event::StateVariable;
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Monitors by interest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Interests {
+    variables: VariableMap<Watchers>,
+    attributes: BTreeMap<Symbol, MonitorSet>,
+    heads: BTreeMap<Symbol, HeadInterests>,
+    any_event: MonitorSet,
+    tasks: BTreeMap<TaskId, MonitorSet>,
+    any_task: MonitorSet,
+    every_step: MonitorSet,
+    /// Also a monitor that is alone is filed by what it compares: more memory, and less time for each sample.
+    narrowing: bool,
+}
+
+/// Monitors of samples of one variable.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Watchers {
+    /// Must be told of every sample. A monitor that is alone is here whatever it compares.
+    every: MonitorSet,
+    /// Must be told of samples on their side of a bound.
+    thresholds: Option<Box<Thresholds>>,
+    /// Need be told of nothing that leaves their episodes as undecided as they are.
+    episodes: Option<Box<EpisodeBank>>,
+}
+
+/// Monitors of messages that begin with one word, divided further by the second word where it is known.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct HeadInterests {
+    general: MonitorSet,
+    by_second: BTreeMap<Value, MonitorSet>,
+}
+
+/// What is known about a monitor beyond its interest, so that fewer stimuli touch it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Narrowed<'a> {
+    /// The second word of the messages it waits for.
+    pub second: Option<&'a Value>,
+    /// The comparison without which no sample satisfies it.
+    pub threshold: Option<Threshold>,
+}
+
+/// Only values that are equal in one way only may divide messages: a number has several spellings, a string two cases.
+fn divides(second: &Value) -> bool {
+    matches!(second, Value::Symbol(_) | Value::Integer(_) | Value::Task(_))
+}
+
+fn second_word(form: &Value) -> Option<&Value> {
+    form.as_list().and_then(|items| items.get(1))
+}
+
+fn drop_from<K: Ord>(map: &mut BTreeMap<K, MonitorSet>, key: &K, monitor: MonitorId) {
+    if let Some(set) = map.get_mut(key) {
+        set.remove(monitor);
+        if set.is_empty() {
+            map.remove(key);
+        }
+    }
+}
+
+impl Watchers {
+    fn is_empty(&self) -> bool {
+        self.every.is_empty() && self.thresholds.is_none() && self.episodes.is_none()
+    }
+
+    fn insert(&mut self, threshold: Option<Threshold>, alone_too: bool, monitor: MonitorId) {
+        match threshold {
+            Some(threshold) if alone_too || !self.every.is_empty() || self.thresholds.is_some() => {
+                self.thresholds.get_or_insert_default().insert(threshold, monitor);
+            }
+            _ => self.every.insert(monitor),
+        }
+    }
+
+    fn remove(&mut self, threshold: Option<Threshold>, monitor: MonitorId) {
+        if self.every.remove(monitor) {
+            return;
+        }
+        if let (Some(threshold), Some(thresholds)) = (threshold, &mut self.thresholds) {
+            thresholds.remove(threshold, monitor);
+            if thresholds.is_empty() {
+                self.thresholds = None;
+            }
+        }
+    }
+}
+
+impl Interests {
+    /// No interests yet, for few variables with many samples.
+    pub fn narrowing() -> Interests {
+        Interests { narrowing: true, ..Interests::default() }
+    }
+
+    /// Files `monitor` under `interest`, and under what else is known about it.
+    pub fn insert(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
+        match interest {
+            Interest::Variable(variable) => {
+                self.variables.entry(variable).insert(narrowed.threshold, self.narrowing, monitor)
+            }
+            Interest::Attribute(attribute) => self.attributes.entry(attribute.clone()).or_default().insert(monitor),
+            Interest::EventHead(head) => {
+                let entry = self.heads.entry(head.clone()).or_default();
+                match narrowed.second.filter(|second| divides(second)) {
+                    Some(second) => entry.by_second.entry(second.clone()).or_default().insert(monitor),
+                    None => entry.general.insert(monitor),
+                }
+            }
+            Interest::AnyEvent => self.any_event.insert(monitor),
+            Interest::Task(task) => self.tasks.entry(*task).or_default().insert(monitor),
+            Interest::AnyTask => self.any_task.insert(monitor),
+            Interest::EveryStep => self.every_step.insert(monitor),
+        };
+    }
+
+    /// Takes `monitor` out from under `interest`; `narrowed` is what it was filed with.
+    pub fn remove(&mut self, interest: &Interest, narrowed: Narrowed<'_>, monitor: MonitorId) {
+        match interest {
+            Interest::Variable(variable) => {
+                let Some(watchers) = self.variables.get_mut(variable) else { return };
+                watchers.remove(narrowed.threshold, monitor);
+                if watchers.is_empty() {
+                    self.variables.remove(variable);
+                }
+            }
+            Interest::Attribute(attribute) => drop_from(&mut self.attributes, attribute, monitor),
+            Interest::EventHead(head) => self.remove_head(head, narrowed.second, monitor),
+            Interest::AnyEvent => {
+                self.any_event.remove(monitor);
+            }
+            Interest::Task(task) => drop_from(&mut self.tasks, task, monitor),
+            Interest::AnyTask => {
+                self.any_task.remove(monitor);
+            }
+            Interest::EveryStep => {
+                self.every_step.remove(monitor);
+            }
+        }
+    }
+
+    fn remove_head(&mut self, head: &Symbol, second: Option<&Value>, monitor: MonitorId) {
+        let Some(entry) = self.heads.get_mut(head) else { return };
+        match second.filter(|second| divides(second)) {
+            Some(second) => drop_from(&mut entry.by_second, second, monitor),
+            None => {
+                entry.general.remove(monitor);
+            }
+        }
+        if entry.general.is_empty() && entry.by_second.is_empty() {
+            self.heads.remove(head);
+        }
+    }
+
+    /// Who must be told of a sample of `variable`. One that is not the newest of its variable, or takes the place of
+    /// another one, can undo what its forerunner did: all who watch the variable must see it.
+    pub fn of_sample(&self, variable: &StateVariable, value: &Value, newest: bool, found: &mut Found) {
+        if let Some(watchers) = self.variables.get(variable) {
+            watchers.every.collect_into(found);
+            match &watchers.thresholds {
+                Some(thresholds) if newest => thresholds.of_value(value, found),
+                Some(thresholds) => thresholds.all(found),
+                None => {}
+            }
+        }
+        if !self.attributes.is_empty()
+            && let Some(set) = self.attributes.get(&variable.attribute)
+        {
+            set.collect_into(found);
+        }
+    }
+
+    /// Who must be told of a message.
+    pub fn of_event(&self, form: &Value, found: &mut Found) {
+        self.any_event.collect_into(found);
+        let head = match form {
+            Value::Symbol(symbol) => Some(symbol),
+            other => other.as_list().and_then(|items| items.first()).and_then(Value::as_symbol),
+        };
+        let Some(entry) = head.and_then(|head| self.heads.get(head)) else { return };
+        entry.general.collect_into(found);
+        match second_word(form) {
+            Some(second) if divides(second) => {
+                if let Some(set) = entry.by_second.get(second) {
+                    set.collect_into(found);
+                }
+            }
+            // A message whose second word has another spelling of the same value: a real for an integer, say.
+            Some(second) if !entry.by_second.is_empty() => {
+                let alike = entry.by_second.iter().filter(|(key, _)| key.matches(second));
+                alike.for_each(|(_, monitors)| monitors.collect_into(found));
+            }
+            _ => {}
+        }
+    }
+
+    /// Who must be told of a transition of `task`.
+    pub fn of_task(&self, task: TaskId, found: &mut Found) {
+        if let Some(set) = self.tasks.get(&task) {
+            set.collect_into(found);
+        }
+        self.any_task.collect_into(found);
+    }
+
+    /// Puts the undecided episode `leaf` into its variable's bank, from then on told of nothing that the bank can
+    /// see by itself. False, and nothing changes, when the bank cannot take it.
+    pub fn bank(
+        &mut self,
+        variable: &StateVariable,
+        leaf: LeafId,
+        wanted: &PlainEpisode,
+        run: Option<&ObjectRun>,
+    ) -> bool {
+        let watchers = self.variables.entry(variable);
+        let mut fresh = None;
+        let bank =
+            watchers.episodes.as_mut().unwrap_or_else(|| fresh.insert(Box::new(EpisodeBank::new(wanted.dimension))));
+        let taken = bank.insert(leaf, wanted, run);
+        if taken {
+            watchers.every.remove(leaf.monitor);
+            watchers.episodes = watchers.episodes.take().or(fresh);
+        }
+        taken
+    }
+
+    /// The undecided plain episodes of a variable.
+    pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeBank> {
+        self.variables.get(variable)?.episodes.as_deref()
+    }
+
+    /// True when nobody watches the variable.
+    pub fn ignore_variable(&self, variable: &StateVariable) -> bool {
+        self.attributes.is_empty() && self.ignore_steps() && self.variables.get(variable).is_none()
+    }
+
+    /// The undecided plain episodes of a variable, to feed them.
+    pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeBank> {
+        self.variables.get_mut(variable)?.episodes.as_deref_mut()
+    }
+
+    /// Who need not be told of every sample of a variable; none when somebody must be.
+    pub fn quiet_watchers(
+        &mut self,
+        variable: &StateVariable,
+    ) -> Option<(Option<&Thresholds>, Option<&mut EpisodeBank>)> {
+        let of_attribute = self.attributes.get(&variable.attribute).is_some_and(|set| !set.is_empty());
+        if of_attribute || !self.ignore_steps() {
+            return None;
+        }
+        let Some(watchers) = self.variables.get_mut(variable) else { return Some((None, None)) };
+        watchers.every.is_empty().then_some((watchers.thresholds.as_deref(), watchers.episodes.as_deref_mut()))
+    }
+
+    /// Lets the bank of a variable go when nothing is left in it.
+    pub fn drop_empty_bank(&mut self, variable: &StateVariable) {
+        let Some(watchers) = self.variables.get_mut(variable) else { return };
+        watchers.episodes.take_if(|bank| bank.is_empty());
+        if watchers.is_empty() {
+            self.variables.remove(variable);
+        }
+    }
+
+    /// True when nobody is judged at every instant at which anything happens.
+    pub fn ignore_steps(&self) -> bool {
+        self.every_step.is_empty()
+    }
+
+    /// Who is judged at every instant at which anything happens.
+    pub fn of_every_step(&self, found: &mut Found) {
+        self.every_step.collect_into(found);
+    }
+
+    /// True when nobody must be told of transitions of `task`.
+    pub fn ignore_task(&self, task: TaskId) -> bool {
+        self.any_task.is_empty() && !self.tasks.contains_key(&task)
+    }
+}

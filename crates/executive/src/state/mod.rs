@@ -1,0 +1,24 @@
+//! The state of an agent: everything that can influence its behaviour, as plain data.
+//!
+//! [`agent::Agent`] holds it all: tasks with their controllers and monitors, histories, resource tables, wakes. It can be
+//! cloned, compared, stored and restored whole. The services of the executive are functions over it.
+
+pub mod agent;
+pub mod children;
+pub mod clause;
+pub mod controller;
+pub mod episode_bank;
+pub mod histories;
+pub mod index;
+pub mod interests;
+pub mod monitor_set;
+pub mod monitors;
+pub mod plain_episode;
+pub mod probing;
+pub mod resource;
+pub mod step_clauses;
+pub mod table;
+pub mod task;
+pub mod thresholds;
+pub mod waiting;
+pub mod wake;

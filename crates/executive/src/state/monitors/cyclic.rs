@@ -1,0 +1,104 @@
+//! A cyclic condition (`monitoring.md` section 1, `:cyclic`), and its state: turning points and the run of cycles they make.
+
+use crate::state::monitors::monitor::Satisfaction;
+use apex_model::bindings::Bindings;
+use apex_model::condition::CyclicCondition;
+use apex_model::event::StateVariable;
+use apex_model::quantity::Dimension;
+use apex_model::time::Time;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// State of a cyclic condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CyclicPart {
+    /// What is wanted.
+    pub condition: Arc<CyclicCondition>,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// How far a value must come back from an extreme to make it a turning point, SI.
+    pub hysteresis: f64,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// Results that no later arrival of the same instant can take back.
+    pub settled: Vec<Satisfaction>,
+    /// What the samples of each object have done.
+    #[serde(with = "apex_model::pairs")]
+    pub objects: BTreeMap<Value, CyclicObject>,
+}
+
+/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CyclicObject {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// What its name binds; none when it is not wanted.
+    pub bindings: Option<Bindings>,
+    /// The newest sample; not a number when its value is none.
+    pub newest: (Time, f64),
+    /// What the samples before the newest have done.
+    pub swing: Swing,
+}
+
+/// An extreme of the values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Extreme {
+    /// Instant of the first sample that has the value.
+    pub at: Time,
+    /// The value, SI.
+    pub value: f64,
+    /// Which sample it is, counted from 1.
+    pub number: u64,
+}
+
+/// Where the values go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Heading {
+    /// They have not moved by the hysteresis yet.
+    #[default]
+    Unknown,
+    /// Up, since the last turning point.
+    Rising,
+    /// Down, since the last turning point.
+    Falling,
+}
+
+/// What the samples of one object have done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Swing {
+    /// Where the values go.
+    pub heading: Heading,
+    /// The least value since the last turning point, or since the beginning.
+    pub lowest: Option<Extreme>,
+    /// The greatest one.
+    pub highest: Option<Extreme>,
+    /// The last two turning points, the older first.
+    pub turns: [Option<Extreme>; 2],
+    /// How many samples there were.
+    pub samples: u64,
+    /// The dimension of the values.
+    pub dimension: Dimension,
+    /// The run of cycles that the last turning point belongs to.
+    pub run: Option<CycleRun>,
+    /// A cycle has contradicted the constraints.
+    pub contradicted: bool,
+    /// Instants between the turning points of the last complete cycle, and its amplitude, SI.
+    pub last: Option<(Time, Time, f64)>,
+}
+
+/// Cycles one after the other that all satisfy the constraints.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CycleRun {
+    /// The first turning point.
+    pub start: Extreme,
+    /// The last turning point.
+    pub end: Extreme,
+    /// How many half cycles.
+    pub halves: u64,
+    /// Sum of the amplitudes of all cycles that begin at one of its turning points, SI.
+    pub amplitudes: f64,
+    /// It has been told.
+    pub told: bool,
+}

@@ -1,0 +1,414 @@
+//! Monitors: the incremental state of one condition (paper, section III; `monitoring.md`).
+//!
+//! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's
+//! `monitoring` folder create it, feed it and ask it.
+
+use crate::state::monitors::cyclic::CyclicPart;
+use crate::state::monitors::numbers::{PersistedPart, RegressionPart, StatisticalPart};
+pub use crate::state::monitors::unmet::Unmet;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{EpisodeCondition, MeasurementCondition, Relation};
+use apex_model::event::StateVariable;
+use apex_model::evidence_list::EvidenceList;
+use apex_model::expression::Expr;
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+pub use crate::state::monitors::parts::{
+    AbsentPart, AllenPart, Chain, EventPart, FunctionPart, Side, TaskEndedPart, TaskStatePart, TimePart,
+};
+
+/// From when on evidence counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Window {
+    /// The first instant that counts; closed.
+    pub start: Time,
+    /// Samples and messages with an arrival number up to this do not count: a repeated task has answered them.
+    pub after_sequence: Option<u64>,
+}
+
+impl Window {
+    /// Everything from `start` on.
+    pub fn from(start: Time) -> Window {
+        Window { start, ..Window::default() }
+    }
+    /// Does evidence of this instant and arrival count?
+    pub fn contains(&self, at: Time, sequence: u64) -> bool {
+        at >= self.start && self.after_sequence.is_none_or(|after| sequence > after)
+    }
+}
+
+/// One way in which a condition came true.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Satisfaction {
+    /// First and last evidence, closed.
+    pub interval: (Time, Time),
+    /// The instant at which it was known.
+    pub recognised_at: Time,
+    /// Pattern variables, object variables and tags (as intervals).
+    pub bindings: Bindings,
+    /// What was seen.
+    pub evidence: EvidenceList,
+}
+
+/// What a monitor says about its condition.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// True, in this way: the earliest recognised; among those, the first in written order of parts.
+    Satisfied(Satisfaction),
+    /// Not true up to now.
+    NotSatisfied,
+    /// The data do not say.
+    Unknown,
+}
+
+/// What wakes a monitor's attention.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Interest {
+    /// Samples of one variable.
+    Variable(StateVariable),
+    /// Samples of an attribute of any object.
+    Attribute(Symbol),
+    /// Messages whose form begins with this symbol, or is it.
+    EventHead(Symbol),
+    /// All messages.
+    AnyEvent,
+    /// Transitions of one task.
+    Task(TaskId),
+    /// Transitions of all tasks: the task is not known yet.
+    AnyTask,
+    /// Every instant at which anything happens.
+    EveryStep,
+}
+
+/// The state of one condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Monitor {
+    /// When it was made.
+    pub created_at: Time,
+    /// From when on evidence counts.
+    pub window: Window,
+    /// The condition's tree.
+    pub root: Part,
+    /// When the verdict was last asked.
+    pub asked_at: Time,
+    /// What few monitors have.
+    pub notes: Option<Box<Notes>>,
+}
+
+/// Rarely used parts of a monitor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Notes {
+    /// When a delay at the end of an order is over, as the last verdict found.
+    pub delay_over_at: Option<Time>,
+    /// Errors met while judging, not yet reported.
+    pub troubles: Vec<Trouble>,
+    /// Errors already reported: each is told once.
+    pub told: Vec<Trouble>,
+}
+
+/// An error inside a condition's expression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trouble {
+    /// What went wrong, for people.
+    pub message: String,
+    /// Where.
+    pub place: Place,
+}
+
+/// Which results a part must remember.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Keep {
+    /// The first is enough: nothing else depends on it.
+    First,
+    /// All: another part shares a variable with it, or a constraint compares it.
+    Every,
+}
+
+/// One condition within the tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Bound to the result's interval.
+    pub tag: Option<Symbol>,
+    /// Where it stands.
+    pub place: Place,
+    /// From when on evidence counts.
+    pub window: Window,
+    /// What it remembers.
+    pub keep: Keep,
+    /// Its kind and state.
+    pub kind: PartKind,
+}
+
+/// Kinds of parts with their state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PartKind {
+    /// A constraint on one sample.
+    Measurement(Box<MeasurementPart>),
+    /// A constraint on a run of samples.
+    Episode(Box<EpisodePart>),
+    /// A constraint on a persisted value.
+    Persisted(Box<PersistedPart>),
+    /// A constraint on a value that a line of least squares gives.
+    Regression(Box<RegressionPart>),
+    /// Constraints on statistics and trends of a run of samples.
+    Statistical(Box<StatisticalPart>),
+    /// Values that go up and down.
+    Cyclic(Box<CyclicPart>),
+    /// A message.
+    Event(Box<EventPart>),
+    /// The end of a task.
+    TaskEnded(Box<TaskEndedPart>),
+    /// A task's state.
+    TaskState(Box<TaskStatePart>),
+    /// All parts, with constraints over them.
+    And(Box<Composite>),
+    /// One of the parts, with constraints over it.
+    Or(Box<Composite>),
+    /// All parts, each ending before the next starts.
+    InOrder(Box<Composite>),
+    /// No result of the part.
+    Not(Box<Part>),
+    /// An instant, or a span of instants, has come.
+    Timestamp(Box<TimePart>),
+    /// So long after the window's start.
+    Delay(Box<TimePart>),
+    /// Each part has an Allen relation to the next.
+    Allen(Box<AllenPart>),
+    /// A whole window without the part.
+    Absent(Box<AbsentPart>),
+    /// An expression is true.
+    Function(Box<FunctionPart>),
+}
+
+/// Parts under `:and`, `:or`, `:in-order`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Composite {
+    /// The parts in written order.
+    pub parts: Vec<Part>,
+    /// All must be true of a combination of results.
+    pub constraints: Vec<Expr>,
+    /// Results of the parts must be combined: they share variables, or stand under constraints or an order.
+    pub combines: bool,
+    /// The variables that occur in more than one part.
+    pub shared: Vec<Symbol>,
+}
+
+/// A value test, prepared so that a sample costs little.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Test {
+    /// Comparison with a value known beforehand, already in the variable's unit.
+    Fixed {
+        /// The relation.
+        relation: Relation,
+        /// The right side.
+        right: Value,
+    },
+    /// Anything else, evaluated for each sample: the constraint's place among those of the condition.
+    General(u32),
+}
+
+/// Value tests in written order; most conditions have one.
+pub type Tests = SmallVec<[Test; 1]>;
+
+/// State of a measurement condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasurementPart {
+    /// What is wanted.
+    pub condition: Arc<MeasurementCondition>,
+    /// The value tests, prepared.
+    pub tests: Tests,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// What it was told of; nothing for most of those that wait, because they are not told of samples in vain.
+    pub seen: Option<Box<SeenSamples>>,
+}
+
+/// Samples that a measurement condition was told of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeenSamples {
+    /// Results that no later arrival of the same instant can take back.
+    pub settled: Vec<Satisfaction>,
+    /// The newest sample of each object.
+    pub newest: Newest,
+}
+
+/// The newest samples of the objects that a measurement condition follows. One that follows a known variable is not
+/// told of samples that cannot satisfy it; what it missed stands in the variable's history.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Newest {
+    /// No sample yet.
+    #[default]
+    None,
+    /// Of one object, while there is no other.
+    One(Value, NewestSample),
+    /// Of several.
+    Several(#[serde(with = "apex_model::pairs")] BTreeMap<Value, NewestSample>),
+}
+
+impl Newest {
+    /// How many objects there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Newest::None => 0,
+            Newest::One(..) => 1,
+            Newest::Several(map) => map.len(),
+        }
+    }
+
+    /// True without any sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The newest sample of `object`.
+    pub fn get(&self, object: &Value) -> Option<&NewestSample> {
+        match self {
+            Newest::None => None,
+            Newest::One(present, sample) => (present == object).then_some(sample),
+            Newest::Several(map) => map.get(object),
+        }
+    }
+
+    /// The newest sample of `object`, to change it.
+    pub fn get_mut(&mut self, object: &Value) -> Option<&mut NewestSample> {
+        match self {
+            Newest::None => None,
+            Newest::One(present, sample) => (present == object).then_some(sample),
+            Newest::Several(map) => map.get_mut(object),
+        }
+    }
+
+    /// Adds or replaces the newest sample of `object`.
+    pub fn insert(&mut self, object: Value, sample: NewestSample) {
+        *self = match std::mem::take(self) {
+            Newest::None => Newest::One(object, sample),
+            Newest::One(present, _) if present == object => Newest::One(object, sample),
+            Newest::One(present, first) => Newest::Several(BTreeMap::from([(present, first), (object, sample)])),
+            Newest::Several(mut map) => {
+                map.insert(object, sample);
+                Newest::Several(map)
+            }
+        };
+    }
+
+    /// Takes the results of all newest samples out, in order of the objects' first appearance.
+    pub fn take_results(&mut self) -> Vec<Satisfaction> {
+        let mut taken: Vec<(u64, Satisfaction)> = match self {
+            Newest::None => Vec::new(),
+            Newest::One(_, sample) => sample.result.take().map(|result| (sample.rank, result)).into_iter().collect(),
+            Newest::Several(map) => {
+                map.values_mut().filter_map(|sample| Some((sample.rank, sample.result.take()?))).collect()
+            }
+        };
+        taken.sort_by_key(|(rank, _)| *rank);
+        taken.into_iter().map(|(_, result)| result).collect()
+    }
+
+    /// All newest samples, in order of their objects.
+    pub fn samples(&self) -> impl Iterator<Item = &NewestSample> {
+        let (one, several) = match self {
+            Newest::None => (None, None),
+            Newest::One(_, sample) => (Some(sample), None),
+            Newest::Several(map) => (None, Some(map.values())),
+        };
+        one.into_iter().chain(several.into_iter().flatten())
+    }
+}
+
+/// The newest sample of one object, which a later arrival of the same instant may still replace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewestSample {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// The sample's instant.
+    pub at: Time,
+    /// Its result, if it satisfies the condition.
+    pub result: Option<Satisfaction>,
+}
+
+/// State of an episode condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodePart {
+    /// What is wanted.
+    pub condition: Arc<EpisodeCondition>,
+    /// The value tests, prepared.
+    pub tests: Tests,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// The greatest gap between samples; none is no constraint.
+    pub gap_max: Option<Duration>,
+    /// The run lasts at least so long; one tick more than D for `(> D)`.
+    pub duration_min: Duration,
+    /// Some constraint on end or duration is no lower bound: it is decided when the run is over.
+    pub at_close: bool,
+    /// Any two samples of a run bound an episode, not only the whole run.
+    pub any_pair: bool,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// Results of runs that are over.
+    pub settled: Vec<Satisfaction>,
+    /// The run of each object.
+    #[serde(with = "apex_model::pairs")]
+    pub runs: BTreeMap<Value, ObjectRun>,
+}
+
+/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectRun {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// The run up to the sample before the newest.
+    pub run: Option<Run>,
+    /// The newest sample.
+    pub newest: RunSample,
+    /// The result of the current run, as soon as it has one.
+    pub found: Option<Satisfaction>,
+    /// A sample before the newest contradicted the value constraints, and no gap has followed.
+    pub contradicted: bool,
+    /// The gap that cut the last run.
+    pub gap: Option<Duration>,
+}
+
+/// The newest sample of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunSample {
+    /// Its instant.
+    pub at: Time,
+    /// What it binds, if it satisfies the value constraints.
+    pub holds: Option<Bindings>,
+    /// It agrees with what the run before it binds.
+    pub joins: bool,
+    /// It satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// It satisfies the constraints on last values.
+    pub last_holds: bool,
+}
+
+/// A run of samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// First sample's instant.
+    pub start: Time,
+    /// Last sample's instant.
+    pub last: Time,
+    /// How many samples.
+    pub samples: u64,
+    /// What its samples bind.
+    pub bindings: Bindings,
+    /// Its first sample satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// Its last sample satisfies the constraints on last values.
+    pub last_holds: bool,
+    /// All instants, kept only where any pair may bound an episode.
+    pub instants: Vec<Time>,
+}

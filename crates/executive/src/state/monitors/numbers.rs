@@ -1,0 +1,311 @@
+//! State of the conditions that compute: statistics, trends, regression, persistence (`monitoring.md` section 2, rules
+//! 9 to 13). Plain data; the services in the executive's `monitoring` folder work on it.
+
+use crate::state::monitors::moments::{HeldMoments, Moments};
+use crate::state::monitors::monitor::{Satisfaction, Tests};
+use crate::state::monitors::ordered_numbers::OrderedNumbers;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, EpisodeCondition, MeasurementCondition};
+use apex_model::event::StateVariable;
+use apex_model::expression::Expr;
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What is computed over the samples of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Measure {
+    /// Arithmetic mean.
+    Mean,
+    /// Number of samples.
+    Count,
+    /// Population standard deviation.
+    StandardDeviation,
+    /// Population variance.
+    Variance,
+    /// Sum.
+    Sum,
+    /// Greatest less least.
+    Difference,
+    /// Least value.
+    Least,
+    /// Greatest value.
+    Greatest,
+    /// Middle value.
+    Median,
+    /// Mean over time of the persisted values.
+    HeldMean,
+    /// Variance over time of the persisted values.
+    HeldVariance,
+    /// Standard deviation over time of the persisted values.
+    HeldStandardDeviation,
+    /// Slope of the line of least squares, per unit of time.
+    Rate,
+    /// Every difference of successive values.
+    Step,
+    /// Samples per unit of time.
+    Frequency,
+    /// A predicate of the list of values.
+    Custom,
+    /// The slope differs from zero at this level of significance.
+    Significance(Expr),
+}
+
+/// A measure and what must hold of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Criterion {
+    /// What is computed.
+    pub measure: Measure,
+    /// All must hold of it.
+    pub constraints: Vec<Constraint>,
+    /// The constraints, prepared.
+    pub tests: Tests,
+    /// What a bare number on a right side means: its factor to SI and its dimension.
+    pub bare: Option<(f64, Dimension)>,
+}
+
+/// State of an episode condition with statistics or trends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatisticalPart {
+    /// What is wanted.
+    pub condition: Arc<EpisodeCondition>,
+    /// The value tests, prepared.
+    pub tests: Tests,
+    /// The measures in written order, statistics first.
+    pub criteria: Vec<Criterion>,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// The dimension of the values, as soon as it is known.
+    pub dimension: Option<Dimension>,
+    /// The greatest gap between samples; none is no constraint.
+    pub gap_max: Option<Duration>,
+    /// The least duration; of a sliding window the duration.
+    pub duration_min: Duration,
+    /// Evaluated over a window of `duration_min`, not over the whole run.
+    pub slides: bool,
+    /// Some constraint on end or duration is no lower bound: the run is evaluated when it is over.
+    pub at_close: bool,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// The first sample that is known where older ones are no longer kept: a run that begins there began earlier.
+    pub first_known: Option<Time>,
+    /// Results that no later arrival of the same instant can take back.
+    pub settled: Vec<Satisfaction>,
+    /// The run of each object.
+    #[serde(with = "apex_model::pairs")]
+    pub objects: BTreeMap<Value, NumberRun>,
+}
+
+/// Samples of one object. The newest stands apart, because a later arrival of its instant may still replace it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NumberRun {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// The run up to the sample before the newest.
+    pub run: Option<Box<Totals>>,
+    /// The newest sample.
+    pub newest: NumberSample,
+    /// The result that began when the criteria came to hold, while they do.
+    pub found: Option<Satisfaction>,
+    /// A sample contradicted the value constraints, and no gap has followed.
+    pub contradicted: bool,
+    /// The gap that cut the last run.
+    pub gap: Option<Duration>,
+}
+
+/// The newest sample of a run of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NumberSample {
+    /// Its instant.
+    pub at: Time,
+    /// Its value in SI; none when it is no finite number.
+    pub number: Option<f64>,
+    /// What it binds, if it satisfies the value constraints.
+    pub holds: Option<Bindings>,
+    /// It continues the run before it.
+    pub joins: bool,
+    /// It satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// It satisfies the constraints on last values.
+    pub last_holds: bool,
+    /// The difference from the number before it does not satisfy the constraints on steps.
+    pub bad_step: bool,
+}
+
+/// What is known of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Totals {
+    /// First sample's instant.
+    pub start: Time,
+    /// Last sample's instant.
+    pub last: Time,
+    /// What its samples bind.
+    pub bindings: Bindings,
+    /// Its first sample satisfies the constraints on first values.
+    pub first_holds: bool,
+    /// Its last sample satisfies the constraints on last values.
+    pub last_holds: bool,
+    /// The last number and its instant.
+    pub previous: Option<(Time, f64)>,
+    /// The last two numbers, and the instant of the first of them.
+    pub last_step: Option<(Time, f64, f64)>,
+    /// Instant of the number from which the last bad step was made.
+    pub bad_step: Option<Time>,
+    /// Moments of all numbers of the run; where a window slides nothing.
+    pub moments: Moments,
+    /// Moments over time; where a window slides nothing.
+    pub held: HeldMoments,
+    /// The numbers in order, where a median is wanted.
+    pub ordered: Option<OrderedNumbers>,
+    /// There were more numbers than are kept in order: nothing is said of their median.
+    #[serde(default)]
+    pub is_overfull: bool,
+    /// The window, where one slides.
+    pub window: Option<Box<SlidingWindow>>,
+}
+
+/// A number in a sliding window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Its instant.
+    pub at: Time,
+    /// Its value; none where it is no finite number, which is in the window and in no statistic.
+    pub number: Option<f64>,
+    /// Until the next sample.
+    pub held: Duration,
+}
+
+/// The numbers of a sliding window, in two stacks: those that leave next with the moments of each and all younger ones
+/// of the stack, and those that came later with the moments of all.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SlidingWindow {
+    /// The older numbers, the oldest last.
+    pub front: Vec<(Point, Moments)>,
+    /// Moments over time for each of `front`, where they are wanted.
+    pub front_held: Vec<HeldMoments>,
+    /// The younger numbers, oldest first.
+    pub back: Vec<Point>,
+    /// Moments of `back`.
+    pub back_moments: Moments,
+    /// Moments over time of `back`.
+    pub back_held: HeldMoments,
+    /// The last number that left: it holds into the window.
+    pub edge: Option<Point>,
+}
+
+/// State of a measurement condition under persistence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PersistedPart {
+    /// What is wanted.
+    pub condition: Arc<MeasurementCondition>,
+    /// The value tests, prepared.
+    pub tests: Tests,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// For how long a sample is valid after its instant.
+    pub timeout: Duration,
+    /// The window reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// Results of samples that have been followed by others.
+    pub settled: Vec<Satisfaction>,
+    /// The newest sample of each object.
+    #[serde(with = "apex_model::pairs")]
+    pub objects: BTreeMap<Value, PersistedSample>,
+}
+
+/// The newest sample of an object, which holds until the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PersistedSample {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// Its instant.
+    pub at: Time,
+    /// Its value.
+    pub value: Value,
+    /// What it binds, if value and object satisfy the constraints.
+    pub holds: Option<Bindings>,
+}
+
+/// State of a measurement condition under linear regression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RegressionPart {
+    /// What is wanted.
+    pub condition: Arc<MeasurementCondition>,
+    /// The state variable when its object is known, else none.
+    pub variable: Option<StateVariable>,
+    /// The dimension of the values, as soon as it is known.
+    pub dimension: Option<Dimension>,
+    /// Least number of samples of a fit.
+    pub points_min: u64,
+    /// Greatest root mean square of the residuals, SI.
+    pub error_max: Option<f64>,
+    /// Greatest difference of an extrapolated value from that of the nearest sample, SI.
+    pub difference_max: Option<f64>,
+    /// Greatest gap between samples, and from the last one to now.
+    pub gap_max: Option<Duration>,
+    /// The fit interval where its ends are stated, closed.
+    pub fit: (Option<Time>, Option<Time>),
+    /// The fit interval reaches before the oldest sample that was kept when the monitor was made.
+    pub blind: bool,
+    /// The samples of each object.
+    #[serde(with = "apex_model::pairs")]
+    pub objects: BTreeMap<Value, Fit>,
+}
+
+/// Samples of one object within the fit interval. The newest stands apart, because a later arrival of its instant may
+/// still replace it, also by what is no number.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// Order of the object's first appearance.
+    pub rank: u64,
+    /// All but the newest.
+    pub moments: Moments,
+    /// Value of the first sample.
+    pub first: f64,
+    /// The last value of `moments`.
+    pub before: f64,
+    /// The newest sample; none where what is no number has taken its place.
+    pub newest: Option<(Time, f64)>,
+    /// What the object binds; none when it is not wanted.
+    pub bindings: Option<Bindings>,
+    /// The greatest gap between the samples of `moments`.
+    pub gap: Duration,
+}
+
+impl Fit {
+    /// Adds a sample that is not older than the newest; one of the newest's instant replaces it.
+    pub fn add(&mut self, at: Time, number: f64) {
+        if let Some((newest_at, value)) = self.newest.filter(|(newest_at, _)| *newest_at < at) {
+            self.gap = self.with_newest().1;
+            self.moments.add(newest_at, value);
+            self.before = value;
+        }
+        if self.moments.count() == 0 {
+            self.first = number;
+        }
+        self.newest = Some((at, number));
+    }
+
+    /// What is no number has come at this instant: if the newest sample is of it, the fit is without that again.
+    pub fn miss(&mut self, at: Time) {
+        self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
+    }
+
+    /// The last sample; none while there is none.
+    pub fn last(&self) -> Option<(Time, f64)> {
+        self.newest.or_else(|| self.moments.span().map(|(_, last_at)| (last_at, self.before)))
+    }
+
+    /// All samples, and the greatest gap between them.
+    pub fn with_newest(&self) -> (Moments, Duration) {
+        let (mut moments, mut gap) = (self.moments, self.gap);
+        if let Some((at, number)) = self.newest {
+            gap = moments.span().map_or(gap, |(_, last_at)| gap.max(at - last_at));
+            moments.add(at, number);
+        }
+        (moments, gap)
+    }
+}

@@ -1,0 +1,156 @@
+//! State of the parts of a monitor that watch no samples themselves: messages, tasks, time, functions, and parts that
+//! relate others in time, Allen relations and absence (`monitoring.md` rules 7, 14, 15).
+
+use crate::state::monitors::monitor::{Part, Satisfaction};
+use apex_model::condition::{AllenRelation, Timing};
+use apex_model::expression::Expr;
+use apex_model::pattern::Pattern;
+use apex_model::symbol::Symbol;
+use apex_model::task::TaskId;
+use apex_model::time::{Duration, Time};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// State of an Allen relation between adjacent parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AllenPart {
+    /// The relation that each part has to the next.
+    pub relation: AllenRelation,
+    /// End points that are no further apart than this are equal; `less` means earlier by more than this.
+    pub tolerance: Duration,
+    /// The parts in written order.
+    pub parts: Vec<Part>,
+    /// What each part has found, in the same order.
+    pub sides: Vec<Side>,
+    /// All must be true of the related results.
+    pub constraints: Vec<Expr>,
+    /// The parts share variables: results that bind one differently do not go together.
+    pub shares: bool,
+    /// Results that nothing can change any more; the first where one is enough.
+    pub found: Vec<Chain>,
+    /// Results in which a run goes on, as last looked at.
+    pub passing: Vec<Chain>,
+    /// Results of parts stand so that only the end of a run that goes on can decide.
+    pub undecided: bool,
+    /// When time alone can decide next: a run without samples is over, or a delay within a part.
+    pub decides_at: Option<Time>,
+}
+
+/// Results of parts that are related, each to the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Chain {
+    /// The parts' intervals, in written order.
+    pub intervals: Vec<(Time, Time)>,
+    /// The result: hull, bindings and evidence of all.
+    pub result: Satisfaction,
+}
+
+/// What a part of a relation has found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Side {
+    /// Final results that a later result of a neighbour could still be related to.
+    pub settled: Vec<Satisfaction>,
+    /// How many results were ever final.
+    pub count: u64,
+    /// The newest result, for explanations, and whether its run goes on.
+    pub newest: Option<((Time, Time), bool)>,
+    /// The number of kept results at which those of no more use are looked for.
+    pub sweep_at: usize,
+}
+
+/// State of `(:absent C :for D)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AbsentPart {
+    /// What must not be.
+    pub part: Part,
+    /// For how long.
+    pub length: Duration,
+    /// The end of the last result of the part, or the window's start: since when it is absent.
+    pub since: Time,
+    /// The same of results that no sample can replace any more.
+    pub since_final: Time,
+    /// The part is there now: nothing is absent.
+    pub goes_on: bool,
+    /// The data do not say whether the part holds.
+    pub unknown: bool,
+    /// Since when the part, which holds at instants (`:not`, `:function`, a line), has done so or was in doubt at every look:
+    /// absence begins with the look at which it does not.
+    pub broken: Option<Time>,
+    /// How far the parts of an `:and` reach whose results all go together: instead of their final results.
+    pub reached: Vec<Option<(Time, Time)>>,
+    /// Evidence of the part that came while it went on or was in doubt: windows between are judged when that is over.
+    pub seen: Vec<(Time, Time)>,
+    /// The start of the newest window that passed without it.
+    pub told: Option<Time>,
+    /// Windows that begin here or later have been taken back, and may pass once more.
+    pub taken_back: Option<Time>,
+    /// The windows that passed without it; the first where one is enough.
+    pub found: Vec<Satisfaction>,
+    /// When time alone can decide next.
+    pub decides_at: Option<Time>,
+}
+
+/// State of `(:function EXPR)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FunctionPart {
+    /// The expression.
+    pub expression: Expr,
+    /// Its value, as last evaluated, as text; none before, and after an error.
+    pub value: Option<String>,
+    /// The present instant, if it is true now.
+    pub holds: Option<Satisfaction>,
+}
+
+/// State of an event condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EventPart {
+    /// The form waited for.
+    pub pattern: Arc<Pattern>,
+    /// Constraints on when it happened.
+    pub timing: Arc<Timing>,
+    /// The window reaches before the oldest message that was remembered when the monitor was made.
+    pub blind: bool,
+    /// What was found.
+    pub settled: Vec<Satisfaction>,
+}
+
+/// State of a wait for a task's end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskEndedPart {
+    /// The step's tag.
+    pub variable: Symbol,
+    /// An end from before counts too.
+    pub standing: bool,
+    /// The task, as soon as it is known.
+    pub task: Option<TaskId>,
+    /// When it ended.
+    pub ended: Option<Time>,
+}
+
+/// State of a wait for a task's state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TaskStatePart {
+    /// The task.
+    pub expression: Expr,
+    /// The state's name.
+    pub state: Pattern,
+    /// The state at the beginning counts too.
+    pub standing: bool,
+    /// The task, as soon as it is known.
+    pub task: Option<TaskId>,
+    /// What was found.
+    pub settled: Vec<Satisfaction>,
+}
+
+/// State of a wait for time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimePart {
+    /// First instant, or least delay.
+    pub from: Expr,
+    /// Last instant, or greatest delay.
+    pub to: Option<Expr>,
+    /// The first and last instant, as last evaluated.
+    pub span: Option<(Time, Time)>,
+    /// The instant that satisfied it.
+    pub reached: Option<Time>,
+}

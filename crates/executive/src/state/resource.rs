@@ -1,0 +1,97 @@
+//! Resources: who holds what, who waits for it, and how much is left (`pdl.md` sections 3 and 9).
+
+use crate::state::waiting::Waiting;
+use apex_model::library::ResourceKind;
+use apex_model::quantity::Dimension;
+use apex_model::task::TaskId;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Numbers a resource within one agent, in order of first use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct ResourceId(pub u32);
+
+/// How much of a resource a task needs to be ongoing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Need {
+    /// Which resource.
+    pub resource: ResourceId,
+    /// Units of a capacity, amount of a depletable in SI, 1 of a unitary resource.
+    pub amount: f64,
+}
+
+/// A part of a resource in the hands of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Holding {
+    /// The holder.
+    pub task: TaskId,
+    /// How much of it.
+    pub amount: f64,
+}
+
+/// One resource.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resource {
+    /// Its name.
+    pub name: Value,
+    /// What there is to share: 1, the capacity, or what is left of a depletable (reservations included), in SI.
+    pub total: f64,
+    /// Is it used up by its users?
+    pub depletable: bool,
+    /// The dimension of amounts.
+    pub dimension: Dimension,
+    /// Who holds it, in order of taking. Several holders of one unit are ancestors and descendants.
+    pub holders: Vec<Holding>,
+    /// Enabled and interrupted tasks that claim it.
+    pub waiting: Waiting,
+}
+
+/// All resources that tasks have named so far.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResourceTable {
+    resources: Vec<Resource>,
+    names: BTreeMap<Value, ResourceId>,
+}
+
+impl ResourceTable {
+    /// The resource's number, if it was named before.
+    pub fn find(&self, name: &Value) -> Option<ResourceId> {
+        self.names.get(name).copied()
+    }
+
+    /// The number of the resource `name`, which is of this kind when it is new.
+    pub fn intern(&mut self, name: &Value, kind: &ResourceKind) -> ResourceId {
+        if let Some(id) = self.find(name) {
+            return id;
+        }
+        let (total, depletable, dimension) = match kind {
+            ResourceKind::Unitary => (1.0, false, Dimension::NONE),
+            ResourceKind::Capacity(units) => (f64::from(*units), false, Dimension::NONE),
+            ResourceKind::Depletable(amount) => {
+                let (si, dimension) = amount.as_number().unwrap_or((0.0, Dimension::NONE));
+                (si, true, dimension)
+            }
+        };
+        let id = ResourceId(u32::try_from(self.resources.len()).unwrap_or(u32::MAX));
+        let (holders, waiting) = (Vec::new(), Waiting::default());
+        self.resources.push(Resource { name: name.clone(), total, depletable, dimension, holders, waiting });
+        self.names.insert(name.clone(), id);
+        id
+    }
+
+    /// The resource with this number.
+    pub fn get(&self, id: ResourceId) -> Option<&Resource> {
+        self.resources.get(id.0 as usize)
+    }
+
+    /// The resource with this number, to change it.
+    pub fn get_mut(&mut self, id: ResourceId) -> Option<&mut Resource> {
+        self.resources.get_mut(id.0 as usize)
+    }
+
+    /// All resources in order of first use.
+    pub fn iter(&self) -> impl Iterator<Item = (ResourceId, &Resource)> {
+        (0_u32..).map(ResourceId).zip(self.resources.iter())
+    }
+}

@@ -1,0 +1,170 @@
+//! Tasks: commitments to act under conditions to realise a policy (paper, section III).
+
+use crate::state::clause::MonitorId;
+use crate::state::controller::{Controller, Selection};
+use crate::state::probing::ProbingId;
+use crate::state::resource::{Need, ResourceId};
+use crate::state::step_clauses::StepClauses;
+use crate::state::wake::WakeKey;
+use apex_model::bindings::Bindings;
+use apex_model::task::{Outcome, TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+use std::collections::BTreeSet;
+
+/// Names a procedure: stored ones by their place in the library, generated ones by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum ProcedureRef {
+    /// Index into [`apex_model::library::Library::procedures`].
+    Stored(u32),
+    /// Number in [`crate::state::agent::Agent::generated`].
+    Generated(u64),
+}
+
+/// Names a step of a procedure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct StepRef {
+    /// The procedure.
+    pub procedure: ProcedureRef,
+    /// Index of the step.
+    pub step: u32,
+}
+
+/// The template that a task was made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Origin {
+    /// The agent's initial task.
+    Initial,
+    /// A step of its parent's procedure.
+    Step(StepRef),
+    /// One item of the `forall` of its parent's step.
+    Item(StepRef),
+    /// The `on-failure` activity of its parent's step.
+    OnFailure(StepRef),
+    /// What its parent does while a plan is late: the solver declaration's index.
+    Meanwhile(u32),
+    /// A probe for a condition with `:probing`.
+    Probe(ProbingId),
+}
+
+/// A task. Small, because a hundred thousand may wait; what few tasks need is boxed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// Its number.
+    pub id: TaskId,
+    /// Whose controller made it; none for the root.
+    pub parent: Option<TaskId>,
+    /// What it was made from.
+    pub origin: Origin,
+    /// Its state.
+    pub state: TaskState,
+    /// Nesting: the root has 0.
+    pub depth: u32,
+    /// Its predecessor in a sequence has not ended, or its least interval is not over: what else it waits for.
+    pub held_back: HeldBack,
+    /// Suspended by a clause or an activity: claims no resources until resumed. Changed by the agent, which counts.
+    pub suspended: bool,
+    /// When this instance was created, or made pending again.
+    pub created_at: Time,
+    /// When its state last changed.
+    pub since: Time,
+    /// When it first became ongoing.
+    pub started_at: Option<Time>,
+    /// Messages and samples up to this arrival are answered: they cannot satisfy this instance.
+    pub after_sequence: Option<u64>,
+    /// Its own variables: `waitfor` bindings, `select`, the item of a `forall`.
+    pub bindings: Bindings,
+    /// Its monitors, in order of making.
+    pub monitors: SmallVec<[MonitorId; 2]>,
+    /// How its goal is pursued; none while pending.
+    pub selection: Option<Box<Selection>>,
+    /// What carries it out; none until it is ongoing.
+    pub controller: Option<Box<Controller>>,
+    /// How it ended; none while it lives.
+    pub outcome: Option<Outcome>,
+    /// Which clauses its step has; derived from the step, not part of a snapshot.
+    #[serde(skip)]
+    pub clauses: StepClauses,
+    /// What few tasks need.
+    pub extras: Option<Box<Extras>>,
+}
+
+/// Preconditions that need no monitor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HeldBack {
+    /// The step before it in a sequence has not ended.
+    pub by_predecessor: bool,
+    /// Its waitfor is not satisfied.
+    pub by_condition: bool,
+    /// `:with-min-interval` has not passed.
+    pub by_interval: bool,
+    /// It uses the result of another step that is not there yet.
+    pub by_result: bool,
+    /// Its waitfor does: no monitor exists.
+    pub by_unknown: bool,
+}
+
+impl HeldBack {
+    /// True when nothing holds the task back.
+    pub fn is_free(self) -> bool {
+        !(self.by_predecessor || self.by_condition || self.by_interval || self.by_result || self.by_unknown)
+    }
+}
+
+/// Rarely used parts of a task.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Extras {
+    /// The accumulated time ongoing before the present stretch.
+    pub worked: Duration,
+    /// Resources held for it by `(hold-resource ..)`.
+    pub held: Vec<Need>,
+    /// Open log policies.
+    pub logs: Vec<u64>,
+    /// When the instance before ended, for recovery and least intervals.
+    pub ended_before: Option<Time>,
+    /// When it was created, if it has started over since: its deadline does not move.
+    pub first_created: Option<Time>,
+    /// Instances that started at `instant`, to stop loops that take no time.
+    pub instances: u32,
+    /// The instant of `instances`.
+    pub instant: Time,
+    /// Combinations of `:for-new` variables already answered.
+    pub answered: BTreeSet<Vec<Value>>,
+    /// The step's repetition is over: it was ended for good.
+    pub repeats_no_more: bool,
+    /// The least interval's wake.
+    pub wake: Option<WakeKey>,
+    /// The resource that it was refused at the last look at all claimants, and to whom it went.
+    pub refused: Option<(ResourceId, TaskId)>,
+    /// That it waits has been told: once for each claim, not at every look.
+    pub refusal_told: bool,
+    /// The wake at which its rising priority may win.
+    pub crossing: Option<WakeKey>,
+}
+
+impl Task {
+    /// The rarely used parts, made when missing.
+    pub fn extras_mut(&mut self) -> &mut Extras {
+        self.extras.get_or_insert_default()
+    }
+
+    /// The step that the task was made from, if it was made from one.
+    pub fn step(&self) -> Option<StepRef> {
+        match self.origin {
+            Origin::Step(step) | Origin::Item(step) | Origin::OnFailure(step) => Some(step),
+            Origin::Initial | Origin::Meanwhile(_) | Origin::Probe(_) => None,
+        }
+    }
+
+    /// Are there tasks below it?
+    pub fn has_children(&self) -> bool {
+        self.controller.as_ref().is_some_and(|controller| controller.has_children())
+    }
+
+    /// True when it has ended.
+    pub fn is_terminated(&self) -> bool {
+        self.state == TaskState::Terminated
+    }
+}

@@ -1,0 +1,149 @@
+//! Who waits for a resource: all claimants, and those of them that can stand in line.
+//!
+//! A claimant stands in line when its place among the others follows from itself alone: it wants just this resource,
+//! all of it, and its priority changes with nothing but variables. The first in line then decides for all behind it.
+//! Others stand apart: where there is one of them, everybody must be looked at.
+
+use apex_model::task::TaskId;
+use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A place in a line. The first is the greatest priority, then who has begun, then the written order.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Turn {
+    /// Priority at the time of the claim.
+    pub priority: f64,
+    /// It has begun, and was interrupted.
+    pub begun: bool,
+    /// Parent, step and number.
+    pub order: (TaskId, u32, TaskId),
+}
+
+impl Eq for Turn {}
+
+impl PartialOrd for Turn {
+    fn partial_cmp(&self, other: &Turn) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Turn {
+    fn cmp(&self, other: &Turn) -> Ordering {
+        let by_priority = other.priority.total_cmp(&self.priority);
+        by_priority.then(other.begun.cmp(&self.begun)).then(self.order.cmp(&other.order))
+    }
+}
+
+impl Turn {
+    /// Who stands here.
+    pub fn task(&self) -> TaskId {
+        self.order.2
+    }
+}
+
+/// How a claimant waits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Claim {
+    /// At this turn.
+    InLine {
+        /// Where.
+        turn: Turn,
+        /// Its priority reads variables: its turn must be looked at again when one of them changes.
+        varies: bool,
+    },
+    /// Not in line.
+    Apart,
+}
+
+/// Enabled and interrupted tasks that claim a resource.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Waiting {
+    claims: BTreeMap<TaskId, Claim>,
+    line: BTreeSet<Turn>,
+    apart: usize,
+    varying: usize,
+}
+
+impl Waiting {
+    /// Adds the task, or changes how it waits.
+    pub fn insert(&mut self, task: TaskId, claim: Claim) {
+        self.remove(task);
+        match claim {
+            Claim::InLine { turn, varies } => {
+                self.line.insert(turn);
+                self.varying += usize::from(varies);
+            }
+            Claim::Apart => self.apart += 1,
+        }
+        self.claims.insert(task, claim);
+    }
+
+    /// Takes the task out. False if it did not wait.
+    pub fn remove(&mut self, task: TaskId) -> bool {
+        let Some(claim) = self.claims.remove(&task) else { return false };
+        match claim {
+            Claim::InLine { turn, varies } => {
+                self.line.remove(&turn);
+                self.varying -= usize::from(varies);
+            }
+            Claim::Apart => self.apart -= 1,
+        }
+        true
+    }
+
+    /// Does the task wait?
+    pub fn contains(&self, task: TaskId) -> bool {
+        self.claims.contains_key(&task)
+    }
+
+    /// True when nobody waits.
+    pub fn is_empty(&self) -> bool {
+        self.claims.is_empty()
+    }
+
+    /// All who wait, in order of creation.
+    pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
+        self.claims.keys().copied()
+    }
+
+    /// Those in line, the first first.
+    pub fn line(&self) -> impl Iterator<Item = &Turn> {
+        self.line.iter()
+    }
+
+    /// Do all who wait stand in line?
+    pub fn all_in_line(&self) -> bool {
+        self.apart == 0
+    }
+
+    /// May a change of a variable, or of what is measured, change who is first?
+    pub fn is_sensitive(&self) -> bool {
+        self.apart > 0 || self.varying > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(task: u64, priority: f64, begun: bool) -> Turn {
+        Turn { priority, begun, order: (TaskId(0), 0, TaskId(task)) }
+    }
+
+    #[test]
+    fn the_line_is_in_order_and_counts_are_kept() {
+        let mut waiting = Waiting::default();
+        for (task, priority, begun) in [(1, 1.0, false), (2, 3.0, false), (3, 3.0, true), (4, 3.0, false)] {
+            waiting.insert(TaskId(task), Claim::InLine { turn: turn(task, priority, begun), varies: task == 1 });
+        }
+        waiting.insert(TaskId(9), Claim::Apart);
+        let line = |waiting: &Waiting| waiting.line().map(|each| each.task().0).collect::<Vec<_>>();
+        assert_eq!(line(&waiting), [3, 2, 4, 1]);
+        assert!(waiting.is_sensitive() && !waiting.all_in_line());
+        waiting.insert(TaskId(1), Claim::InLine { turn: turn(1, 5.0, false), varies: false });
+        assert!(waiting.remove(TaskId(9)) && !waiting.remove(TaskId(9)));
+        assert_eq!(line(&waiting), [1, 3, 2, 4]);
+        assert!(!waiting.is_sensitive() && waiting.all_in_line());
+    }
+}

@@ -1,0 +1,83 @@
+//! Wakes: the instants at which something happens by itself, so that nobody has to look all the time.
+
+use crate::state::clause::MonitorId;
+use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
+use apex_model::task::TaskId;
+use apex_model::time::Time;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What is due.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Wake {
+    /// A primitive's duration ends.
+    Duration(TaskId),
+    /// A primitive's update forms run.
+    Update(TaskId),
+    /// A command without an answer has failed.
+    CommandTimeout(CommandId),
+    /// A monitor's verdict can change by time alone.
+    Monitor(MonitorId),
+    /// The next probe for the monitor's condition is due, or the time for probing is over.
+    Probing(MonitorId),
+    /// A repetition's least interval is over.
+    MinimumInterval(TaskId),
+    /// A rising priority overtakes another one.
+    PriorityCrossing(TaskId),
+    /// The operator's time is over.
+    Question(QuestionId),
+    /// A request to a solver without an answer has failed.
+    SolveTimeout(SolveRequestId),
+}
+
+/// Names an entry of the queue, so that it can be taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct WakeKey {
+    /// When.
+    pub at: Time,
+    /// Numbers entries of one instant in order of making.
+    pub number: u64,
+}
+
+/// The queue of wakes, in order of time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WakeQueue {
+    entries: BTreeMap<WakeKey, Wake>,
+    next: u64,
+}
+
+impl WakeQueue {
+    /// Asks for `wake` at `at`.
+    pub fn schedule(&mut self, at: Time, wake: Wake) -> WakeKey {
+        let key = WakeKey { at, number: self.next };
+        self.next = self.next.saturating_add(1);
+        self.entries.insert(key, wake);
+        key
+    }
+
+    /// Takes an entry back; nothing happens when it is gone already.
+    pub fn cancel(&mut self, key: WakeKey) {
+        self.entries.remove(&key);
+    }
+
+    /// The earliest entry.
+    pub fn first(&self) -> Option<(WakeKey, Wake)> {
+        self.entries.first_key_value().map(|(key, wake)| (*key, *wake))
+    }
+
+    /// Takes the earliest entry if it is due at `now`.
+    pub fn take_due(&mut self, now: Time) -> Option<Wake> {
+        let entry = self.entries.first_entry()?;
+        (entry.key().at <= now).then(|| entry.remove())
+    }
+
+    /// How many entries there are.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// True without entries.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+}

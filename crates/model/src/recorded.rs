@@ -1,0 +1,18 @@
+//! What a history did with a sample that arrived.
+
+/// What recording did with a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recorded {
+    /// Newer than all before.
+    Appended,
+    /// Late, but within the variable's lateness: put in order.
+    Inserted,
+    /// Another value for an instant already known: the later arrival wins.
+    Replaced,
+    /// The same value for the same instant: nothing new.
+    Repeated,
+    /// Later than the variable's lateness allows: kept aside.
+    TooLate,
+    /// Not a number: a missing measurement.
+    Missing,
+}
