@@ -1,7 +1,11 @@
-//! One instant being worked through: the agent, the instant, what is to be done next and what has been decided.
-//!
-//! The lists of work are empty before and after every instant, so they are no part of the agent. Services are
-//! functions over this value; none keeps state of its own.
+//! Work of an instant (TC)
+//! What: holds one instant being worked through: the agent, the instant, what is to be done next, what has been decided.
+//! Runs: with every phase of a step.
+//! Reads: Agent, Library.
+//! Writes: lists of work, Decision. The lists are empty before and after every instant, so they are no part of the agent.
+//! Bound: O(1) per entry.
+//! PDL: none.
+//! Paper: section III, the stages of a step.
 
 use crate::expression::view::View;
 use crate::monitoring::stimulus::Stimulus;

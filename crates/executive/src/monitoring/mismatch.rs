@@ -1,4 +1,11 @@
-//! Mismatches: the first place where a form does not fit a pattern, in words.
+//! Mismatches (M&I)
+//! What: names the first place where a form does not fit a pattern.
+//! Runs: when a condition or a method is explained.
+//! Reads: surroundings.
+//! Writes: nothing.
+//! Bound: O(size of the pattern).
+//! PDL: patterns, section 2.
+//! Paper: section V, explanation of behaviour.
 
 use crate::expression::Surroundings;
 use apex_model::bindings::Bindings;
