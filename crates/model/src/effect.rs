@@ -47,7 +47,7 @@ pub enum Effect {
     },
     /// Run a solver; answered by `SolverReported`.
     Solve(SolveRequest),
-    /// Nobody waits for this answer any more.
+    /// Nobody waits for this answer any longer.
     CancelSolve(SolveRequestId),
     /// `(inform FORM)`: a message for whoever listens outside. The agent itself receives it as an event too.
     Inform {
@@ -93,7 +93,7 @@ pub enum Effect {
         /// What.
         message: Message,
     },
-    /// Nobody waits for the answer to this question any more: its task ended or was interrupted, or the time is over.
+    /// Nobody waits for the answer to this question any longer: its task ended or was interrupted, or the time is over.
     WithdrawQuestion {
         /// The question.
         question: QuestionId,

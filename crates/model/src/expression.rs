@@ -31,7 +31,7 @@ pub enum ExprKind {
     },
     /// A parameter or `let` variable, or a primitive's `locals` variable.
     Local(Symbol),
-    /// `+name+`, stored without the plus signs; evaluated anew at each use.
+    /// `+name+`, stored without the plus signs; evaluated again at each use.
     Indexical(Symbol),
     /// A `defconstant` whose value is computed, by its name as written; literal ones are a [`ExprKind::Constant`].
     Named(Symbol),

@@ -1,7 +1,7 @@
 //! Every limit of the core, with its reason. Loops over external input take their bound from here. Some may be lowered by an
 //! agent: [`crate::agent_limits`].
 
-/// Rounds of notice/enable/choose/contend/commit/act at one instant, but for those in which tasks only end: a chain of
+/// Rounds of notice/enable/choose/contend/commit/act at one instant, except for those in which tasks only end: a chain of
 /// steps that take no time is as long as it is written, and comes to its end by itself.
 pub const CASCADE_ROUNDS_MAX: u32 = 10_000;
 /// Nesting of lists in PDL text: deeper than any human writes, shallower than the stack.

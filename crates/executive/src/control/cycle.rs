@@ -2,7 +2,7 @@
 //! What: holds one instant being worked through: the agent, the instant, what is to be done next, what has been decided.
 //! Runs: with every phase of a step.
 //! Reads: Agent, Library.
-//! Writes: lists of work, Decision. The lists are empty before and after every instant, so they are no part of the agent.
+//! Writes: lists of work, Decision. The lists are empty before and after every instant, so they do not belong to the agent.
 //! Bound: O(1) per entry.
 //! PDL: none.
 //! Paper: section III, the stages of a step.
@@ -36,7 +36,7 @@ use std::sync::Arc;
 pub(crate) struct Cycle<'a> {
     /// The agent.
     pub(crate) agent: &'a mut Agent,
-    /// Its library, held beside it so that templates can be read while the agent changes.
+    /// Its library, held next to it so that templates can be read while the agent changes.
     pub(crate) library: &'a Library,
     /// What is known about the library beforehand.
     pub(crate) index: &'a LibraryIndex,
@@ -81,7 +81,7 @@ pub(crate) struct Work {
     pub(crate) dirty: BTreeSet<ResourceId>,
     /// Contend: an input of priorities changed; every contested resource is looked at.
     pub(crate) priorities_changed: bool,
-    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn anew.
+    /// Contend: tasks inherit from others than before; every contested resource is looked at, every turn again.
     pub(crate) inheritance_changed: bool,
     /// Act: tasks that became ongoing.
     pub(crate) starting: TaskList,

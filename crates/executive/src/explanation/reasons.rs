@@ -76,7 +76,7 @@ impl Reason {
     }
 }
 
-/// What `task` waits for now. Empty for a task that nobody can refer to any more.
+/// What `task` waits for now. Empty for a task that nobody can refer to any longer.
 pub fn waiting(agent: &Agent, task: TaskId) -> Vec<Reason> {
     let Some(task) = agent.task(task) else { return Vec::new() };
     let mut reasons = match task.state {

@@ -34,7 +34,7 @@ use std::fmt::Write;
 /// The value of `expr`. Has no effect; a form that acts is an error here.
 ///
 /// # Errors
-/// A message for people when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
+/// An error message when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
 pub(crate) fn evaluate(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
     Evaluator::new(surroundings, None).value(expr)
 }

@@ -1,4 +1,4 @@
-//! What evaluation leads to besides a value: errors, and what the forms of a hook want done.
+//! What evaluation leads to in addition to a value: errors, and what the forms of a hook want done.
 
 use apex_model::event::StateVariable;
 use apex_model::source::Place;
@@ -6,7 +6,7 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 
-/// Why an expression has no value: a sentence for people and where it stands.
+/// Why an expression has no value: a message and where it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct EvaluationError {
     /// What went wrong, with the values concerned, and what to do.

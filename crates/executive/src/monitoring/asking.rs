@@ -18,7 +18,7 @@ pub(crate) struct Asking<'a> {
     pub(crate) now: Time,
     pub(crate) troubles: Troubles,
     pub(crate) wake: Option<Time>,
-    /// Results of parts that do not count any more.
+    /// Results of parts that do not count any longer.
     pub(crate) used: Option<Used>,
 }
 

@@ -1,7 +1,7 @@
 //! Monitoring and interpretation services: what conditions mean (paper, section IV and Appendix B). One file per service.
 //!
 //! A monitor is plain data (`crate::state::monitors::monitor`). `combination/monitors.rs` makes it, feeds it and asks it; the kinds of
-//! parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files beside these folders serve all of them.
+//! parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files next to these folders serve all of them.
 
 pub(crate) mod asking;
 pub(crate) mod basic;

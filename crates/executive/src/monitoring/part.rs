@@ -3,7 +3,7 @@
 //! Runs: with every service.
 //! Reads: Part.
 //! Writes: results and notes of a monitor.
-//! Bound: O(1), but for dropping old results.
+//! Bound: O(1), except for dropping old results.
 //! PDL: all conditions.
 //! Paper: section III, condition monitoring.
 

@@ -1,9 +1,9 @@
 //! Told results (M&I)
-//! What: remembers which results of a monitor were told, so that each is told once.
+//! What: remembers which results of a monitor were reported, so that each is reported once.
 //! Runs: with every harvest.
 //! Reads: results.
-//! Writes: keys of told results.
-//! Bound: O(results told that late samples may still change).
+//! Writes: keys of reported results.
+//! Bound: O(results reported that late samples may still change).
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
@@ -40,11 +40,11 @@ impl Key {
     }
 }
 
-/// Results of parts that made up something told already.
+/// Results of parts that are part of something reported already.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) keys: Vec<Key>,
-    /// Late samples make parts look back and find again what was told; what was recognised before this is not new.
+    /// Late samples make parts look back and find again what was reported; what was recognised before this is not new.
     pub(crate) horizon: Option<Time>,
 }
 
@@ -66,7 +66,7 @@ impl Used {
 pub(crate) struct Told(pub(crate) Vec<Branch>);
 
 impl Told {
-    /// As it is when a bank has told of the monitor's run: the result of the run before the newest sample, and of the one
+    /// As it is when a bank has reported of the monitor's run: the result of the run before the newest sample, and of the one
     /// that goes on.
     pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> Told {
         let key = |result: &Satisfaction| Key::of(part.place, result);
@@ -75,19 +75,19 @@ impl Told {
         Told(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
     }
 
-    /// Will the end of a result be told that goes on now? Not when it was told already, and a sample has taken that back.
+    /// Will the end of a result be reported that goes on now? Not when it was reported already, and a sample has taken that back.
     pub(crate) fn awaits_end(&self) -> bool {
         self.0.iter().any(|branch| !branch.open.is_empty())
     }
 }
 
-/// What was told of one alternative.
+/// What was reported of one alternative.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Branch {
-    /// Results that made up what was told.
+    /// Results that are part of what was reported.
     pub(crate) used: Used,
     /// Told results whose interval still grows.
     pub(crate) open: Vec<Key>,
-    /// That something did not happen was told.
+    /// That something did not happen was reported.
     pub(crate) absence: bool,
 }

@@ -187,9 +187,9 @@ impl MonitorSession {
         self.refresh(&variable);
     }
 
-    /// Lets a bank watch the condition, all of which was told. False when none can.
+    /// Lets a bank watch the condition, all of which was reported. False when none can.
     pub(super) fn put_into_bank(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
-        // What was told must be remembered as long as late samples can make it known again.
+        // What was reported must be remembered as long as late samples can make it known again.
         if watched.lateness > Duration::ZERO || self.without_banks {
             return false;
         }
@@ -223,7 +223,7 @@ impl MonitorSession {
         if whole {
             plain_combination::lie_down(monitor);
         } else {
-            // One leaf alone in a bank would not hear of what the others are told.
+            // One leaf alone in a bank would not hear of what the others are reported.
             for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
                 self.interests.episodes_mut(variable).and_then(|bank| bank.take(LeafId { monitor: id, leaf }));
             }
@@ -266,7 +266,7 @@ impl MonitorSession {
     }
 
     /// Takes in samples of one variable, in order of time and with nothing else between them, one instant each, up to one
-    /// that somebody must be told of in the general way; how many these were. The last one stays out: what comes after it
+    /// that somebody must be reported of in the general way; how many these were. The last one stays out: what comes after it
     /// may still belong to its instant.
     pub(super) fn pass_by(&mut self, variable: &StateVariable, instants: &[Time], values: &[f64]) -> usize {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {

@@ -56,7 +56,7 @@ impl Spacings {
                     self.variables.insert(variable.clone(), OfVariable::from(at));
                 }
             },
-            // It divides a spacing that is no longer at hand: what is known begins anew.
+            // It divides a spacing that is no longer at hand: what is known begins again.
             Some(Recorded::Inserted) => {
                 if let Some(known) = self.variables.get_mut(variable) {
                     *known = OfVariable::from(known.newest);

@@ -50,7 +50,7 @@ use watched::Watched;
 /// [`advance`](MonitorSession::advance) says so. What time alone decides is decided at its exact instant. So what is told
 /// depends neither on how calls are divided nor on how often time is advanced (rule 21).
 ///
-/// # What is told
+/// # What is reported
 ///
 /// Not only the first result of a condition, as a task would wait for it, but a stream of all of them, each once:
 ///
@@ -60,14 +60,14 @@ use watched::Watched;
 /// - **An episode** is told when it is recognised, say after its `:duration`. Its run may go on: then the result is marked
 ///   [`open`](Telling::Recognised), and it is told once more, with its final interval, when the run is over, which the
 ///   next sample shows: [`Telling::Closed`]. Who wants each result once looks at either kind.
-/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins anew: what
+/// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins again: what
 ///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
-///   same variables (tags aside) the first in order is told.
+///   same variables (tags aside) the first in order is reported.
 /// - **The alternatives** of an outermost `:or` are told each for itself.
 /// - **An absence** (`:not`) is told once, when it becomes true, and not at every instant at which it is still true.
 ///
 /// A sample that comes late, within its variable's `:lateness`, can make a result known, which is then recognised at the
-/// session's time; what was told before is not taken back.
+/// session's time; what was reported before is not taken back.
 ///
 /// Results wait in the session until they are [taken](MonitorSession::take_results).
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ pub struct MonitorSession {
     arrivals: u64,
     /// How late samples may come at most.
     lateness: Duration,
-    /// For comparison: every sample is told in the general way.
+    /// For comparison: every sample is reported in the general way.
     without_banks: bool,
     /// What happened at the present instant.
     stimuli: Vec<Stimulus>,
@@ -166,7 +166,7 @@ impl MonitorSession {
         Ok(id)
     }
 
-    /// Ends the watch of a condition. What it told already stays to be taken.
+    /// Ends the watch of a condition. What it reported already stays to be taken.
     pub fn unwatch(&mut self, id: MonitorId) {
         self.end_instant();
         if let Some(mut watched) = self.watches.remove(id.0) {
@@ -242,7 +242,7 @@ impl MonitorSession {
         self.come_to(at);
     }
 
-    /// Nothing more comes: results whose interval could still grow are told as closed.
+    /// Nothing more comes: results whose interval could still grow are reported as closed.
     pub fn finish(&mut self) {
         self.end_instant();
         for number in 0..self.next_watch {
@@ -280,7 +280,7 @@ impl MonitorSession {
         &self.world.histories
     }
 
-    /// What a condition must be told of, as far as it is known; empty while it is waited for.
+    /// What a condition must be reported of, as far as it is known; empty while it is waited for.
     pub fn interests(&self, id: MonitorId) -> Vec<Interest> {
         let monitor = self.watches.get(id.0).and_then(|watched| watched.monitor.as_ref());
         monitor.map(interest::interests).unwrap_or_default()

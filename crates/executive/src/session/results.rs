@@ -13,24 +13,24 @@ use apex_model::time::Time;
 pub struct MonitorResult {
     /// The condition.
     pub watch: MonitorId,
-    /// What is told of the result.
+    /// What is reported of the result.
     pub telling: Telling,
     /// The result: interval, instant of recognition, bindings, evidence.
     pub result: Satisfaction,
-    /// The largest sampling gap of each run that it rests on, as it was known when this was told; see
+    /// The largest sampling gap of each run that it rests on, as it was known when this was reported; see
     /// [`MonitorSession::with_gaps`].
     pub gaps: Vec<SamplingGap>,
 }
 
-/// What is told of a result.
+/// What is reported of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Telling {
     /// It was recognised just now.
     Recognised {
-        /// Its interval may still grow; it will be told once more when it is final.
+        /// Its interval may still grow; it will be reported once more when it is final.
         open: bool,
     },
-    /// Its interval is final; it was told before.
+    /// Its interval is final; it was reported before.
     Closed,
 }
 
@@ -41,7 +41,7 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// The parts that do not hold, with the reason of each; empty when satisfied.
     pub because: Vec<Unmet>,
-    /// How many results were told.
+    /// How many results were reported.
     pub results: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What the conditions of a session see: its histories, the tasks that it was told of, the variables that were bound.
+//! What the conditions of a session see: its histories, the tasks that it was reported of, the variables that were bound.
 
 use crate::expression::Surroundings;
 use crate::state::histories::history::Histories;
@@ -13,7 +13,7 @@ use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A task that the session was told of.
+/// A task that the session was reported of.
 #[derive(Clone, Debug)]
 pub(super) struct KnownTask {
     pub(super) state: TaskState,

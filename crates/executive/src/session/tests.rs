@@ -143,7 +143,7 @@ fn a_measurement_is_told_for_each_sample_and_object() {
         session.sample(&roll(object), Value::Real(value), at(instant));
     }
     session.advance(at(3.0));
-    // Twice the same instant is over; what comes for it afterwards is told all the same.
+    // Twice the same instant is over; what comes for it afterwards is reported all the same.
     session.sample(&roll("b"), Value::Real(50.0), at(3.0));
     session.advance(at(3.0));
     let expected = ["found 1..1 @1 who=a", "found 1..1 @1 who=b", "found 3..3 @3 who=a", "found 3..3 @3 who=b"];
@@ -214,7 +214,7 @@ fn absence_counts_a_value_from_before_its_window_also_when_a_sample_comes_late()
     session.sample(&of("level"), Value::Integer(8), at(2.0));
     session.sample(&of("level"), Value::Integer(1), at(6.0));
     session.event(Value::list([Value::symbol("tick")]), at(12.0));
-    // At 9.5 s nobody knew the level any more; now it is known that it was low. The 8 is not kept any more.
+    // At 9.5 s nobody knew the level any longer; now it is known that it was low. The 8 is not kept any longer.
     session.sample(&of("level"), Value::Integer(2), at(8.0));
     session.advance(at(13.0));
     assert_eq!(told(&mut session), ["found 5.500000001..9.500000001 @12"]);

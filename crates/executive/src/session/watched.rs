@@ -26,7 +26,7 @@ pub(super) struct Watched {
     /// None until `created_at` has come.
     pub(super) monitor: Option<Monitor>,
     pub(super) told: Told,
-    /// What the monitor must be told of.
+    /// What the monitor must be reported of.
     interests: Vec<Interest>,
     /// Interests may change: they are about tasks that are not known yet.
     changing: bool,
@@ -85,7 +85,7 @@ impl Watched {
         }
     }
 
-    /// A bank has watched the condition, and told of it what there was to tell.
+    /// A bank has watched the condition, and reported of it what there was to tell.
     pub(super) fn stand_up(&mut self, seen: Option<Seen>) {
         let Some(monitor) = &mut self.monitor else { return };
         let open_at = seen.as_ref().and_then(|seen| seen.open_at);

@@ -211,7 +211,7 @@ impl Agent {
         Some((key.at, self.describe_wake(wake)))
     }
 
-    /// True after `EndApplication`: nothing will happen any more.
+    /// True after `EndApplication`: nothing will happen any longer.
     pub fn is_finished(&self) -> bool {
         self.finished.is_some()
     }

@@ -10,7 +10,7 @@ const GONE: u64 = 1 << 63;
 /// A set of tasks in order of creation. Two numbers take no room of their own.
 #[derive(Clone, Debug, Default)]
 pub struct Children {
-    /// Ascending, but for the mark.
+    /// Ascending, except for the mark.
     places: SmallVec<[u64; 2]>,
     gone: u32,
 }
@@ -29,7 +29,7 @@ impl Children {
         }
     }
 
-    /// Takes a child out; nothing happens when it is not there. Constant time on average besides the search.
+    /// Takes a child out; nothing happens when it is not there. Constant time on average in addition to the search.
     pub fn remove(&mut self, child: TaskId) {
         let Ok(index) = self.place(child) else { return };
         let Some(place) = self.places.get_mut(index).filter(|place| **place & GONE == 0) else { return };

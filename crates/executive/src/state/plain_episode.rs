@@ -62,7 +62,7 @@ pub struct Open {
 /// What an episode has seen in a bank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
-    /// As its monitor would have it, but for the result.
+    /// As its monitor would have it, except for the result.
     pub run: ObjectRun,
     /// The run before the newest sample has a result, which was recognised then.
     pub found_at: Option<Time>,

@@ -35,7 +35,7 @@ pub struct Holding {
 pub struct Resource {
     /// Its name.
     pub name: Value,
-    /// What there is to share: 1, the capacity, or what is left of a depletable (reservations included), in SI.
+    /// What there is to share: 1, the capacity, or what remains of a depletable (reservations included), in SI.
     pub total: f64,
     /// Is it used up by its users?
     pub depletable: bool,

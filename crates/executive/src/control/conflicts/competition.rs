@@ -114,7 +114,7 @@ struct Competitors {
     holders: BTreeSet<TaskId>,
 }
 
-/// Everybody who competes for the resources in `dirty` and for all that claimants need besides, and holders too if
+/// Everybody who competes for the resources in `dirty` and for all that claimants need in addition, and holders too if
 /// `through_holders`; without `orphans`.
 fn competitors(
     agent: &Agent,

@@ -1,7 +1,7 @@
 //! Resource conflict resolution (TC)
 //! What: decides which claimants get their resources, who loses them, and by which rule.
 //! Runs: contend phase, over the whole batch.  Reads: ResourceTable, priorities, ranks, ancestors.  Writes: nothing.
-//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; O(h^2) besides for a
+//! Bound: O(c log c) for c claimants of the resources concerned, O(c^2) where ranks are stated; plus O(h^2) for a
 //! claimant that has to displace some of h holders.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
@@ -77,7 +77,7 @@ fn parent_stops(cycle: &Cycle<'_>, result: &Arbitration, id: TaskId) -> bool {
     cycle.task(id).and_then(|task| task.parent).is_some_and(stops)
 }
 
-/// Arbitrates all resources in `dirty`, with everything their claimants need besides, and everything that those leave who
+/// Arbitrates all resources in `dirty`, with everything their claimants need in addition, and everything that those leave who
 /// are displaced. No step of a task that stops working begins, so such steps do not compete.
 fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration {
     let mut orphaned = BTreeSet::new();
@@ -101,12 +101,12 @@ fn arbitrate_all(cycle: &Cycle<'_>, dirty: &BTreeSet<ResourceId>) -> Arbitration
             loss.is_some_and(|loss| found.contains(&loss.winner))
         };
         let certain: Vec<TaskId> = found.iter().filter(|id| !only_for_orphan(id)).copied().collect();
-        // Where each stops only for another, the weakest gives way: were all to, all would wait for ever.
+        // Where each stops only for another, the weakest gives way: were all to, all would wait forever.
         orphaned.extend(if certain.is_empty() { vec![last] } else { certain });
     }
 }
 
-/// What displaced tasks have besides what they lost, and what is held above who displaced them without having begun: whoever
+/// What displaced tasks have in addition to what they lost, and what is held above who displaced them without having begun: whoever
 /// waits for that may stop them in turn. Only where somebody waits.
 pub(crate) fn left_behind<'a>(cycle: &'a Cycle<'_>, result: &'a Arbitration) -> impl Iterator<Item = ResourceId> + 'a {
     let awaited = |id: &ResourceId| cycle.agent.resources.get(*id).is_some_and(|each| !each.waiting.is_empty());

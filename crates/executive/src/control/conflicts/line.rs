@@ -2,7 +2,7 @@
 //! What: says whose turn it is where claimants of one resource only differ in priority: the first decides for all.
 //! Runs: contend phase, before conflict resolution, which does everything that is left to it here.
 //! Reads: ResourceTable, priorities, ancestors.  Writes: nothing.
-//! Bound: O(log c + depth) for c claimants that stand in line; O(new claimants) besides.
+//! Bound: O(log c + depth) for c claimants that stand in line; O(new claimants) in addition.
 //! PDL: section 9, conflict.  Paper: section III, detecting and resolving conflicts.
 
 use crate::control::conflicts::arbitration::{Arbitration, Refusal, Rival};

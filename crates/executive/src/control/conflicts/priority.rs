@@ -45,7 +45,7 @@ pub(crate) fn defence(agent: &Agent, id: TaskId, at: Time) -> Strength {
     Strength { priority: priority(agent, id, at), interrupt_cost: interrupt_cost_at(agent, id, at) }
 }
 
-/// What it costs to interrupt the task. Less than nothing counts as nothing: two equals would interrupt one another for ever.
+/// What it costs to interrupt the task. Less than nothing counts as nothing: two equals would interrupt one another forever.
 pub(crate) fn interrupt_cost_at(agent: &Agent, id: TaskId, at: Time) -> f64 {
     let selection = agent.task(id).and_then(|task| task.selection.as_ref());
     let at_choice = selection.map_or(INTERRUPT_COST_DEFAULT, |selection| selection.interrupt_cost);

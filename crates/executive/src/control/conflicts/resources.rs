@@ -113,7 +113,7 @@ pub(crate) fn at_the_end(cycle: &Cycle<'_>, id: TaskId) -> Release {
     if begun { Release::Used } else { Release::Unused }
 }
 
-/// Takes back what the task holds of depletable resources, and lets it need nothing of them any more.
+/// Takes back what the task holds of depletable resources, and lets it need nothing of them any longer.
 pub(crate) fn release_depletables(cycle: &mut Cycle<'_>, id: TaskId, how: Release) {
     let is_depletable = |cycle: &Cycle<'_>, need: &Need| {
         cycle.agent.resources.get(need.resource).is_some_and(|resource| resource.depletable)

@@ -1,7 +1,7 @@
 //! Built-in activities (TC)
 //! What: carries out `terminate`, `reset`, `suspend`, `resume`, `print`, `inform`, `ask` and the other built-ins.
 //! Runs: act phase.  Reads: arguments.  Writes: tasks named by the arguments, effects.
-//! Bound: O(1) besides the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
+//! Bound: O(1) in addition to the subtree concerned.  PDL: section 4, built-in activities.  Paper: section III.
 
 use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;

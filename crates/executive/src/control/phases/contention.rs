@@ -79,7 +79,7 @@ fn waits_for_parent(cycle: &Cycle<'_>, id: TaskId) -> bool {
     cycle.task(id).and_then(|task| task.parent).is_some_and(|parent| resuming.contains(&parent))
 }
 
-/// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed anew.
+/// An input of priorities changed: resources where that may matter are arbitrated again, every turn is computed again.
 fn look_again(cycle: &mut Cycle<'_>) {
     let values = std::mem::take(&mut cycle.work.priorities_changed);
     let inherited = std::mem::take(&mut cycle.work.inheritance_changed);

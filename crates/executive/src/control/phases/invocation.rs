@@ -1,7 +1,7 @@
 //! Controller invocation (TC)
 //! What: lets every task that became ongoing begin its work, or go on with it.
 //! Runs: act phase.  Reads: Selection.  Writes: Controller, Decision, effects.
-//! Bound: O(1) per task besides what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
+//! Bound: O(1) per task in addition to what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
 use crate::control::cycle::Cycle;
 use crate::control::phases::built_in;

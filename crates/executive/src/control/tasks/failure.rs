@@ -67,7 +67,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
             transition(cycle, id, Trigger::Granted, None, handling);
         }
     } else {
-        // What the failed work used up is gone, and its handler claims anew; everything else is kept for it.
+        // What the failed work used up is gone, and its handler claims again; everything else is kept for it.
         let how = resources::at_the_end(cycle, id);
         resources::release_depletables(cycle, id, how);
     }
@@ -75,7 +75,7 @@ pub(crate) fn handle(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) -> bo
     true
 }
 
-/// The task holds nothing, and its failed work needs nothing any more; the handler claims for itself.
+/// The task holds nothing, and its failed work needs nothing any longer; the handler claims for itself.
 fn claim_nothing(cycle: &mut Cycle<'_>, id: TaskId) {
     resources::release(cycle, id, resources::Release::Unused);
     let Some(task) = cycle.agent.task_mut(id) else { return };

@@ -1,7 +1,7 @@
 //! Subtask instantiation (TC)
 //! What: makes tasks from steps, items, failure handlers and the initial goal, and arms their preconditions.
 //! Runs: act phase, and when a step repeats or responds.  Reads: Procedure, context.  Writes: Task, Decision, monitors.
-//! Bound: O(1) per task besides looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
+//! Bound: O(1) per task in addition to looking back over histories.  PDL: sections 3 and 4.  Paper: section III.
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::goal::goal_as_known;

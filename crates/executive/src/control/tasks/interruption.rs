@@ -345,7 +345,7 @@ pub(crate) fn forget_clauses(cycle: &mut Cycle<'_>, id: TaskId) {
     });
 }
 
-/// After a suspension by `suspend-when`: watches its `until`, and `resume-when` anew.
+/// After a suspension by `suspend-when`: watches its `until`, and `resume-when` again.
 pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, window: Window) {
     let Some(clauses) = clauses(cycle, id, level) else { return };
     monitoring_clauses::unwatch(cycle, id, |clause, at| clause == Clause::ResumeWhen && at == level);
@@ -355,7 +355,7 @@ pub(crate) fn watch_resumption(cycle: &mut Cycle<'_>, id: TaskId, level: Level, 
 }
 
 /// Watches clauses in the middle of a task's life. A task with a clause that cannot be watched has failed: it would be
-/// suspended for ever, or never again.
+/// suspended forever, or never again.
 fn watch_again(
     cycle: &mut Cycle<'_>,
     id: TaskId,
@@ -374,7 +374,7 @@ fn watch_again(
     }
 }
 
-/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched anew; that of a step
+/// After a resumption: the other clauses that ended it are no longer watched, `suspend-when` is watched again; that of a step
 /// whose task has yet to learn what it names is watched when the task is enabled, as at its creation.
 pub(crate) fn watch_suspension(cycle: &mut Cycle<'_>, id: TaskId, window: Window) {
     monitoring_clauses::unwatch(cycle, id, |clause, _| {

@@ -1,7 +1,7 @@
 //! Primitive invocation (TC)
 //! What: runs a primitive: its forms, its clock, its commands and their answers, until it is complete.
 //! Runs: act phase, on answers and wakes, at interruptions.  Reads: Primitive.  Writes: PrimitiveController, wakes, commands.
-//! Bound: O(1) per call besides the evaluation of its forms.  PDL: section 5.  Paper: section III, primitive actions.
+//! Bound: O(1) per call in addition to the evaluation of its forms.  PDL: section 5.  Paper: section III, primitive actions.
 
 use crate::control::cycle::Cycle;
 use crate::control::tasks::hooks::{self, Wanted};
@@ -123,7 +123,7 @@ fn positive(interval: Duration, expr: &Expr) -> Result<Duration, Because> {
     Err(Because::new(Cause::ExpressionFailed { message }, Some(expr.place)))
 }
 
-/// Schedules what is left of duration and update interval; a primitive with nothing to wait for is complete.
+/// Schedules what remains of duration and update interval; a primitive with nothing to wait for is complete.
 fn run_clock(cycle: &mut Cycle<'_>, id: TaskId) {
     let now = cycle.now;
     let Some(state) = controller(cycle, id) else { return };

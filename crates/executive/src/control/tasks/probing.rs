@@ -180,7 +180,7 @@ fn stop(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     cycle.decide(Some(waiting), DecisionKind::Trouble { message }, because);
 }
 
-/// A probe has ended, well or not: nobody can refer to it any more, and the next one may come.
+/// A probe has ended, well or not: nobody can refer to it any longer, and the next one may come.
 pub(crate) fn ended(cycle: &mut Cycle<'_>, id: ProbingId, host: TaskId, probe: TaskId) {
     procedure::disown(cycle, host, probe);
     cycle.agent.tasks.remove(probe.0);
@@ -229,7 +229,7 @@ fn look(cycle: &mut Cycle<'_>, id: ProbingId) {
     schedule(cycle, id);
 }
 
-/// Ends the probe that lives, and forgets what nobody asks for any more.
+/// Ends the probe that lives, and forgets what nobody asks for any longer.
 fn cut(cycle: &mut Cycle<'_>, id: ProbingId, reason: ProbingEnd) {
     let Some(probing) = cycle.agent.probings.get(&id) else { return };
     let cause = Cause::ProbingStopped { waiting: probing.waiting, probes: probing.begun, reason };

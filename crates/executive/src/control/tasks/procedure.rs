@@ -1,7 +1,7 @@
 //! Controllers of procedures and items (TC)
 //! What: instantiates a procedure's context and steps, orders them, and decides when the whole is done.
 //! Runs: act phase, and at the end of each step.  Reads: Procedure.  Writes: ProcedureController, ItemsController.
-//! Bound: O(steps) at the start, O(1) per step's end besides the tasks it frees.
+//! Bound: O(steps) at the start, O(1) per step's end in addition to the tasks it frees.
 //! PDL: section 3, `forall`.  Paper: section III, instantiation of new controllers.
 
 use crate::control::cycle::Cycle;

@@ -1,5 +1,5 @@
 //! Questions to the operator (TC)
-//! What: asks, takes the answer or the default, and withdraws the question of a task that does not wait any more.
+//! What: asks, takes the answer or the default, and withdraws the question of a task that does not wait any longer.
 //! Runs: record and act phases.  Reads: arguments, OperatorAnswered, WakeQueue.  Writes: questions, effects, task outcome.
 //! Bound: O(options) per answer.  PDL: `(ask operator ..)`, section 4.  Paper: section III, messages to and from people.
 

@@ -1,5 +1,5 @@
 //! Repetition (TC)
-//! What: makes an ended task pending again (`repeating`), and puts a fresh instance beside an enabled one (`responding`).
+//! What: makes an ended task pending again (`repeating`), and puts a fresh instance next to an enabled one (`responding`).
 //! Runs: when a task ends, and when one is enabled.  Reads: Repetition clauses.  Writes: Task, wakes, monitors.
 //! Bound: O(1) per instance; at most `REPETITIONS_PER_INSTANT_MAX` instances at one instant.
 //! PDL: `repeating`, `responding`.  Paper: section IV, example 1.
@@ -219,7 +219,7 @@ pub(crate) fn wait_for_new(cycle: &mut Cycle<'_>, id: TaskId, answered: Option<u
     }
 }
 
-/// The task of a responding step was enabled: a fresh instance waits beside it.
+/// The task of a responding step was enabled: a fresh instance waits next to it.
 pub(crate) fn respond(cycle: &mut Cycle<'_>, id: TaskId) {
     let Some(task) = cycle.task(id).filter(|task| task.clauses.has(StepClauses::REPETITION)) else { return };
     let (Origin::Step(step), Some(parent), answered) = (task.origin, task.parent, task.after_sequence) else { return };

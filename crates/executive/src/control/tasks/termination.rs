@@ -65,7 +65,7 @@ pub(crate) fn end(cycle: &mut Cycle<'_>, id: TaskId, outcome: Outcome, because: 
     cycle.work.ended.push_back(id);
 }
 
-/// Ends the children that live, and forgets all: nobody can refer to them any more.
+/// Ends the children that live, and forgets all: nobody can refer to them any longer.
 pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because) {
     let children = cycle.task(id).and_then(|task| task.controller.as_deref()).map(Controller::children);
     for child in children.unwrap_or_default() {
@@ -74,7 +74,7 @@ pub(crate) fn end_children(cycle: &mut Cycle<'_>, id: TaskId, because: &Because)
     }
 }
 
-/// Takes the controller apart: nothing of it acts any more.
+/// Takes the controller apart: nothing of it acts any longer.
 pub(crate) fn dismantle(cycle: &mut Cycle<'_>, id: TaskId, reason: &str) {
     primitive::withdraw_commands(cycle, id, reason);
     question::withdraw(cycle, id, reason);

@@ -15,7 +15,7 @@ use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 
-/// Evaluates the expression anew: it holds at this instant, or it does not, whatever was before.
+/// Evaluates the expression again: it holds at this instant, or it does not, whatever was before.
 pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     part.holds = None;
     match evaluate(&part.expression, surroundings) {

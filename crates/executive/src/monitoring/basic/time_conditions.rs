@@ -29,7 +29,7 @@ pub(crate) enum Kind {
     Delay,
 }
 
-/// Evaluates the instants anew, until one of them was reached. An instant that cannot be told yet (the end of a task
+/// Evaluates the instants again, until one of them was reached. An instant that cannot be told yet (the end of a task
 /// that goes on) is no error: it is not reached.
 pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: Site, surroundings: &dyn Surroundings) {
     if part.reached.is_some() {

@@ -178,7 +178,7 @@ fn lasting(result: &Satisfaction) -> (Time, Time) {
     (start, expires(result).filter(|over| *over > end + TICK).unwrap_or(end))
 }
 
-/// The first instant at which some persisted value of a result is not valid any more.
+/// The first instant at which some persisted value of a result is not valid any longer.
 fn expires(result: &Satisfaction) -> Option<Time> {
     let persisted = result.evidence.iter().filter_map(|evidence| match evidence {
         Evidence::Estimate(estimate) if estimate.estimator == Estimator::Persistence => Some(estimate.extent.1),

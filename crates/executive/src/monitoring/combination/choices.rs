@@ -97,7 +97,7 @@ pub(crate) fn easier(relation: AllenRelation, is_left: bool, one: &Satisfaction,
     })
 }
 
-/// Do both bind the same, but for tags, which are intervals?
+/// Do both bind the same, except for tags, which are intervals?
 fn binds_alike(left: &Satisfaction, right: &Satisfaction) -> bool {
     let bound = |result: &Satisfaction| {
         let free = |(_, value): &(&Symbol, &Value)| !matches!(value, Value::Interval(..));

@@ -311,7 +311,7 @@ pub(crate) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubl
         }
         PartKind::Not(inner) => look_back(inner, surroundings, troubles),
         PartKind::Allen(leaf) => {
-            // This says what is not remembered any more; then all is looked at in order.
+            // This says what is not remembered any longer; then all is looked at in order.
             leaf.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
             replay::replay(part, None, surroundings, troubles);
         }

@@ -3,7 +3,7 @@
 //! Runs: when a monitor notices something or is judged.
 //! Reads: the monitor's tree, surroundings.
 //! Writes: the monitor's tree.
-//! Bound: linear in the condition, besides what the services state.
+//! Bound: linear in the condition, in addition to what the services state.
 //! PDL: all conditions.
 //! Paper: section III, condition monitoring.
 
@@ -124,7 +124,7 @@ pub(crate) fn wake_of(part: &Part, after: Time) -> Option<(Time, WakeReason)> {
         PartKind::And(composite) | PartKind::Or(composite) => {
             composite.parts.iter().filter_map(|part| wake_of(part, after)).min()
         }
-        // Delays between ordered parts are no instants of their own.
+        // A delay between ordered parts does not name an instant.
         PartKind::InOrder(composite) => composite
             .parts
             .iter()

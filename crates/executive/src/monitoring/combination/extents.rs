@@ -33,7 +33,7 @@ pub(crate) struct Extent {
 /// What a part has found since the last look.
 #[derive(Default)]
 pub(crate) struct Extents {
-    /// New results that nothing can change any more.
+    /// New results that nothing can change any longer.
     pub(crate) settled: Vec<Satisfaction>,
     /// Results that are not final, all of them at every look.
     pub(crate) passing: Vec<Extent>,
@@ -52,7 +52,7 @@ pub(crate) struct Extents {
     pub(crate) changes_at: Option<Time>,
 }
 
-/// What `part` has found; of measurements, only what no sample of the same instant can replace any more is settled.
+/// What `part` has found; of measurements, only what no sample of the same instant can replace any longer is settled.
 pub(crate) fn take_final(part: &mut Part, asking: &mut Asking<'_>) -> Extents {
     let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, asking) };
     let mut extents = Extents::default();
@@ -138,7 +138,7 @@ fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
     leaf.gap_max.map(|gap| last + gap + TICK)
 }
 
-/// Results of a composite are all passing: they are made anew at every look. One that rests on a run that goes on is open.
+/// Results of a composite are all passing: they are made again at every look. One that rests on a run that goes on is open.
 fn composite(part: &Part, asking: &mut Asking<'_>, extents: &mut Extents) {
     let mut runs = Runs::default();
     runs.collect(part, asking, &mut extents.changes_at);
@@ -293,7 +293,7 @@ impl Runs {
     }
 }
 
-/// Are results of parts within remembered as they were found, and not made anew at every look?
+/// Are results of parts within remembered as they were found, and not made again at every look?
 fn keeps_results(part: &Part) -> bool {
     let mut keeps = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
     for_each_inner(part, &mut |inner| keeps |= keeps_results(inner));

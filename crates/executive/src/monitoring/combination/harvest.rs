@@ -1,9 +1,9 @@
 //! Harvest (M&I)
-//! What: the results of a monitor that were not told yet, each once, for whoever wants all of them and not only the first.
+//! What: the results of a monitor that were not reported yet, each once, for whoever wants all of them and not only the first.
 //! Runs: at the end of an instant, for the monitors of a session that were touched.
 //! Reads: the monitor's tree, surroundings.
-//! Writes: what was told; results that were told leave the monitor.
-//! Bound: as the verdict's; nothing is combined again that was told already.
+//! Writes: what was reported; results that were reported leave the monitor.
+//! Bound: as the verdict's; nothing is combined again that was reported already.
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
@@ -30,7 +30,7 @@ pub(crate) struct Telling {
     pub(crate) kind: TellingKind,
 }
 
-/// What about a result is told.
+/// What about a result is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TellingKind {
     /// It is new; its interval may still grow when it is open.
@@ -65,7 +65,7 @@ pub(crate) fn harvest(
     tellings
 }
 
-/// Results that were told while their interval grew, as they stand when nothing more comes.
+/// Results that were reported while their interval grew, as they stand when nothing more comes.
 pub(crate) fn finish(monitor: &Monitor, told: &mut Told, surroundings: &dyn Surroundings) -> Vec<Telling> {
     let mut asking = Asking::new(surroundings);
     let mut branches = Vec::new();

@@ -78,7 +78,7 @@ pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &
     troubles.tell(monitor);
 }
 
-/// Finds out anew which tasks the monitor is about: a tag stands for another one now.
+/// Finds out again which tasks the monitor is about: a tag stands for another one now.
 pub(crate) fn look_for_tasks(monitor: &mut Monitor, surroundings: &dyn Surroundings) {
     let mut troubles = Troubles::default();
     advance(&mut monitor.root, surroundings, &mut troubles);

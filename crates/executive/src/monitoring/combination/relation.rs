@@ -48,7 +48,7 @@ impl Span {
 /// What is known of a relation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Decision {
-    /// It cannot hold any more.
+    /// It cannot hold any longer.
     Fails,
     /// What comes decides.
     Open,

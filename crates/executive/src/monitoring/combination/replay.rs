@@ -27,7 +27,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Surroundings as they were at an earlier instant, but for what histories have learned since.
+/// Surroundings as they were at an earlier instant, except for what histories have learned since.
 struct Then<'a> {
     below: &'a dyn Surroundings,
     now: Time,

@@ -2,7 +2,7 @@
 //! What: from when to when all parts of an `:and` have been there, without making the combinations of their results.
 //! Runs: whenever an absence looks at an `:and` whose parts need not agree about anything.
 //! Reads: what the parts have found, histories, surroundings.
-//! Writes: takes final results out of the parts, but for messages; of them, only how far they reach is kept.
+//! Writes: takes final results out of the parts, except for messages; of them, only how far they reach is kept.
 //! Bound: O(new results + objects + messages) per look.
 //! PDL: `(:absent (:and ..) :for D)`.
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.

@@ -29,7 +29,7 @@ pub(crate) struct Leaves(Vec<Leaf>);
 #[derive(Clone, Debug)]
 struct Leaf {
     variable: StateVariable,
-    /// It has a result that has made up nothing yet; under `:not`, any result.
+    /// It has an unused result; under `:not`, any result.
     counts: bool,
     /// It is an alternative of its own: the end of its runs is told.
     alternative: bool,
@@ -176,7 +176,7 @@ pub(crate) fn stand_up(monitor: &mut Monitor, leaves: &mut Leaves, seen: Vec<Opt
     troubles.tell(monitor);
 }
 
-/// After a harvest in place: what counts from here on. All results have made up something if the harvest has `told` any.
+/// After a harvest in place: what counts from here on. All results are used up if the harvest has `told` any.
 pub(crate) fn harvested(monitor: &Monitor, leaves: &mut Leaves, told: bool) {
     let alternatives = matches!(monitor.root.kind, PartKind::Or(_));
     let mut each = leaves.0.iter_mut();

@@ -99,7 +99,7 @@ pub(crate) fn obey(histories: &mut Histories, demands: Vec<Demand>) {
     }
 }
 
-/// Puts a message into the memory of events. True besides when one that somebody may ask for was dropped for it, the first.
+/// Puts a message into the memory of events. Also true when one that somebody may ask for was dropped for it, the first.
 pub(crate) fn record_event(histories: &mut Histories, form: Value, at: Time, sequence: u64) -> (Stimulus, bool) {
     let overflows = histories.record_event(Occurrence { at, sequence, form: form.clone() });
     (Stimulus::Event { form, at, sequence }, overflows)

@@ -1,5 +1,5 @@
 //! Retention of absence (M&I)
-//! What: what is kept beside a variable whose samples may come late, where an absence watches both.
+//! What: what is kept next to a variable whose samples may come late, where an absence watches both.
 //! Runs: once, when an agent is loaded.
 //! Reads: library.
 //! Writes: the demands of a survey.

@@ -168,7 +168,7 @@ pub(crate) fn notice(
     let newest = fit.and_then(Fit::last).map(|(at, _)| at);
     match arrival(window, sample, newest, surroundings) {
         Arrival::Late => look_back(part, site, surroundings, troubles),
-        // It takes the place of one that does not stand apart any more, since what is no number came after it.
+        // It takes the place of one that does not stand apart any longer, since what is no number came after it.
         Arrival::Next if newest == Some(sample.at) && fit.is_some_and(|fit| fit.newest.is_none()) => {
             look_back(part, site, surroundings, troubles);
         }

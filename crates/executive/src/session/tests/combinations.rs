@@ -1,4 +1,4 @@
-//! Combinations whose leaves banks watch tell what they would tell if they were told of every sample.
+//! Combinations whose leaves banks watch tell what they would tell if they were reported of every sample.
 
 use super::{at, of, read};
 use crate::session::{Judgement, MonitorResult, MonitorSession};
@@ -70,7 +70,7 @@ fn run(
     (session.take_results(), judgements)
 }
 
-/// Samples in order of time, but for those of the variable that may come late, after which others are from the past.
+/// Samples in order of time, except for those of the variable that may come late, after which others are from the past.
 fn samples() -> impl Strategy<Value = Vec<(u8, i64, i64)>> {
     (prop::collection::vec((0u8..6, -1i64..4, 0i64..60), 0..50), any::<bool>()).prop_map(|(mut samples, late)| {
         samples.sort_by_key(|(which, value, at)| if late && which % 3 == 2 { at + 2 * value } else { *at });

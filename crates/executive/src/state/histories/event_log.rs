@@ -1,4 +1,4 @@
-//! Messages that are remembered by their first word, as far back as queries and log policies ask, besides what conditions
+//! Messages that are remembered by their first word, as far back as queries and log policies ask, in addition to what conditions
 //! need (paper, section IV, policies on logged data quantity).
 
 use crate::state::histories::history::Occurrence;

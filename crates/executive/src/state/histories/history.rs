@@ -232,7 +232,7 @@ impl History {
         Recorded::Inserted
     }
 
-    /// Drops what nobody may ask for any more; constant time on average.
+    /// Drops what nobody may ask for any longer; constant time on average.
     fn trim(&mut self, samples_max: usize) {
         self.thin();
         let Some(newest) = self.samples.back().map(|sample| sample.at) else { return };
@@ -310,7 +310,7 @@ impl Histories {
         self.variables.of_attribute(attribute)
     }
 
-    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). True besides when
+    /// Puts a sample into the history of `variable`. `lateness` is how late it may come (zero: not at all). Also true when
     /// a sample that somebody may ask for was dropped for it, because of the limit, and none was before.
     pub fn record(&mut self, variable: &StateVariable, sample: Sample, lateness: Duration) -> (Recorded, bool) {
         if let Some(history) = self.variables.get_mut(variable) {

@@ -26,7 +26,7 @@ pub struct AllenPart {
     pub constraints: Vec<Expr>,
     /// The parts share variables: results that bind one differently do not go together.
     pub shares: bool,
-    /// Results that nothing can change any more; the first where one is enough.
+    /// Results that nothing can change any longer; the first where one is enough.
     pub found: Vec<Chain>,
     /// Results in which a run goes on, as last looked at.
     pub passing: Vec<Chain>,
@@ -67,7 +67,7 @@ pub struct AbsentPart {
     pub length: Duration,
     /// The end of the last result of the part, or the window's start: since when it is absent.
     pub since: Time,
-    /// The same of results that no sample can replace any more.
+    /// The same of results that no sample can replace any longer.
     pub since_final: Time,
     /// The part is there now: nothing is absent.
     pub goes_on: bool,
