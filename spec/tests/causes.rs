@@ -49,7 +49,7 @@ fn record(scenario: &Scenario) -> Vec<(Arc<apex_model::library::Library>, Vec<St
 fn every_cause_on_the_pages_follows_from_the_record() {
     let records = records();
     let mut told = Vec::new();
-    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
     for (name, library, steps) in &records {
         for because in steps.iter().flat_map(|step| &step.effects).filter_map(because_of) {
             *kinds.entry(because.cause.kind()).or_default() += 1;
@@ -67,7 +67,7 @@ fn every_cause_on_the_pages_follows_from_the_record() {
 
 #[test]
 fn a_spoiled_cause_is_noticed_whatever_its_kind() {
-    let mut tried: BTreeMap<(String, Spoiling), (usize, usize)> = BTreeMap::new();
+    let mut tried: BTreeMap<(&str, Spoiling), (usize, usize)> = BTreeMap::new();
     for (_, library, steps) in records() {
         if steps.iter().map(|step| step.effects.len()).sum::<usize>() > EFFECTS_MAX {
             continue;

@@ -3,7 +3,6 @@
 //! No state, no clock, no randomness. Trigonometry goes through `libm`, so that results are equal on every platform;
 //! the one exception is `geographiclib-rs` (geodesics on WGS84).
 
-pub mod airspace;
 pub mod coverage;
 pub mod direction;
 pub mod functions;

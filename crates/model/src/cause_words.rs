@@ -1,5 +1,4 @@
-//! Causes in words, and the name of each kind: made here and nowhere else, so that the trace, `apex why`, Sherpa and
-//! Python say the same.
+//! Texts of causes: made here and nowhere else, so that the trace, `apex why`, Sherpa and Python print the same.
 
 use crate::because::{ConflictRule, EqualsRule, Share, Strength};
 use crate::cause::Cause;
@@ -8,19 +7,6 @@ use crate::task::TaskId;
 use crate::value::Value;
 
 impl Cause {
-    /// The name of its kind, for programs: `resources-granted`.
-    pub fn kind(&self) -> String {
-        let debug = format!("{self:?}");
-        let mut kind = String::new();
-        for character in debug.chars().take_while(char::is_ascii_alphanumeric) {
-            if character.is_ascii_uppercase() && !kind.is_empty() {
-                kind.push('-');
-            }
-            kind.push(character.to_ascii_lowercase());
-        }
-        kind
-    }
-
     /// The cause in words, after "because".
     pub fn text(&self) -> String {
         match self {

@@ -11,6 +11,7 @@ pub mod because;
 pub mod bindings;
 pub mod builtins;
 pub mod cause;
+mod cause_kinds;
 mod cause_words;
 pub mod condition;
 pub mod effect;

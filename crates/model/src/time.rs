@@ -1,7 +1,6 @@
 //! Time as a value.
 //!
-//! Signed 64-bit nanoseconds everywhere. Mission, vehicle and wall time are three types, so that a
-//! stamp of the autopilot can never be compared with a stamp of the mission by accident.
+//! Signed 64-bit nanoseconds of mission time everywhere; stamps of other clocks are mapped to it where they arrive.
 //! PDL: durations and time points (`pdl.md` section 1). Paper: section III, histories.
 
 use serde::{Deserialize, Serialize};
@@ -18,14 +17,6 @@ pub struct Duration(pub i64);
 /// An instant of mission time: nanoseconds since the mission began. All of the executive's times are these.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Time(pub i64);
-
-/// An instant on the vehicle's own clock (for example an autopilot's time since boot), in nanoseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct VehicleTime(pub i64);
-
-/// An instant of civil time: nanoseconds since 1970-01-01T00:00:00Z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct WallTime(pub i64);
 
 impl Duration {
     /// No time at all.

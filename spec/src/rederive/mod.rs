@@ -34,7 +34,7 @@ pub struct Complaint {
     /// The effect in it, from 0.
     pub effect: usize,
     /// The kind of cause.
-    pub kind: String,
+    pub kind: &'static str,
     /// What does not fit.
     pub what: String,
 }

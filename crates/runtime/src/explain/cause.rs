@@ -183,7 +183,7 @@ impl CauseDetail {
     /// The detail of a decision's cause.
     pub(super) fn of(because: &Because) -> CauseDetail {
         CauseDetail {
-            kind: because.cause.kind(),
+            kind: because.cause.kind().to_string(),
             parts: super::cause_parts::parts(&because.cause),
             evidence: because.evidence.iter().map(Observation::of).collect(),
         }

@@ -38,7 +38,7 @@ impl<'a> Chain<'a> {
             t: row.at.seconds(),
             task: row.task.map(|task| task.to_string()),
             what: self.what(row),
-            kind: because.map(|because| because.cause.kind()),
+            kind: because.map(|because| because.cause.kind().to_string()),
             because: because.map(cause_text).unwrap_or_default(),
             cause: because.map(CauseDetail::of),
             place: row.place.clone(),
