@@ -27,8 +27,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 
-/// Results kept before those of no more use are looked for; few in tests, whose traces are short.
-const SWEEP_AT_LEAST: usize = if cfg!(test) { 2 } else { 32 };
+/// Number of results of a part from which on the useless ones are looked for.
+pub(crate) const SWEEP_AT_LEAST: usize = 32;
 
 /// Starts again.
 pub(crate) fn forget(part: &mut AllenPart) {

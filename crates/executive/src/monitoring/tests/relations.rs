@@ -1,6 +1,7 @@
 //! Allen relations and absence against their definitions: over all runs, with all ways in which runs could go on.
 
 use super::*;
+use crate::monitoring::combination::allen::SWEEP_AT_LEAST;
 use apex_model::condition::AllenRelation;
 use apex_model::library::StateVariableDeclaration;
 use apex_model::quantity::Dimension;
@@ -194,12 +195,57 @@ fn a_run_that_silence_has_ended_goes_on_with_a_sample_that_was_on_its_way() {
     // Samples enough that what is of no more use is dropped; the last of b comes when it seems to be silent.
     tell(&mut world, &[(false, 6, 3), (false, 7, 5), (true, 8, 5), (false, 8, 5)]);
     assert_eq!(world.answer(8), None);
-    for at in [11, 12] {
+    for at in 11..=60 {
         tell(&mut world, &[(true, at, 5)]);
         assert_eq!(world.answer(at), None);
     }
     tell(&mut world, &[(false, 9, 5)]);
-    assert_eq!(world.answer(12), Some((7, 9, 12)));
+    assert_eq!(world.answer(60), Some((7, 9, 60)));
+}
+
+/// Compares a relation's answers at all instants with its definition, up to the first answer.
+fn follows_the_definition(
+    trace: &[(bool, i64, i64)],
+    (relation, near): (AllenRelation, i64),
+    (left, right): (Side, Side),
+    rest: i64,
+) -> Result<(), TestCaseError> {
+    let mut world = World::new(&related(relation, near, vec![left.condition("a"), right.condition("b")]));
+    let end = trace.last().map_or(0, |last| last.1) + rest;
+    let mut told = 0;
+    for now in 0..=end {
+        let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
+        tell(&mut world, &trace[told..arrived]);
+        told = arrived;
+        let known = &trace[..told];
+        let (a, b) = (left.intervals(&samples_of(known, true), now), right.intervals(&samples_of(known, false), now));
+        let expected = decided(relation, near, &a, &b, now).first().map(|hull| (hull.0, hull.1, now));
+        let answer = world.answer(now);
+        prop_assert_eq!(answer, expected, "{:?} at {} of {:?} and {:?}", relation, now, a, b);
+        if answer.is_some() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The trace, after as many short runs of the first variable as `runs`, which nothing is related to: enough of them that
+/// results are dropped.
+fn preceded(trace: &[(bool, i64, i64)], runs: i64) -> Vec<(bool, i64, i64)> {
+    let before = (0..runs).flat_map(|run| [(true, 2 * run, 5), (true, 2 * run + 1, 4)]);
+    before.chain(trace.iter().map(|(first, at, value)| (*first, at + 2 * runs, *value))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn results_are_dropped_only_when_nothing_can_be_related_to_them(
+        trace in traces(), which in 0..13_usize, near in 0..3_i64, left in sides(), right in sides(), rest in 0..8_i64,
+        runs in SWEEP_AT_LEAST as i64..2 * SWEEP_AT_LEAST as i64 + 8,
+    ) {
+        follows_the_definition(&preceded(&trace, runs), (RELATIONS[which], near), (left, right), rest)?;
+    }
 }
 
 proptest! {
@@ -209,23 +255,7 @@ proptest! {
     fn relations_hold_as_soon_as_nothing_can_change_them(
         trace in traces(), which in 0..13_usize, near in 0..3_i64, left in sides(), right in sides(), rest in 0..8_i64,
     ) {
-        let relation = RELATIONS[which];
-        let mut world = World::new(&related(relation, near, vec![left.condition("a"), right.condition("b")]));
-        let end = trace.last().map_or(0, |last| last.1) + rest;
-        let mut told = 0;
-        for now in 0..=end {
-            let arrived = trace.iter().take_while(|(_, at, _)| *at <= now).count();
-            tell(&mut world, &trace[told..arrived]);
-            told = arrived;
-            let known = &trace[..told];
-            let (a, b) = (left.intervals(&samples_of(known, true), now), right.intervals(&samples_of(known, false), now));
-            let expected = decided(relation, near, &a, &b, now).first().map(|hull| (hull.0, hull.1, now));
-            let answer = world.answer(now);
-            prop_assert_eq!(answer, expected, "{:?} at {} of {:?} and {:?}", relation, now, a, b);
-            if answer.is_some() {
-                break;
-            }
-        }
+        follows_the_definition(&trace, (RELATIONS[which], near), (left, right), rest)?;
     }
 
     #[test]
@@ -378,7 +408,7 @@ fn a_relation_that_never_holds_keeps_little() {
             let first = related(relation, 0, vec![left.condition("a"), never.condition("b")]);
             let second = related(relation, 0, vec![never.condition("b"), left.condition("a")]);
             let most = kept_over_a_long_trace(&first).max(kept_over_a_long_trace(&second));
-            assert!(most <= 8, "{relation:?} of {left:?} keeps {most} results");
+            assert!(most <= 2 * SWEEP_AT_LEAST, "{relation:?} of {left:?} keeps {most} results");
         }
     }
 }
