@@ -11,10 +11,10 @@ use crate::state::task::ProcedureRef;
 use apex_model::bindings::Bindings;
 use apex_model::effect::Method;
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::source::Place;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
-use apex_model::words;
 use std::cmp::Reverse;
 
 /// A procedure, primitive or solver that might serve a goal.
@@ -76,7 +76,7 @@ fn judged(agent: &Agent, goal: &Value, candidates: &[Candidate]) -> Vec<MethodOp
                 (true, because)
             }
         };
-        options.push(MethodOption { method, index: words::pattern(pattern), place, matches, because });
+        options.push(MethodOption { method, index: Brief.pattern(pattern), place, matches, because });
     }
     options
 }

@@ -4,6 +4,7 @@ use super::Surroundings;
 use super::evaluator::{Evaluator, Outcome, error};
 use super::lists::{bounded, items};
 use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::print::Style;
 use apex_model::source::Place;
 use apex_model::value::Value;
 use smallvec::SmallVec;
@@ -114,7 +115,7 @@ fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -
         | ExprKind::Let { .. }
         | ExprKind::Lambda { .. }
         | ExprKind::Assign { .. }
-        | ExprKind::Sequence(_) => Value::symbol(&apex_model::words::expression(expr)),
+        | ExprKind::Sequence(_) => Value::symbol(&Style::Exact.expression(expr)),
     }
 }
 

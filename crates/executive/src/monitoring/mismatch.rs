@@ -10,8 +10,8 @@
 use crate::expression::Surroundings;
 use apex_model::bindings::Bindings;
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::value::Value;
-use apex_model::words;
 
 /// The first place where `value` does not fit `pattern`; none when no single place is to blame.
 pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings) -> Option<String> {
@@ -68,7 +68,7 @@ fn of_list(
     bound: &mut Bindings,
 ) -> Option<String> {
     let Some(items) = value.as_list() else {
-        return Some(format!("it is {value} where {} is wanted", words::pattern(pattern)));
+        return Some(format!("it is {value} where {} is wanted", Brief.pattern(pattern)));
     };
     for (part, item) in parts.iter().zip(items) {
         if let Pattern::Segment { .. } = part {

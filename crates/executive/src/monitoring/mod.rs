@@ -13,6 +13,7 @@ pub(crate) mod mismatch;
 pub(crate) mod numbers;
 pub(crate) mod part;
 pub(crate) mod pattern_matching;
+pub(crate) mod sampled;
 pub(crate) mod samples;
 pub(crate) mod specificity;
 pub(crate) mod stimulus;

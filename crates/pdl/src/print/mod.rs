@@ -1,24 +1,22 @@
-//! Nouns back to PDL text that loads again. Flat text is made here; [`crate::format`] lays it out.
+//! Nouns back to PDL text that loads again. The printer of the model makes flat text; [`crate::format`] lays it out.
 
-mod condition;
-mod expression;
 mod procedure;
-mod value;
 
-pub(crate) use expression::{pattern_text, template_text};
 pub use procedure::{PrintedPlan, print_plan, print_primitive, print_procedure};
 
 use apex_model::condition::Condition;
-use apex_model::expression::Expr;
+use apex_model::expression::{Expr, Template};
+use apex_model::pattern::Pattern;
+use apex_model::print::Style;
 
 /// The condition as PDL.
 pub fn print_condition(condition: &Condition) -> String {
-    laid_out(condition::condition_text(condition))
+    laid_out(Style::Exact.condition(condition))
 }
 
 /// The expression as PDL.
 pub fn print_expression(expr: &Expr) -> String {
-    laid_out(expression::expression_text(expr))
+    laid_out(expression_text(expr))
 }
 
 /// Lays `text` out. Printed text is always well formed; if it were not, it would still be better than nothing.
@@ -34,20 +32,16 @@ fn laid_out_steps(text: String) -> (String, Vec<u32>) {
     }
 }
 
-/// `(head part..)`, empty parts left out.
-pub(crate) fn list_text(head: &str, parts: impl IntoIterator<Item = String>) -> String {
-    let mut text = format!("({head}");
-    for part in parts.into_iter().filter(|part| !part.is_empty()) {
-        if text.len() > 1 {
-            text.push(' ');
-        }
-        text.push_str(&part);
-    }
-    text.push(')');
-    text
+fn expression_text(expr: &Expr) -> String {
+    Style::Exact.expression(expr)
 }
 
-/// ` part part ..` joined by blanks.
-pub(crate) fn joined(parts: impl IntoIterator<Item = String>) -> String {
-    parts.into_iter().collect::<Vec<_>>().join(" ")
+/// The template as flat text.
+pub(crate) fn template_text(template: &Template) -> String {
+    Style::Exact.template(template)
+}
+
+/// The pattern as flat text.
+pub(crate) fn pattern_text(pattern: &Pattern) -> String {
+    Style::Exact.pattern(pattern)
 }

@@ -1,11 +1,9 @@
 //! Procedures, primitives and plans as text.
 
-use super::condition::condition_text;
-use super::expression::{expression_text, form_text, pattern_text, template_text};
-use super::value::literal_text;
-use super::{joined, laid_out, laid_out_steps, list_text};
+use super::{expression_text, laid_out, laid_out_steps, pattern_text, template_text};
 use apex_model::condition::Condition;
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::print::{Style, form_text, joined, list_text};
 use apex_model::procedure::{
     Activity, BuiltInActivity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, ProcedureKind, Repetition,
     ResourceNeed, Step, Transitions,
@@ -57,8 +55,8 @@ pub fn print_primitive(primitive: &Primitive) -> String {
 /// A plan as PDL: a sequential procedure for the goal `index`, one step for each planned activity.
 /// With `repeat` the plan is a cycle: it begins again whenever it has ended.
 pub fn print_plan(index: &Value, steps: &[(Symbol, Value)], repeat: bool) -> PrintedPlan {
-    let step = |(tag, activity): &(Symbol, Value)| format!("(step {tag} {})", literal_text(activity));
-    let goal = literal_text(index);
+    let step = |(tag, activity): &(Symbol, Value)| format!("(step {tag} {})", Style::Exact.literal(activity));
+    let goal = Style::Exact.literal(index);
     if !repeat {
         let parts = [":sequential".to_string(), format!("(index {goal})")];
         let (text, step_lines) =
@@ -89,7 +87,7 @@ fn clause(name: &str, expr: Option<&Expr>) -> String {
 }
 
 fn condition_clause(name: &str, condition: Option<&Condition>) -> String {
-    condition.map_or(String::new(), |condition| format!("({name} {})", condition_text(condition)))
+    condition.map_or(String::new(), |condition| format!("({name} {})", Style::Exact.condition(condition)))
 }
 
 fn profile_text(needs: &[ResourceNeed]) -> String {
@@ -122,7 +120,7 @@ fn log_text(policies: &[LogPolicy]) -> String {
 fn transitions_text(transitions: &Transitions) -> [String; 4] {
     let suspend = match (&transitions.suspend_when, &transitions.suspend_until) {
         (Some(when), Some(until)) => {
-            format!("(suspend-when {} until {})", condition_text(when), condition_text(until))
+            format!("(suspend-when {} until {})", Style::Exact.condition(when), Style::Exact.condition(until))
         }
         (when, _) => condition_clause("suspend-when", when.as_deref()),
     };
@@ -151,7 +149,7 @@ fn step_text(step: &Step) -> String {
     let mut parts = vec![step.tag.to_string(), activity_text(&step.activity)];
     parts.extend(step.binds.as_ref().map(|pattern| format!("=> {}", pattern_text(pattern))));
     if !step.waitfor.is_empty() {
-        parts.push(list_text("waitfor", step.waitfor.iter().map(condition_text)));
+        parts.push(list_text("waitfor", step.waitfor.iter().map(|condition| Style::Exact.condition(condition))));
     }
     parts.extend(step.select.iter().map(|(name, value)| format!("(select ?{name} {})", expression_text(value))));
     if let Some((name, list)) = step.forall.as_deref() {

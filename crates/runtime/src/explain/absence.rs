@@ -8,7 +8,7 @@ use super::snapshot::place_text;
 use crate::limits::MISSING_STEPS_MAX;
 use apex_executive::Agent;
 use apex_executive::explanation;
-use apex_model::words;
+use apex_model::print::Style::Brief;
 
 use apex_executive::state::controller::Way;
 use apex_executive::state::task::{Origin, ProcedureRef, StepRef, Task};
@@ -183,7 +183,7 @@ fn told(
     let mut missing = Vec::new();
     for (number, site) in way.into_iter().enumerate() {
         let Some(step) = site.get() else { continue };
-        let procedure = words::pattern(&site.procedure.index);
+        let procedure = Brief.pattern(&site.procedure.index);
         let because = match task.filter(|_| number + 1 == count) {
             Some(task) => reached(agent, site, task),
             None if number + 1 == count => format!("no step of the program pursues {procedure}, to which it belongs"),
@@ -192,7 +192,7 @@ fn told(
         let place = place_text(agent, step.place);
         missing.push(Missing {
             step: step.tag.to_string(),
-            activity: words::activity(&step.activity),
+            activity: Brief.activity(&step.activity),
             procedure,
             source: log.source_line(&place),
             place,
@@ -213,7 +213,7 @@ fn reached(agent: &Agent, site: &ProgramStep, task: &Task) -> String {
     match (own, task.controller.is_some()) {
         (true, _) => format!("its task is {name}, which is {}", task.state),
         (false, false) => {
-            let procedure = words::pattern(&site.procedure.index);
+            let procedure = Brief.pattern(&site.procedure.index);
             format!("{name} would pursue {procedure} and is {}", task.state)
         }
         (false, true) => format!("{name} does not pursue its procedure at {}", place_text(agent, site.procedure.place)),

@@ -3,6 +3,7 @@
 
 use apex_model::expression::Template;
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::procedure::Activity;
 
 /// A goal in words.
@@ -59,7 +60,7 @@ impl Phrase {
     pub(super) fn of_activity(activity: &Activity) -> Phrase {
         match activity {
             Activity::Goal(template) => Phrase::of_template(template),
-            other => Phrase::read(&apex_model::words::activity(other)),
+            other => Phrase::read(&Brief.activity(other)),
         }
     }
 

@@ -9,7 +9,7 @@ use super::{target, things, why};
 use crate::error::RecordError;
 use crate::record::TaskRow;
 use apex_executive::Agent;
-use apex_executive::explanation;
+use apex_model::print::Style::Brief;
 use apex_model::task::{TaskId, TaskState};
 use apex_model::time::Time;
 
@@ -154,7 +154,7 @@ fn unasked(snapshot: &RecordSnapshot<'_>, asked: &str, phrase: &Phrase) -> Optio
     let primitives = agent.library.primitives.iter().map(|each| (&each.index, each.place, "primitive"));
     let (index, place, word) =
         procedures.chain(primitives).find(|(index, ..)| telling && Phrase::of_pattern(index).fits(phrase))?;
-    let (index, place) = (apex_model::words::pattern(index), place_text(agent, place));
+    let (index, place) = (Brief.pattern(index), place_text(agent, place));
     let text = format!("No step of the program asks for {asked}; only the {word} {index} at {place} would serve it.");
     Some(Draft { answer: draft(snapshot, "procedure", asked, text), task: None })
 }
@@ -175,7 +175,7 @@ fn of_procedure(snapshot: &RecordSnapshot<'_>, asked: &str, name: &str) -> Resul
     else {
         return Ok(None);
     };
-    let (phrase, words, place) = (Phrase::of_pattern(index), apex_model::words::pattern(index), place_text(agent, place));
+    let (phrase, words, place) = (Phrase::of_pattern(index), Brief.pattern(index), place_text(agent, place));
     let goals = snapshot.tasks.iter().filter(|row| row.created <= snapshot.at && Phrase::read(&row.goal).fits(&phrase));
     let method = |row: &&TaskRow| row.method.as_ref().is_some_and(|method| method.ends_with(&place));
     let (mine, others): (Vec<&TaskRow>, Vec<&TaskRow>) = goals.partition(method);
@@ -269,7 +269,7 @@ fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result
         for site in absence::program_steps(agent) {
             if let Some(step) = site.get() {
                 known.push(step.tag.to_string());
-                known.push(apex_model::words::activity(&step.activity));
+                known.push(Brief.activity(&step.activity));
             }
         }
         known.extend(agent.resources.iter().map(|(_, resource)| resource.name.to_string()));

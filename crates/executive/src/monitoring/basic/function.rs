@@ -14,6 +14,7 @@ use crate::state::monitors::monitor::{FunctionPart, Satisfaction};
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
+use apex_model::print::Style::Brief;
 
 /// Evaluates the expression again: it holds at this instant, or it does not, whatever was before.
 pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
@@ -21,7 +22,7 @@ pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, 
     match evaluate(&part.expression, surroundings) {
         Ok(value) => {
             if value.is_true() {
-                let (at, what) = (surroundings.now(), apex_model::words::expression(&part.expression));
+                let (at, what) = (surroundings.now(), Brief.expression(&part.expression));
                 let evidence = EvidenceList::one(Evidence::Function { what, value: value.clone(), at });
                 let bindings = Bindings::new();
                 part.holds = Some(Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });

@@ -8,9 +8,10 @@
 //! Paper: Table 1, rows 1 to 4.
 
 use crate::expression::{EvaluationError, Surroundings};
-use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{Reading, all, prepare, unit_of};
 use crate::monitoring::part::{Site, Troubles, remember};
-use crate::monitoring::samples::{Seen, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::sampled::{SampleConstraints, Sampled};
+use crate::monitoring::samples::{Seen, concerns, known_variable};
 use crate::planted::{self, Bug};
 use crate::state::monitors::monitor::{
     Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window,
@@ -20,6 +21,7 @@ use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;
@@ -42,23 +44,6 @@ pub(crate) fn create(
         blind: false,
         seen: None,
     })
-}
-
-/// Starts again from what is remembered.
-pub(crate) fn look_back(
-    part: &mut MeasurementPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    part.seen = None;
-    let known = part.variable.clone();
-    let condition = Arc::clone(&part.condition);
-    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
-    part.blind = blind;
-    for sample in samples {
-        feed(part, site, sample, surroundings, troubles);
-    }
 }
 
 /// The comparison that no sample can do without, where nothing but the value decides and nothing else is remembered.
@@ -109,6 +94,32 @@ fn feed_late(
     seen.settled.retain(|result| result.interval.0 != sample.at || variable_of(result) != Some(sample.variable));
     if let Some(result) = result {
         remember(&mut seen.settled, result, site, troubles);
+    }
+}
+
+impl Sampled for MeasurementPart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
+    }
+
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
+    }
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.seen.as_ref()?.newest.get(object).map(|newest| newest.at)
+    }
+
+    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+        self.seen = None;
+    }
+
+    fn note_blind(&mut self, blind: bool, _: Option<Time>) {
+        self.blind = blind;
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
     }
 }
 
@@ -187,19 +198,15 @@ fn holds(
     surroundings: &dyn Surroundings,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
-    let Seen { variable, value, at, .. } = sample;
-    let known = part.variable.is_some();
-    let stamp = Value::Time(at);
-    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
-        && satisfies_all(
-            &part.tests,
-            &condition.value,
-            value,
-            &variable.attribute,
-            bindings,
-            surroundings,
-            site.place,
-        )?
+    let constraints = SampleConstraints {
+        pattern: &condition.variable,
+        object: &condition.object,
+        value: &condition.value,
+        tests: &part.tests,
+        known: part.variable.is_some(),
+    };
+    let stamp = Value::Time(sample.at);
+    Ok(constraints.hold(site, sample, bindings, surroundings)?
         && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
 }
 

@@ -16,6 +16,7 @@ use crate::monitoring::episodes::episode;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Troubles;
+use crate::monitoring::sampled::Sampled;
 use crate::monitoring::specificity::variables;
 use crate::state::monitors::monitor::{
     AbsentPart, AllenPart, Composite, EventPart, FunctionPart, Keep, Part, PartKind, Side, TaskEndedPart,
@@ -293,12 +294,12 @@ fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Sy
 pub(crate) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
     let site = crate::monitoring::part::site(part);
     match &mut part.kind {
-        PartKind::Measurement(leaf) => measurement::look_back(leaf, site, surroundings, troubles),
+        PartKind::Measurement(leaf) => leaf.look_back(site, surroundings, troubles),
         PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
-        PartKind::Persisted(leaf) => persistence::look_back(leaf, site, surroundings, troubles),
-        PartKind::Regression(leaf) => regression::look_back(leaf, site, surroundings, troubles),
-        PartKind::Statistical(leaf) => statistics::look_back(leaf, site, surroundings, troubles),
-        PartKind::Cyclic(leaf) => cyclic::look_back(leaf, site, surroundings, troubles),
+        PartKind::Persisted(leaf) => leaf.look_back(site, surroundings, troubles),
+        PartKind::Regression(leaf) => leaf.look_back(site, surroundings, troubles),
+        PartKind::Statistical(leaf) => leaf.look_back(site, surroundings, troubles),
+        PartKind::Cyclic(leaf) => leaf.look_back(site, surroundings, troubles),
         PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
         PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
         PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),

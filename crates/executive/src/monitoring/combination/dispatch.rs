@@ -12,8 +12,9 @@ use crate::monitoring::basic::time_conditions::{self, Kind};
 use crate::monitoring::basic::{event, function, measurement, task_state};
 use crate::monitoring::combination::{absence, allen, replay};
 use crate::monitoring::episodes::episode;
-use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
+use crate::monitoring::numbers::persistence;
 use crate::monitoring::part::{Troubles, site};
+use crate::monitoring::sampled;
 use crate::monitoring::samples::Seen;
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::wake::WakeReason;
@@ -73,11 +74,11 @@ fn notice_sample(
     let site = site(part);
     match &mut part.kind {
         PartKind::Measurement(leaf) => measurement::notice(leaf, site, sample, newest, surroundings, troubles),
-        PartKind::Episode(leaf) => episode::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Episode(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
         PartKind::Persisted(leaf) => persistence::notice(leaf, site, sample, surroundings, troubles),
-        PartKind::Regression(leaf) => regression::notice(leaf, site, sample, surroundings, troubles),
-        PartKind::Statistical(leaf) => statistics::notice(leaf, site, sample, surroundings, troubles),
-        PartKind::Cyclic(leaf) => cyclic::notice(leaf, site, sample, surroundings, troubles),
+        PartKind::Regression(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
+        PartKind::Statistical(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
+        PartKind::Cyclic(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
         _ => {}
     }
 }

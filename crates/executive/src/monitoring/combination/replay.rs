@@ -12,8 +12,9 @@ use crate::expression::Surroundings;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
 use crate::monitoring::combination::extents;
 use crate::monitoring::combination::interest::collect_interests;
-use crate::monitoring::numbers::{cyclic, persistence};
+use crate::monitoring::numbers::persistence;
 use crate::monitoring::part::Troubles;
+use crate::monitoring::sampled::Sampled;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::histories::history::{Histories, History};
 use crate::state::monitors::monitor::{Interest, Part, PartKind, Satisfaction, TimePart};
@@ -347,7 +348,7 @@ fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troub
             leaf.settled.clear();
             leaf.runs.clear();
         }
-        PartKind::Cyclic(leaf) => cyclic::begin_again(leaf),
+        PartKind::Cyclic(leaf) => leaf.begin_again(site, surroundings, troubles),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => forget_time(leaf),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {

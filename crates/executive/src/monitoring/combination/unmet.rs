@@ -23,12 +23,12 @@ use crate::state::monitors::monitor::{
 use apex_model::condition::Relation;
 use apex_model::event::StateVariable;
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
-use apex_model::words;
 
 /// What is known about an unmet part.
 #[derive(Default)]
@@ -88,7 +88,7 @@ fn several(part: &Part, composite: &Composite, asking: &mut Asking<'_>, list: &m
         let constraints = match composite.constraints.as_slice() {
             [] => "each part holds, but not together: shared variables or the order differ".to_owned(),
             some => {
-                let texts: Vec<String> = some.iter().map(words::expression).collect();
+                let texts: Vec<String> = some.iter().map(|each| Brief.expression(each)).collect();
                 format!("each part holds, but not together with {}", texts.join(" "))
             }
         };
@@ -102,17 +102,17 @@ pub(crate) fn text(part: &Part) -> String {
         format!("({name} {})", composite.parts.iter().map(text).collect::<Vec<_>>().join(" "))
     };
     match &part.kind {
-        PartKind::Measurement(leaf) => words::measurement(&leaf.condition),
-        PartKind::Episode(leaf) => words::episode(&leaf.condition),
-        PartKind::Persisted(leaf) => words::measurement(&leaf.condition),
-        PartKind::Regression(leaf) => words::measurement(&leaf.condition),
-        PartKind::Statistical(leaf) => words::episode(&leaf.condition),
-        PartKind::Cyclic(leaf) => cyclic::text(&leaf.condition),
-        PartKind::Event(leaf) => words::event(&leaf.pattern, &leaf.timing),
+        PartKind::Measurement(leaf) => Brief.measurement(&leaf.condition),
+        PartKind::Episode(leaf) => Brief.episode(&leaf.condition),
+        PartKind::Persisted(leaf) => Brief.measurement(&leaf.condition),
+        PartKind::Regression(leaf) => Brief.measurement(&leaf.condition),
+        PartKind::Statistical(leaf) => Brief.episode(&leaf.condition),
+        PartKind::Cyclic(leaf) => Brief.cyclic(&leaf.condition),
+        PartKind::Event(leaf) => Brief.event(&leaf.pattern, &leaf.timing),
         PartKind::TaskEnded(leaf) => task_state::ended_words(&leaf.variable),
-        PartKind::TaskState(leaf) => words::task_state(&leaf.expression, &leaf.state),
-        PartKind::Timestamp(leaf) => words::span(":timestamp", &leaf.from, leaf.to.as_ref()),
-        PartKind::Delay(leaf) => words::span(":delay", &leaf.from, leaf.to.as_ref()),
+        PartKind::TaskState(leaf) => Brief.task_state(&leaf.expression, &leaf.state),
+        PartKind::Timestamp(leaf) => Brief.span(":timestamp", &leaf.from, leaf.to.as_ref()),
+        PartKind::Delay(leaf) => Brief.span(":delay", &leaf.from, leaf.to.as_ref()),
         PartKind::And(composite) => several(":and", composite),
         PartKind::Or(composite) => several(":or", composite),
         PartKind::InOrder(composite) => several(":in-order", composite),
@@ -122,7 +122,7 @@ pub(crate) fn text(part: &Part) -> String {
             format!("(:{} {parts})", leaf.relation.word())
         }
         PartKind::Absent(leaf) => format!("(:absent {} :for {})", text(&leaf.part), leaf.length),
-        PartKind::Function(leaf) => format!("(:function {})", words::expression(&leaf.expression)),
+        PartKind::Function(leaf) => Brief.function(&leaf.expression),
     }
 }
 
@@ -150,7 +150,7 @@ fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Ve
             Known::words(format!("the newest results are {relation}, but bind shared variables differently"))
         }
         None => {
-            let texts: Vec<String> = leaf.constraints.iter().map(words::expression).collect();
+            let texts: Vec<String> = leaf.constraints.iter().map(|each| Brief.expression(each)).collect();
             Known::words(format!("the newest results are {relation}, but not with {}", texts.join(" ")))
         }
     };

@@ -9,11 +9,12 @@
 
 use crate::expression::arithmetic::duration;
 use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, unit_of};
 use crate::monitoring::episodes::runs::{Judged, advance_run};
 use crate::monitoring::episodes::{plain_look_back, quick_runs};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
-use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::sampled::{SampleConstraints, Sampled};
+use crate::monitoring::samples::{Seen, known_variable, remembered};
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::wake::WakeReason;
 use crate::planted::{self, Bug};
@@ -21,7 +22,9 @@ use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSamp
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::condition::VariablePattern;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
+use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -95,8 +98,7 @@ pub(crate) fn look_back_with(
     surroundings: &dyn Surroundings,
     troubles: &mut Troubles,
 ) {
-    part.settled.clear();
-    part.runs.clear();
+    part.begin_again(site, surroundings, troubles);
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
     let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
@@ -107,26 +109,38 @@ pub(crate) fn look_back_with(
     }
 }
 
-/// A sample has arrived.
-pub(crate) fn notice(
-    part: &mut EpisodePart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
-        return;
+impl Sampled for EpisodePart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
     }
-    if quick_runs::notice(part, site, sample) {
-        return;
+
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
     }
-    let newest = part.runs.get(&sample.variable.object).map(|run| run.newest.at);
-    match arrival(site.window, sample, newest, surroundings) {
-        Arrival::Late if planted::is(Bug::LateSampleIgnored) => {}
-        Arrival::Late => look_back(part, site, surroundings, troubles),
-        Arrival::Next => feed(part, site, sample, surroundings, troubles),
-        Arrival::Nothing => {}
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.runs.get(object).map(|run| run.newest.at)
+    }
+
+    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+        self.settled.clear();
+        self.runs.clear();
+    }
+
+    fn note_blind(&mut self, blind: bool, _: Option<Time>) {
+        self.blind = blind;
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
+    }
+
+    fn feed_quickly(&mut self, site: Site, sample: Seen<'_>) -> bool {
+        quick_runs::notice(self, site, sample)
+    }
+
+    fn look_back(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        look_back(self, site, surroundings, troubles);
     }
 }
 
@@ -247,18 +261,14 @@ fn holds(
     surroundings: &dyn Surroundings,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
-    let Seen { variable, value, .. } = sample;
-    let known = part.variable.is_some();
-    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
-        && satisfies_all(
-            &part.tests,
-            &condition.value,
-            value,
-            &variable.attribute,
-            bindings,
-            surroundings,
-            site.place,
-        )?)
+    let constraints = SampleConstraints {
+        pattern: &condition.variable,
+        object: &condition.object,
+        value: &condition.value,
+        tests: &part.tests,
+        known: part.variable.is_some(),
+    };
+    constraints.hold(site, sample, bindings, surroundings)
 }
 
 /// All results up to `now`, earliest recognised first.

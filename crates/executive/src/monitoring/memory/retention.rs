@@ -11,7 +11,6 @@ use crate::expression::arithmetic::duration;
 use crate::monitoring::memory::demand::{Demand, Reach, Subject, Why};
 use crate::monitoring::memory::histories::obey;
 use crate::monitoring::memory::reach;
-use crate::monitoring::numbers::cyclic;
 use crate::state::histories::history::Histories;
 use crate::state::index::{LibraryIndex, ProcedureIndex};
 use apex_model::condition::{
@@ -21,13 +20,13 @@ use apex_model::condition::{
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::library::{Library, StateVariableDeclaration};
 use apex_model::pattern::Pattern;
+use apex_model::print::Style::Brief;
 use apex_model::procedure::{
     Activity, Hooks, LogPolicy, Primitive, PriorityClause, Procedure, Repetition, Step, Transitions,
 };
 use apex_model::source::Place;
 use apex_model::time::Duration;
 use apex_model::value::Value;
-use apex_model::words;
 use std::sync::Arc;
 
 /// Prepares `histories` for `library`: how far back its conditions and queries look. `index` is that of the library, if known.
@@ -130,7 +129,7 @@ impl Survey<'_> {
             Template::Hole(_) | Template::Splice(_) => (None, None),
         };
         let reach = Reach::Log { time: policy.time_limit, count: policy.count_limit };
-        let text = || format!("(log {})", words::template(&policy.subject));
+        let text = || format!("(log {})", Brief.template(&policy.subject));
         let subject = match (head, word) {
             (Some(head), Some(word)) if head.is(":events") => Subject::MessagesOf(word),
             (head, _) => head.map_or(Subject::EveryAttribute, Subject::Attribute),
@@ -163,15 +162,15 @@ impl Survey<'_> {
     fn since_creation(&mut self, condition: &Condition) {
         match &condition.kind {
             ConditionKind::Event { pattern, timing } => {
-                let text = || words::event(pattern, timing);
+                let text = || Brief.event(pattern, timing);
                 self.demand(Subject::Messages, Reach::Unbounded, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Measurement(measurement) => {
-                let text = || words::measurement(measurement);
+                let text = || Brief.measurement(measurement);
                 self.whole(&measurement.variable, Why::SinceCreation, text, condition.place);
             }
             ConditionKind::Episode(episode) => {
-                self.whole(&episode.variable, Why::SinceCreation, || words::episode(episode), condition.place);
+                self.whole(&episode.variable, Why::SinceCreation, || Brief.episode(episode), condition.place);
             }
             ConditionKind::And(parts, _)
             | ConditionKind::Or(parts, _)
@@ -249,7 +248,7 @@ impl Survey<'_> {
     fn measurement(&mut self, measurement: &MeasurementCondition, place: Place) {
         if !measurement.timestamp.is_empty() {
             let subject = Subject::Attribute(measurement.variable.attribute.clone());
-            let text = || words::measurement(measurement);
+            let text = || Brief.measurement(measurement);
             self.times(subject, &measurement.timestamp, Why::AnyTime, text, place);
         }
         self.pattern(&measurement.variable.object);
@@ -262,7 +261,7 @@ impl Survey<'_> {
                 // A fit interval that is stated may begin before the task.
                 if let Some((_, start)) = options.iter().find(|(name, _)| name.is("start")) {
                     let subject = Subject::Attribute(measurement.variable.attribute.clone());
-                    let text = || words::measurement(measurement);
+                    let text = || Brief.measurement(measurement);
                     match reach::before_now(start, self.library) {
                         Some(span) => self.demand(subject, Reach::Span(span), Why::Window, text, place),
                         None => self.demand(subject, Reach::Unbounded, Why::FitInterval, text, place),
@@ -277,7 +276,7 @@ impl Survey<'_> {
     fn episode(&mut self, episode: &EpisodeCondition, place: Place) {
         if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
             // A run is judged by its own start, which may lie before every limit.
-            self.whole(&episode.variable, Why::EpisodeTimes, || words::episode(episode), place);
+            self.whole(&episode.variable, Why::EpisodeTimes, || Brief.episode(episode), place);
         }
         if let Quality::MaximumGap(gap) = &episode.quality {
             self.expr(gap);
@@ -289,7 +288,7 @@ impl Survey<'_> {
         self.timing(&episode.timing);
         // The values of the whole run are asked about.
         if episode.trend.iter().any(|(name, _)| name.is("custom")) {
-            self.whole(&episode.variable, Why::Values, || words::episode(episode), place);
+            self.whole(&episode.variable, Why::Values, || Brief.episode(episode), place);
         }
         episode.stats.iter().chain(&episode.trend).for_each(|(_, constraints)| self.constraints(constraints));
     }
@@ -301,7 +300,7 @@ impl Survey<'_> {
             ConditionKind::Event { pattern, timing } => {
                 if !timing.start.is_empty() || !timing.end.is_empty() {
                     let limits: Vec<Constraint> = timing.start.iter().chain(&timing.end).cloned().collect();
-                    let text = || words::event(pattern, timing);
+                    let text = || Brief.event(pattern, timing);
                     self.times(Subject::Messages, &limits, Why::EventTimes, text, condition.place);
                 }
                 self.pattern(pattern);
@@ -331,7 +330,7 @@ impl Survey<'_> {
             }
             ConditionKind::Function(expr) => self.expr(expr),
             ConditionKind::Cyclic(wanted) => {
-                self.whole(&wanted.variable, Why::Cycles, || cyclic::text(wanted), condition.place);
+                self.whole(&wanted.variable, Why::Cycles, || Brief.cyclic(wanted), condition.place);
                 wanted.options.iter().for_each(|(_, constraints)| self.constraints(constraints));
             }
         }

@@ -12,15 +12,15 @@ use crate::monitoring::memory::demand::{Reach, Subject, Why};
 use crate::monitoring::memory::reach;
 use crate::monitoring::memory::retention::Survey;
 use apex_model::expression::{Expr, ExprKind};
+use apex_model::print::Style::Brief;
 use apex_model::symbol::Symbol;
 use apex_model::time::Duration;
 use apex_model::value::Value;
-use apex_model::words;
 
 impl Survey<'_> {
     /// A query of messages looks back as far as its window.
     fn event_query(&mut self, arguments: &[Expr], whole: &Expr) {
-        let (text, place) = (|| words::expression(whole), whole.place);
+        let (text, place) = (|| Brief.expression(whole), whole.place);
         let asked = match arguments {
             [_, window] | [_, window, _] => {
                 reach::duration(window, self.library).or_else(|| reach::before_now(window, self.library))
@@ -47,7 +47,7 @@ impl Survey<'_> {
         if !QUERIES.contains(&function.folded()) {
             return;
         }
-        let (text, place) = (|| words::expression(whole), whole.place);
+        let (text, place) = (|| Brief.expression(whole), whole.place);
         let asked = match (function.folded(), arguments) {
             ("most-recent-svvalue", [_, _]) => Some(Duration::ZERO),
             ("most-recent-svvalue", [_, _, _, prior_to]) => reach::before_now(prior_to, self.library),

@@ -11,7 +11,8 @@ use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::monitoring::asking::Asking;
 use crate::monitoring::constraints::{Reading, all, unit_of};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
-use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::sampled::{Sampled, object_bindings};
+use crate::monitoring::samples::{Seen, known_variable};
 use crate::planted::{self, Bug};
 use crate::state::monitors::cyclic::{CycleRun, CyclicObject, CyclicPart, Extreme, Heading, Swing};
 use crate::state::monitors::monitor::{Keep, Satisfaction};
@@ -19,6 +20,7 @@ use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::Constraint;
 use apex_model::condition::CyclicCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
@@ -26,7 +28,6 @@ use apex_model::limits::MONITOR_OBJECTS_MAX;
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
-use apex_model::words;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -69,45 +70,30 @@ fn constraints_of<'a>(condition: &'a CyclicCondition, name: &str) -> &'a [Constr
     condition.options.iter().find(|(option, _)| option.is(name)).map_or(&[], |(_, constraints)| constraints)
 }
 
-/// The text of the condition.
-pub(crate) fn text(condition: &CyclicCondition) -> String {
-    let options = condition.options.iter().map(|(name, constraints)| words::option(&format!(":{name}"), constraints));
-    format!("(:cyclic ({}){})", words::variable(&condition.variable), options.collect::<String>())
-}
-
-/// Starts again from what is remembered.
-pub(crate) fn look_back(part: &mut CyclicPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    begin_again(part);
-    let (known, attribute) = (part.variable.clone(), part.condition.variable.attribute.clone());
-    let (samples, blind) = remembered(known.as_ref(), &attribute, site, surroundings);
-    part.blind = blind;
-    for sample in samples {
-        feed(part, site, sample, surroundings, troubles);
+impl Sampled for CyclicPart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
     }
-}
 
-/// Forgets what samples have done.
-pub(crate) fn begin_again(part: &mut CyclicPart) {
-    part.settled.clear();
-    part.objects.clear();
-}
-
-/// A sample has arrived.
-pub(crate) fn notice(
-    part: &mut CyclicPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
-        return;
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
     }
-    let newest = part.objects.get(&sample.variable.object).map(|object| object.newest.0);
-    match arrival(site.window, sample, newest, surroundings) {
-        Arrival::Late => look_back(part, site, surroundings, troubles),
-        Arrival::Next => feed(part, site, sample, surroundings, troubles),
-        Arrival::Nothing => {}
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.objects.get(object).map(|object| object.newest.0)
+    }
+
+    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+        self.settled.clear();
+        self.objects.clear();
+    }
+
+    fn note_blind(&mut self, blind: bool, _: Option<Time>) {
+        self.blind = blind;
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
     }
 }
 
@@ -124,7 +110,7 @@ fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn 
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
         None => {
-            let bindings = bindings_of(part, site, sample, surroundings, troubles);
+            let bindings = object_bindings(part, &[], site, sample, surroundings, troubles);
             let newest = (sample.at, number);
             let state = CyclicObject { rank: sample.sequence, bindings, newest, swing: Swing::default() };
             part.objects.insert(object.clone(), state);
@@ -135,24 +121,6 @@ fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn 
         state.swing = Swing { dimension, contradicted: state.swing.contradicted, ..Swing::default() };
     }
     state.newest = (sample.at, number);
-}
-
-fn bindings_of(
-    part: &CyclicPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) -> Option<Bindings> {
-    let mut bindings = Bindings::new();
-    let known = part.variable.is_some();
-    match object_holds(&part.condition.variable, &[], known, sample.variable, &mut bindings, site, surroundings) {
-        Ok(holds) => holds.then_some(bindings),
-        Err(error) => {
-            troubles.add(error);
-            None
-        }
-    }
 }
 
 /// Makes the newest sample of an object part of the past, because one of a later instant has come.

@@ -9,9 +9,10 @@
 
 use crate::expression::{EvaluationError, Surroundings};
 use crate::monitoring::asking::Asking;
-use crate::monitoring::constraints::{prepare, satisfies_all, unit_of};
+use crate::monitoring::constraints::{prepare, unit_of};
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
-use crate::monitoring::samples::{Seen, concerns, known_variable, object_holds, remembered, seen_of};
+use crate::monitoring::sampled::{SampleConstraints, Sampled};
+use crate::monitoring::samples::{Seen, concerns, known_variable, seen_of};
 use crate::monitoring::time_bounds::{TICK, TimeBounds, bounds, duration_of};
 use crate::state::monitors::monitor::{Keep, Satisfaction};
 use crate::state::monitors::numbers::{PersistedPart, PersistedSample};
@@ -19,10 +20,12 @@ use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::estimate::{Estimate, Estimator};
 use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
 use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -46,23 +49,6 @@ pub(crate) fn create(
         objects: BTreeMap::new(),
         condition: Arc::clone(condition),
     })
-}
-
-/// Starts again from what is remembered, and from the sample that holds into the window.
-pub(crate) fn look_back(
-    part: &mut PersistedPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    begin_again(part, site, surroundings, troubles);
-    let known = part.variable.clone();
-    let condition = Arc::clone(&part.condition);
-    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
-    part.blind = blind;
-    for sample in samples {
-        feed(part, site, sample, surroundings, troubles);
-    }
 }
 
 /// Forgets everything but the sample that holds into the window.
@@ -103,10 +89,36 @@ pub(crate) fn notice(
     if sample.at < site.window.start || newest.is_some_and(|newest| sample.at < newest.at) {
         let history = surroundings.histories().get(sample.variable);
         if history.is_some_and(|history| history.covers(site.window.start)) {
-            look_back(part, site, surroundings, troubles);
+            part.look_back(site, surroundings, troubles);
         }
     } else if site.window.contains(sample.at, sample.sequence) {
         feed(part, site, sample, surroundings, troubles);
+    }
+}
+
+impl Sampled for PersistedPart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
+    }
+
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
+    }
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.objects.get(object).map(|newest| newest.at)
+    }
+
+    fn begin_again(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        begin_again(self, site, surroundings, troubles);
+    }
+
+    fn note_blind(&mut self, blind: bool, _: Option<Time>) {
+        self.blind = blind;
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
     }
 }
 
@@ -156,18 +168,14 @@ fn holds(
     surroundings: &dyn Surroundings,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
-    let Seen { variable, value, .. } = sample;
-    let known = part.variable.is_some();
-    Ok(object_holds(&condition.variable, &condition.object, known, variable, bindings, site, surroundings)?
-        && satisfies_all(
-            &part.tests,
-            &condition.value,
-            value,
-            &variable.attribute,
-            bindings,
-            surroundings,
-            site.place,
-        )?)
+    let constraints = SampleConstraints {
+        pattern: &condition.variable,
+        object: &condition.object,
+        value: &condition.value,
+        tests: &part.tests,
+        known: part.variable.is_some(),
+    };
+    constraints.hold(site, sample, bindings, surroundings)
 }
 
 /// The instants that count: from the window's start on, or as `:timestamp` says.

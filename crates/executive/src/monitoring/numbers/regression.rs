@@ -13,15 +13,16 @@ use crate::monitoring::constraints::unit_of;
 use crate::monitoring::numbers::aggregates::in_unit;
 use crate::monitoring::numbers::line_crossing::{Scale, band, bind, earliest, number_of};
 use crate::monitoring::part::{Site, Troubles, Truth};
-use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::sampled::{Sampled, object_bindings};
+use crate::monitoring::samples::{Seen, known_variable};
 use crate::monitoring::time_bounds::{bounds, duration_of, instant_of};
 use crate::planted::{self, Bug};
 use crate::state::monitors::moments::{MAGNITUDE_MAX, Moments};
 use crate::state::monitors::monitor::{Satisfaction, Window};
 use crate::state::monitors::numbers::{Fit, RegressionPart};
 use apex_model::because::Evidence;
-use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
+use apex_model::condition::VariablePattern;
 use apex_model::estimate::{Estimate, Estimator, computed};
 use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
@@ -134,46 +135,39 @@ fn fit_window(part: &RegressionPart, site: Site) -> Window {
     }
 }
 
-/// Starts again from what is remembered.
-pub(crate) fn look_back(
-    part: &mut RegressionPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    part.objects.clear();
-    let known = part.variable.clone();
-    let condition = Arc::clone(&part.condition);
-    let wider = Site { window: fit_window(part, site), ..site };
-    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, wider, surroundings);
-    part.blind = blind;
-    for sample in samples {
-        feed(part, site, sample, surroundings, troubles);
+impl Sampled for RegressionPart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
     }
-}
 
-/// A sample has arrived.
-pub(crate) fn notice(
-    part: &mut RegressionPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
-        return;
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
     }
-    let window = fit_window(part, site);
-    let fit = part.objects.get(&sample.variable.object);
-    let newest = fit.and_then(Fit::last).map(|(at, _)| at);
-    match arrival(window, sample, newest, surroundings) {
-        Arrival::Late => look_back(part, site, surroundings, troubles),
-        // It takes the place of one that does not stand apart any longer, since what is no number came after it.
-        Arrival::Next if newest == Some(sample.at) && fit.is_some_and(|fit| fit.newest.is_none()) => {
-            look_back(part, site, surroundings, troubles);
-        }
-        Arrival::Next => feed(part, site, sample, surroundings, troubles),
-        Arrival::Nothing => {}
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.objects.get(object).and_then(Fit::last).map(|(at, _)| at)
+    }
+
+    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+        self.objects.clear();
+    }
+
+    fn note_blind(&mut self, blind: bool, _: Option<Time>) {
+        self.blind = blind;
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
+    }
+
+    fn window(&self, site: Site) -> Window {
+        fit_window(self, site)
+    }
+
+    // It takes the place of one that does not stand apart any longer, since what is no number came after it.
+    fn must_look_back(&self, sample: Seen<'_>) -> bool {
+        let fit = self.objects.get(&sample.variable.object);
+        fit.is_some_and(|fit| fit.newest.is_none() && fit.last().map(|(at, _)| at) == Some(sample.at))
     }
 }
 
@@ -192,7 +186,7 @@ fn feed(
         if part.objects.len() >= MONITOR_OBJECTS_MAX {
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
-        let bindings = object_bindings(part, site, sample, surroundings, troubles);
+        let bindings = object_bindings(part, &part.condition.object, site, sample, surroundings, troubles);
         part.objects.insert(object.clone(), Fit { rank: sample.sequence, bindings, ..Fit::default() });
     }
     let Some(fit) = part.objects.get_mut(object) else { return };
@@ -218,33 +212,6 @@ fn no_number(sample: Seen<'_>, site: Site) -> EvaluationError {
     let message =
         format!("{} = {} is no number of the kind before it: no line is fitted", sample.variable, sample.value);
     EvaluationError { message, place: site.place }
-}
-
-fn object_bindings(
-    part: &RegressionPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) -> Option<Bindings> {
-    let mut bindings = Bindings::new();
-    let condition = &part.condition;
-    let known = part.variable.is_some();
-    match object_holds(
-        &condition.variable,
-        &condition.object,
-        known,
-        sample.variable,
-        &mut bindings,
-        site,
-        surroundings,
-    ) {
-        Ok(holds) => holds.then_some(bindings),
-        Err(error) => {
-            troubles.add(error);
-            None
-        }
-    }
 }
 
 /// A line with what it says.

@@ -14,7 +14,8 @@ use crate::monitoring::numbers::aggregates::{Judgement, criteria, name};
 use crate::monitoring::numbers::number_runs::{Evaluated, Evaluation, Outcome, contradicted, take_in};
 use crate::monitoring::numbers::regression::declared_scale;
 use crate::monitoring::part::{Site, Troubles, Truth, remember};
-use crate::monitoring::samples::{Arrival, Seen, arrival, concerns, known_variable, object_holds, remembered};
+use crate::monitoring::sampled::Sampled;
+use crate::monitoring::samples::{Seen, known_variable, object_holds};
 use crate::monitoring::time_bounds::duration_of;
 use crate::state::monitors::moments::MAGNITUDE_MAX;
 use crate::state::monitors::monitor::{Keep, Satisfaction};
@@ -22,9 +23,11 @@ use crate::state::monitors::numbers::{Measure, NumberRun, NumberSample, Statisti
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
 use apex_model::bindings::Bindings;
+use apex_model::condition::VariablePattern;
 use apex_model::condition::{Constraint, EpisodeCondition, Quality, Relation};
 use apex_model::estimate::computed;
 use apex_model::event::StateVariable;
+use apex_model::print::Style::Brief;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use std::collections::BTreeMap;
@@ -83,41 +86,31 @@ fn least_duration(constraint: &Constraint, surroundings: &dyn Surroundings) -> R
     })
 }
 
-/// Starts again from what is remembered.
-pub(crate) fn look_back(
-    part: &mut StatisticalPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    part.settled.clear();
-    part.objects.clear();
-    let known = part.variable.clone();
-    let condition = Arc::clone(&part.condition);
-    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
-    part.blind = blind;
-    part.first_known = samples.first().filter(|_| blind).map(|sample| sample.at);
-    for sample in samples {
-        feed(part, site, sample, surroundings, troubles);
+impl Sampled for StatisticalPart {
+    fn pattern(&self) -> &VariablePattern {
+        &self.condition.variable
     }
-}
 
-/// A sample has arrived.
-pub(crate) fn notice(
-    part: &mut StatisticalPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
-) {
-    if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
-        return;
+    fn variable(&self) -> Option<&StateVariable> {
+        self.variable.as_ref()
     }
-    let newest = part.objects.get(&sample.variable.object).map(|state| state.newest.at);
-    match arrival(site.window, sample, newest, surroundings) {
-        Arrival::Late => look_back(part, site, surroundings, troubles),
-        Arrival::Next => feed(part, site, sample, surroundings, troubles),
-        Arrival::Nothing => {}
+
+    fn newest(&self, object: &Value) -> Option<Time> {
+        self.objects.get(object).map(|state| state.newest.at)
+    }
+
+    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+        self.settled.clear();
+        self.objects.clear();
+    }
+
+    fn note_blind(&mut self, blind: bool, first: Option<Time>) {
+        self.blind = blind;
+        self.first_known = first.filter(|_| blind);
+    }
+
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        feed(self, site, sample, surroundings, troubles);
     }
 }
 
@@ -385,7 +378,7 @@ pub(crate) fn standing(
 
 /// One criterion in words: `mean = 3 does not satisfy (> 5)`.
 pub(crate) fn judgement_words(criterion: &crate::state::monitors::numbers::Criterion, judgement: &Judgement) -> String {
-    let constraints: Vec<String> = criterion.constraints.iter().map(apex_model::words::constraint).collect();
+    let constraints: Vec<String> = criterion.constraints.iter().map(|each| Brief.constraint(each)).collect();
     let (name, wanted) = (name(&criterion.measure), constraints.join(" "));
     match judgement {
         Judgement::Undefined(reason) => format!("no {name}: {reason}"),

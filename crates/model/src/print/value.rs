@@ -1,8 +1,8 @@
 //! Values as text that reads back as exactly the same value.
 
-use apex_model::quantity::{Quantity, Unit, format_rounded};
-use apex_model::symbol::Symbol;
-use apex_model::value::Value;
+use crate::quantity::{Quantity, Unit, format_rounded};
+use crate::symbol::Symbol;
+use crate::value::Value;
 
 /// The value as a datum.
 pub(super) fn value_text(value: &Value) -> String {

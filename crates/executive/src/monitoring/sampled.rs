@@ -1,0 +1,134 @@
+//! Sampled parts (M&I)
+//! What: feeds the parts that watch a state variable: sample by sample, and again from what is remembered.
+//! Runs: when a monitor is created or notices a sample.
+//! Reads: histories, surroundings.
+//! Writes: the part.
+//! Bound: O(1) besides what the part does; looking back O(samples in the window).
+//! PDL: `(ATTR OBJ)`.
+//! Paper: section III, histories.
+
+use super::constraints::satisfies_all;
+use super::part::{Site, Troubles};
+use super::samples::{Arrival, Seen, arrival, concerns, object_holds, remembered};
+use crate::expression::{EvaluationError, Surroundings};
+use crate::planted::{self, Bug};
+use crate::state::monitors::monitor::Test;
+use crate::state::monitors::monitor::Window;
+use apex_model::bindings::Bindings;
+use apex_model::condition::{Constraint, VariablePattern};
+use apex_model::event::StateVariable;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// A part that takes in the samples of a state variable one by one, those of one object in order of time.
+pub(crate) trait Sampled {
+    /// The state variable as the condition names it.
+    fn pattern(&self) -> &VariablePattern;
+    /// The state variable, if its object is known.
+    fn variable(&self) -> Option<&StateVariable>;
+    /// Instant of the newest sample of `object` that the part has taken in.
+    fn newest(&self, object: &Value) -> Option<Time>;
+    /// The window of samples that count.
+    fn window(&self, site: Site) -> Window {
+        site.window
+    }
+    /// Forgets what samples have done.
+    fn begin_again(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles);
+    /// Notes whether the window reaches before the oldest sample kept, and the first sample in it.
+    fn note_blind(&mut self, blind: bool, first: Option<Time>);
+    /// Takes in a sample that is not older than the newest of its object.
+    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles);
+    /// Takes in a sample if that needs no further questions; returns false if it does.
+    fn feed_quickly(&mut self, site: Site, sample: Seen<'_>) -> bool {
+        let _ = (site, sample);
+        false
+    }
+    /// True if the sample replaces another one that the part cannot take out alone.
+    fn must_look_back(&self, sample: Seen<'_>) -> bool {
+        let _ = sample;
+        false
+    }
+    /// Starts again from what is remembered.
+    fn look_back(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+        self.begin_again(site, surroundings, troubles);
+        let (known, attribute) = (self.variable().cloned(), self.pattern().attribute.clone());
+        let within = Site { window: self.window(site), ..site };
+        let (samples, blind) = remembered(known.as_ref(), &attribute, within, surroundings);
+        self.note_blind(blind, samples.first().map(|sample| sample.at));
+        for sample in samples {
+            self.feed(site, sample, surroundings, troubles);
+        }
+    }
+}
+
+/// A sample has arrived.
+pub(crate) fn notice(
+    part: &mut impl Sampled,
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) {
+    if !concerns(part.variable(), &part.pattern().attribute, sample.variable) || part.feed_quickly(site, sample) {
+        return;
+    }
+    match arrival(part.window(site), sample, part.newest(&sample.variable.object), surroundings) {
+        Arrival::Late if planted::is(Bug::LateSampleIgnored) => {}
+        Arrival::Late => part.look_back(site, surroundings, troubles),
+        Arrival::Next if part.must_look_back(sample) => part.look_back(site, surroundings, troubles),
+        Arrival::Next => part.feed(site, sample, surroundings, troubles),
+        Arrival::Nothing => {}
+    }
+}
+
+/// What a condition says of the object and the value of a sample.
+pub(crate) struct SampleConstraints<'a> {
+    /// The state variable.
+    pub(crate) pattern: &'a VariablePattern,
+    /// Constraints on the object.
+    pub(crate) object: &'a [Constraint],
+    /// Constraints on the value.
+    pub(crate) value: &'a [Constraint],
+    /// Those on the value, prepared.
+    pub(crate) tests: &'a [Test],
+    /// The object is known: it needs no matching.
+    pub(crate) known: bool,
+}
+
+impl SampleConstraints<'_> {
+    /// Does the sample satisfy them? Adds what they bind.
+    ///
+    /// # Errors
+    /// When an expression in them cannot be evaluated.
+    pub(crate) fn hold(
+        &self,
+        site: Site,
+        sample: Seen<'_>,
+        bindings: &mut Bindings,
+        surroundings: &dyn Surroundings,
+    ) -> Result<bool, EvaluationError> {
+        let Seen { variable, value, .. } = sample;
+        Ok(object_holds(self.pattern, self.object, self.known, variable, bindings, site, surroundings)?
+            && satisfies_all(self.tests, self.value, value, &variable.attribute, bindings, surroundings, site.place)?)
+    }
+}
+
+/// What the name of a sample's object binds; none if the object does not satisfy `constraints`.
+pub(crate) fn object_bindings(
+    part: &impl Sampled,
+    constraints: &[Constraint],
+    site: Site,
+    sample: Seen<'_>,
+    surroundings: &dyn Surroundings,
+    troubles: &mut Troubles,
+) -> Option<Bindings> {
+    let mut bindings = Bindings::new();
+    let known = part.variable().is_some();
+    match object_holds(part.pattern(), constraints, known, sample.variable, &mut bindings, site, surroundings) {
+        Ok(holds) => holds.then_some(bindings),
+        Err(error) => {
+            troubles.add(error);
+            None
+        }
+    }
+}
