@@ -46,6 +46,7 @@ fn render(texts: &[Text]) -> String {
 
 fn family_title(family: &str) -> &'static str {
     match family {
+        "phases" => "Phases of a step",
         "monitoring" => "Monitoring and interpretation",
         "control" => "Task control",
         _ => "Deliberation management",

@@ -6,7 +6,7 @@ use crate::tree::{self, Text};
 /// Headings of a service's header, in this order.
 pub(crate) const HEADINGS: &[&str] = &["What", "Runs", "Reads", "Writes", "Bound", "PDL", "Paper"];
 /// Folders whose files are services.
-pub(crate) const FAMILIES: &[&str] = &["monitoring", "control", "deliberation"];
+pub(crate) const FAMILIES: &[&str] = &["phases", "monitoring", "control", "deliberation"];
 
 /// Checks all Rust texts.
 pub(crate) fn check(texts: &[Text]) -> Vec<Finding> {

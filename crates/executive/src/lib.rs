@@ -10,6 +10,7 @@ mod control;
 mod deliberation;
 mod expression;
 mod monitoring;
+mod phases;
 mod registration;
 mod session;
 mod step;

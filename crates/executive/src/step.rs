@@ -5,9 +5,9 @@
 //! do not depend on how events were divided into batches, nor on how often time was advanced.
 
 use crate::control::cycle::{Cycle, Work};
-use crate::control::phases::{contention, enablement, invariants, invocation, recording, selection};
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{monitoring_clauses, probing, termination};
+use crate::phases::{contention, enablement, invariants, invocation, recording, selection};
 use crate::state::agent::Agent;
 use crate::state::task::Origin;
 use apex_model::agent_limits::Limit;

@@ -4,13 +4,15 @@
 //! Bound: O(claims) plus arbitration of the resources that changed.  PDL: section 9.  Paper: section III.
 
 use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal};
-use crate::control::conflicts::crossing::{self, Defender};
+use crate::control::conflicts::crossing;
+use crate::control::conflicts::crossing::Defender;
 use crate::control::conflicts::curve::Curve;
 use crate::control::conflicts::{competition, conflict, line, priority, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::tasks::{interruption, termination};
 use crate::control::transition::{Trigger, transition};
-use crate::planted::{self, Bug};
+use crate::planted;
+use crate::planted::Bug;
 use crate::state::agent::Agent;
 use crate::state::resource::{Need, ResourceId};
 use crate::state::wake::Wake;

@@ -8,7 +8,8 @@ use crate::control::tasks::{
     binding, instantiation, interruption, monitoring_clauses, repetition, restart, termination,
 };
 use crate::control::transition::{Trigger, transition};
-use crate::planted::{self, Bug};
+use crate::planted;
+use crate::planted::Bug;
 use crate::state::clause::Clause;
 use crate::state::controller::Controller;
 use crate::state::monitors::monitor::Satisfaction;

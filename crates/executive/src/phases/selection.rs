@@ -7,10 +7,12 @@
 use crate::control::conflicts::{priority, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::matching::{IndexPattern, index_of, match_index};
-use crate::control::tasks::goal::{self, activity_of};
+use crate::control::tasks::goal;
+use crate::control::tasks::goal::activity_of;
 use crate::control::tasks::termination;
 use crate::deliberation::solver_selection;
-use crate::expression::{EvaluationError, evaluate, instantiate};
+use crate::expression::result::EvaluationError;
+use crate::expression::{evaluate, instantiate};
 use crate::monitoring::specificity::specificity;
 use crate::state::clause::Level;
 use crate::state::controller::{Selection, Way};

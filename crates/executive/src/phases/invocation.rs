@@ -4,10 +4,11 @@
 //! Bound: O(1) per task in addition to what its controller does.  PDL: section 9.  Paper: section III, primitive and planner invocation.
 
 use crate::control::cycle::Cycle;
-use crate::control::phases::built_in;
 use crate::control::tasks::{interruption, primitive, procedure, question, termination};
 use crate::deliberation::{plan_adoption, planner_invocation};
-use crate::planted::{self, Bug};
+use crate::phases::built_in;
+use crate::planted;
+use crate::planted::Bug;
 use crate::state::controller::{Controller, Way};
 use apex_model::because::Cause;
 use apex_model::task::{TaskId, TaskState};
