@@ -6,6 +6,7 @@ mod limits;
 mod look_back;
 mod numbers;
 mod patterns;
+mod relation_chains;
 mod relations;
 mod statistics_by_definition;
 mod stories;
