@@ -2,7 +2,7 @@
 //! are unpacked here, so that a chunk that is damaged costs only its own messages. Messages in JSON are read; of others
 //! their topic and number are known.
 
-use crate::{ReadErrors, LogReader, MESSAGE_BYTES_MAX, Message, TOPICS_MAX, Topic, json_fields};
+use crate::{LogReader, MESSAGE_BYTES_MAX, Message, ReadErrors, TOPICS_MAX, Topic, json_fields};
 use apex_model::time::Time;
 use mcap::records::{self, ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
