@@ -72,7 +72,7 @@ impl TimestampInterpolator {
                     self.spread(at);
                     self.newest = Some(at);
                 } else {
-                    // The log has a clock of its own: nothing waits.
+                    // The log has its clock: no reader waits.
                     self.newest = self.newest.max(Some(at));
                     self.release();
                 }

@@ -129,7 +129,7 @@ impl Entry {
     /// The index of its field among those of `topic`.
     fn field_in(&self, topic: &Topic) -> Option<usize> {
         let wanted = self.field.strip_prefix(&topic.name).and_then(|rest| rest.strip_prefix('.'));
-        // The only topic of a table has no name of its own.
+        // The only topic of a table has no separate name.
         let wanted = if topic.name == "csv" { Some(wanted.unwrap_or(&self.field)) } else { wanted }?;
         let wanted = if self.take == Take::Value { wanted.to_string() } else { format!("{wanted}[0]") };
         topic.fields.iter().position(|field| *field == wanted)

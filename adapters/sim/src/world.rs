@@ -1,6 +1,6 @@
 //! The simulated world: time, the vehicle in it, and what it says.
 //!
-//! Time moves in steps of its own choice, cut only at the instants of commands and scheduled events, and all of them are
+//! Time moves in steps that the simulator chooses, cut only at the instants of commands and scheduled events, and all of them are
 //! whole milliseconds. So the same commands at the same times give the same inputs, however often `advance` is called in
 //! between, and the end of the next step is always known: no input comes later than the instant it belongs to.
 

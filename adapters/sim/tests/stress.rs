@@ -12,7 +12,7 @@ use apex_runtime::ports::Vehicle;
 use apex_sim::{Modem, Start, WorldConfig};
 use common::{Run, form, location, predator, rmax, wind, word};
 
-/// A small generator of its own, so that the tests do not depend on the simulator's.
+/// A separate small generator, so that the tests do not depend on the simulator's.
 struct Dice(u64);
 
 impl Dice {

@@ -13,7 +13,7 @@ use apex_model::problem::{Manoeuvre, QualityFactor, QualityFactors};
 pub const SWEEP_LINES_MAX: usize = 1_000;
 /// Lines with ends closer than this touch: the vehicle flies on around a corner.
 const TOUCHING_M_MAX: f64 = 1.0;
-/// Corners of the polygon that stands for a circle.
+/// Corners of the polygon that represents a circle.
 const CIRCLE_CORNERS: usize = 32;
 const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 

@@ -100,7 +100,7 @@ fn target_cost_of(
     let mut asked: Vec<(f64, f64)> = Vec::new();
     let mut trouble: Option<String> = None;
     let mut watched = |age_s: f64| {
-        // After the first trouble nobody is asked any more: a sum with what is no number ends the integral.
+        // After the first error the function is not called again: a sum with NaN ends the integral.
         if trouble.is_some() {
             return f64::NAN;
         }

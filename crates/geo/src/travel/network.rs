@@ -113,7 +113,7 @@ impl Network {
     /// The network of a setting on the Earth, flown through `air`.
     ///
     /// # Errors
-    /// A sentence that names the zone that is no polygon, crosses itself or is too far away.
+    /// An error message with the zone that is not a polygon, crosses itself or is too far away.
     pub fn new(setting: &Setting<'_>, air: Air) -> Result<Network, String> {
         let turns = Turns::of(setting.turn_radius_m, setting.circling, &air);
         Ok(Network::over(setting::ground(setting, turns.room())?, air, setting.time_s, (false, turns)))
@@ -122,7 +122,7 @@ impl Network {
     /// The network of zones drawn on a plane, each kept at `margin`, with bends of at least `turn_radius`.
     ///
     /// # Errors
-    /// A sentence that names the zone that is no polygon.
+    /// An error message with the zone that is not a polygon.
     pub fn on_plane(
         zones: &[PlaneZone],
         (margin, turn_radius): (f64, f64),

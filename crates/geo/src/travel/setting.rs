@@ -21,7 +21,7 @@ pub struct Setting<'a> {
     pub circling: bool,
     /// Emergency landing places.
     pub landing_places: &'a [LandingPlace],
-    /// Never farther than this from the nearest of them; none is no limit.
+    /// Never farther than this from the nearest of them; `None`: no limit.
     pub landing_distance_m_max: Option<f64>,
     /// Positions in whose middle the projection is centred.
     pub around: &'a [Position],

@@ -63,7 +63,7 @@ pub(super) struct Turned {
     spots: Vec<Drawn>,
 }
 
-/// From one bend to the next: along the x axis of its own plane.
+/// From one bend to the next: along the x axis of a local plane.
 struct Piece<'a> {
     from: &'a Spot,
     to: &'a Spot,

@@ -63,7 +63,7 @@ impl Network {
     /// The first arrival at `to` of who is at `from` at `ready_s`.
     ///
     /// # Errors
-    /// What stands in the way.
+    /// What blocks the way.
     pub fn trip(&mut self, from: PlaceId, to: PlaceId, ready_s: f64) -> Result<Trip, Trouble> {
         let key = (from.0, to.0);
         let set = match self.found.between.get(&key) {

@@ -176,7 +176,7 @@ impl<'a> Scenario<'a> {
     /// Expected cost of flying `word`, and the nanoseconds that it takes to find out.
     fn price(&self, word: impl IntoIterator<Item = usize>) -> (f64, u64) {
         let targets = &self.problem.targets;
-        // No end yet is no number.
+        // A visit that has not ended has no number.
         let mut last_s = vec![f64::NAN; targets.len()];
         let (mut total, mut visits, mut seen) = (self.idle.1, 0_u64, Vec::new());
         self.fly(word, |stop| {

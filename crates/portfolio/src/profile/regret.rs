@@ -66,7 +66,7 @@ pub struct Summary {
     pub budget: String,
     /// How many missions.
     pub missions: usize,
-    /// What the chosen planner costs more than the best, in the mean, and at worst, in percent.
+    /// What the chosen planner costs more than the best, on average and at worst, in percent.
     pub regret_percent: f64,
     /// The worst of one mission.
     pub worst_percent: f64,
