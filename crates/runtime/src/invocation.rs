@@ -1,6 +1,6 @@
 //! Invocation (deliberation): one solver at work on a thread of its own, watched and contained.
 //!
-//! While it works its best plan so far can be polled, it can be paused, cancelled, and set on another problem. Whatever it does,
+//! While it works its best plan so far can be polled, and it can be paused and cancelled. Whatever it does,
 //! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
 //! in the answer, and the best plan reported before counts. Nothing of a plan is believed here: the checker looks at it next.
 //!
@@ -171,7 +171,6 @@ enum Ended {
 /// A solver at work.
 pub struct Invocation {
     solver: Arc<dyn Solver>,
-    seed: u64,
     limits: Limits,
     shared: Arc<Shared>,
     answers: Receiver<(Ended, Option<f64>)>,
@@ -207,7 +206,7 @@ impl Invocation {
         builder
             .spawn(work)
             .map_err(|error| format!("no thread could be started for the solver {}: {error}", solver.name()))?;
-        Ok(Invocation { solver, seed, limits, shared, answers, begun: Instant::now(), grown_from })
+        Ok(Invocation { solver, limits, shared, answers, begun: Instant::now(), grown_from })
     }
 
     /// The best plan reported so far, unchecked.
@@ -233,15 +232,6 @@ impl Invocation {
     /// Tells it to stop with what it has; [`finish`](Invocation::finish) then has the answer.
     pub fn cancel(&self) {
         self.shared.stop(Stop::Cancelled);
-    }
-
-    /// Sets the same solver on another problem, from the best plan so far. The old work is cancelled.
-    ///
-    /// # Errors
-    /// As [`begin`](Invocation::begin).
-    pub fn redirect(self, problem: Arc<Problem>) -> Result<Invocation, String> {
-        self.cancel();
-        Invocation::begin(Arc::clone(&self.solver), problem, self.best(), self.seed, self.limits)
     }
 
     /// Waits for the answer, within patience, or until it is told to stop because nobody wants it any more.

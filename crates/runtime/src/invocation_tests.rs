@@ -159,7 +159,7 @@ fn memory_beyond_the_limit_ends_the_work() {
 }
 
 #[test]
-fn a_solver_is_polled_paused_cancelled_and_set_on_another_problem() {
+fn a_solver_is_polled_paused_and_cancelled() {
     let endless = Limits { units: u64::MAX / 4, ..LIMITS };
     let begun = Invocation::begin(Arc::new(Bad("patient")), problem(0.0), None, 1, endless).unwrap();
     while begun.best().is_none() || begun.used() == 0 {
@@ -175,10 +175,9 @@ fn a_solver_is_polled_paused_cancelled_and_set_on_another_problem() {
     while begun.used() == used {
         thread::yield_now();
     }
-    let other = begun.redirect(problem(10.0)).unwrap();
-    other.cancel();
-    let answer = other.finish(&CancelToken::new());
-    assert_eq!(answer.plan.map(|plan| score(&plan)), Ok(11.0), "the other problem, from the best plan of the first");
+    begun.cancel();
+    let answer = begun.finish(&CancelToken::new());
+    assert!(answer.plan.is_ok(), "the best plan until then");
     assert_eq!(answer.misconduct, None);
 }
 
