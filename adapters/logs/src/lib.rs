@@ -8,6 +8,7 @@ mod csv_table;
 mod dataflash;
 mod dataflash_binary;
 mod dataflash_text;
+mod field_list;
 mod fields;
 mod json_fields;
 mod log_file;
@@ -21,6 +22,7 @@ mod ordered;
 mod ulog;
 mod ulog_format;
 
+pub use field_list::field_list;
 pub use fields::{FieldSummary, Span, survey};
 pub use log_file::{LogError, LogFile};
 pub use mapping::{Entry, Mapping, Sampled, Sampler, Take};

@@ -145,7 +145,7 @@ fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKin
 /// Prints what the log holds.
 pub fn list_fields(log: &LogFile, json: bool) -> Outcome {
     let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), error))?;
-    super::field_list::print(log.format(), &fields, span, log.known_mapping(), json)?;
+    output::print(apex_logs::field_list(log.format(), &fields, span, log.known_mapping(), json))?;
     tell_damages(log.path(), &damages);
     Ok(())
 }

@@ -1,4 +1,3 @@
-//! What `apex monitor` needs: inputs of all kinds and lists of fields.
+//! What `apex monitor` needs: inputs of all kinds.
 
-pub mod field_list;
 pub mod input;

@@ -1,20 +1,19 @@
-//! `apex monitor --fields`: what a log holds, and which state variables come of it.
+//! The fields of a log as a table or JSON lines, with the state variables that a mapping makes of them.
 
-use crate::output;
-use crate::trouble::Outcome;
-use apex_logs::{FieldSummary, Format, MappingFile, Take};
+use crate::{FieldSummary, Format, MappingFile, Take};
 use apex_model::time::Time;
 use std::fmt::Write;
 
-/// Prints the fields.
-pub fn print(
+/// Writes the fields, one per line.
+pub fn field_list(
     format: Format,
     fields: &[FieldSummary],
     span: Option<(Time, Time)>,
     mapping: Option<&MappingFile>,
     json: bool,
-) -> Outcome {
+) -> String {
     let mut text = String::new();
+    // Writing to a string cannot fail.
     if !json {
         let seconds = span.map_or(0.0, |(from, to)| (to - from).seconds());
         let _ = writeln!(text, "{}, {seconds:.1} s, {} fields\n", format.name(), fields.len());
@@ -40,7 +39,7 @@ pub fn print(
         let arrow = if becomes.is_empty() { String::new() } else { format!("  -> {}", becomes.join(" ")) };
         let _ = writeln!(text, "{:<52} {:>8} {rate:>8}  {values}{arrow}", field.name, field.count);
     }
-    output::print(text)
+    text
 }
 
 /// The state variables that the mapping makes of a field.
