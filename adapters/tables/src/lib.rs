@@ -6,9 +6,9 @@ mod parquet_writer;
 pub use csv_writer::CsvWriter;
 pub use parquet_writer::ParquetWriter;
 
+use apex_executive::state::recorded::Recorded;
 use apex_model::event::StateVariable;
 use apex_model::quantity::unit_named;
-use apex_model::recorded::Recorded;
 use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;

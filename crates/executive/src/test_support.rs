@@ -1,9 +1,9 @@
 //! Small surroundings for tests.
 
 use crate::expression::Surroundings;
+use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::{Limits, UNLOWERED};
-use apex_model::bindings::Bindings;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;

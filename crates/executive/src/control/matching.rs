@@ -10,10 +10,10 @@
 use crate::control::cycle::Cycle;
 use crate::expression::EvaluationError;
 use crate::monitoring::pattern_matching::match_pattern;
+use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
 use crate::state::index::Candidate;
 use crate::state::task::ProcedureRef;
-use apex_model::bindings::Bindings;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Primitive, Procedure};
 use apex_model::source::Place;

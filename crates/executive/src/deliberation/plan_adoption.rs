@@ -6,11 +6,11 @@
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{procedure, termination};
 use crate::state::agent::Generated;
+use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, Way};
 use crate::state::index::{Candidate, ProcedureIndex};
 use crate::state::task::ProcedureRef;
 use apex_model::because::{Because, Cause};
-use apex_model::bindings::Bindings;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::SolverReport;
 use apex_model::expression::Template;

@@ -7,8 +7,8 @@
 use crate::control::cycle::Cycle;
 use crate::control::matching::{index_of, match_index};
 use crate::monitoring::specificity::specificity;
+use crate::state::bindings::Bindings;
 use crate::state::index::Candidate;
-use apex_model::bindings::Bindings;
 use apex_model::task::TaskId;
 use apex_model::value::Value;
 

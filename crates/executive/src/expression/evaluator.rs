@@ -4,7 +4,7 @@ use super::higher_order;
 use super::{
     Action, EvaluationError, Surroundings, arithmetic, effects, history_queries, lists, strings, time_functions,
 };
-use apex_model::bindings::Bindings;
+use crate::state::bindings::Bindings;
 use apex_model::builtins::built_in;
 use apex_model::expression::{Closure, Expr, ExprKind, Parameters};
 use apex_model::host::HostFunction;

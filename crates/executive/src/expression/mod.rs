@@ -25,7 +25,7 @@ pub(crate) use surroundings::{Surroundings, WithBindings};
 
 use evaluator::{Evaluator, Hook};
 
-use apex_model::bindings::Bindings;
+use crate::state::bindings::Bindings;
 use apex_model::expression::{Expr, Template};
 use apex_model::limits::TEXT_CHARACTERS_MAX;
 use apex_model::value::Value;

@@ -1,8 +1,8 @@
 //! What an expression may see: the task's variables, the time, other tasks, histories, the library. Nothing else.
 
+use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::Limits;
-use apex_model::bindings::Bindings;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;

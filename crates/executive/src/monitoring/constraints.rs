@@ -10,8 +10,8 @@
 use super::pattern_matching::match_pattern;
 use crate::expression::arithmetic::{compare, described, duration, equal, instant, with_unit};
 use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Test, Tests};
-use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::library::Library;

@@ -8,7 +8,7 @@
 //! Paper: section V, explanation of behaviour.
 
 use crate::expression::Surroundings;
-use apex_model::bindings::Bindings;
+use crate::state::bindings::Bindings;
 use apex_model::pattern::Pattern;
 use apex_model::print::Style::Brief;
 use apex_model::value::Value;

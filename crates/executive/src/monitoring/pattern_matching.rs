@@ -8,7 +8,7 @@
 //! Paper: section III, pattern matching.
 
 use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
-use apex_model::bindings::Bindings;
+use crate::state::bindings::Bindings;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::limits::MATCH_STEPS_MAX;
 use apex_model::pattern::Pattern;

@@ -2,10 +2,10 @@
 //! average, and nothing where nobody asked.
 
 use crate::state::monitors::monitor::Satisfaction;
+use crate::state::recorded::Recorded;
 use apex_model::because::Evidence;
 use apex_model::event::StateVariable;
 use apex_model::limits::SPACINGS_MAX;
-use apex_model::recorded::Recorded;
 use apex_model::time::{Duration, Time};
 use std::collections::{BTreeMap, VecDeque};
 

@@ -1,9 +1,9 @@
 //! What the conditions of a session see: its histories, the tasks that it was reported of, the variables that were bound.
 
 use crate::expression::Surroundings;
+use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::{Limits, UNLOWERED};
-use apex_model::bindings::Bindings;
 use apex_model::host::HostFunctions;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;

@@ -76,7 +76,7 @@ pub struct Agent {
     /// Questions without an answer, with the tasks that wait.
     pub questions: BTreeMap<QuestionId, TaskId>,
     /// What is pursued while conditions with `:probing` are waited for.
-    #[serde(default, with = "apex_model::pairs")]
+    #[serde(default, with = "crate::state::pairs")]
     pub probings: BTreeMap<ProbingId, Probing>,
     /// What will happen by itself.
     pub wakes: WakeQueue,

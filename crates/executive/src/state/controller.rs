@@ -1,10 +1,10 @@
 //! Controllers: what carries out an ongoing task (paper, section III). One per way of pursuing a goal.
 
+use crate::state::bindings::Bindings;
 use crate::state::children::Children;
 use crate::state::resource::Need;
 use crate::state::task::ProcedureRef;
 use crate::state::wake::WakeKey;
-use apex_model::bindings::Bindings;
 use apex_model::effect::{CommandId, QuestionId, SolveRequestId};
 use apex_model::procedure::BuiltInActivity;
 use apex_model::task::TaskId;

@@ -5,10 +5,10 @@
 //! watches for these in arrays; the monitor itself is touched when its episode is decided, or asked for. Whatever is not
 //! an ordinary sample (late, replaced, of another kind) takes every episode out first, and goes the general way.
 
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{ObjectRun, Run, RunSample};
 pub use crate::state::plain_episode::{Band, LeafId, Open, PlainEpisode, Seen, Taken, Told, What};
 use crate::state::wake::WakeKey;
-use apex_model::bindings::Bindings;
 use apex_model::quantity::Dimension;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;

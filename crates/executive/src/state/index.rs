@@ -2,6 +2,7 @@
 //! goal, steps by tag, results that steps wait for. Derived from the library alone; never part of a snapshot.
 
 use crate::state::step_clauses::StepClauses;
+use crate::state::walk;
 use apex_model::awaited::Awaited;
 use apex_model::condition::{Condition, ConditionKind};
 use apex_model::expression::{Expr, ExprKind};
@@ -10,7 +11,6 @@ use apex_model::pattern::Pattern;
 use apex_model::procedure::{Hooks, Procedure, Repetition, Step};
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
-use apex_model::walk;
 use rustc_hash::FxBuildHasher;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;

@@ -4,6 +4,7 @@
 //! cloned, compared, stored and restored whole. The services of the executive are functions over it.
 
 pub mod agent;
+pub mod bindings;
 pub mod children;
 pub mod clause;
 pub mod controller;
@@ -13,8 +14,10 @@ pub mod index;
 pub mod interests;
 pub mod monitor_set;
 pub mod monitors;
+pub mod pairs;
 pub mod plain_episode;
 pub mod probing;
+pub mod recorded;
 pub mod resource;
 pub mod step_clauses;
 pub mod table;
@@ -22,3 +25,4 @@ pub mod task;
 pub mod thresholds;
 pub mod waiting;
 pub mod wake;
+pub mod walk;

@@ -1,12 +1,12 @@
 //! Tasks: commitments to act under conditions to realise a policy (paper, section III).
 
+use crate::state::bindings::Bindings;
 use crate::state::clause::MonitorId;
 use crate::state::controller::{Controller, Selection};
 use crate::state::probing::ProbingId;
 use crate::state::resource::{Need, ResourceId};
 use crate::state::step_clauses::StepClauses;
 use crate::state::wake::WakeKey;
-use apex_model::bindings::Bindings;
 use apex_model::task::{Outcome, TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;

@@ -8,10 +8,10 @@ use crate::control::cycle::Cycle;
 use crate::control::tasks::instantiation::{self, Seed};
 use crate::control::tasks::{interruption, primitive, termination};
 use crate::control::transition::{Trigger, transition};
+use crate::state::bindings::Bindings;
 use crate::state::controller::{Controller, HandlingController};
 use crate::state::task::{HeldBack, Origin};
 use apex_model::because::{Because, Cause};
-use apex_model::bindings::Bindings;
 use apex_model::effect::DecisionKind;
 use apex_model::task::{Outcome, TaskId, TaskState};
 

@@ -7,10 +7,10 @@
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{binding, correspondence, primitive, termination};
 use crate::expression::{Action, run};
+use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
 use crate::state::controller::Controller;
 use apex_model::because::{Because, Cause};
-use apex_model::bindings::Bindings;
 use apex_model::effect::{DecisionKind, Effect};
 use apex_model::expression::Expr;
 use apex_model::task::TaskId;

@@ -10,9 +10,9 @@
 
 use crate::expression::{Surroundings, evaluate};
 use crate::monitoring::part::Troubles;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{FunctionPart, Satisfaction};
 use apex_model::because::Evidence;
-use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::print::Style::Brief;
 

@@ -13,13 +13,13 @@ use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
 use crate::monitoring::samples::{Seen, concerns, known_variable};
 use crate::planted::{self, Bug};
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{
     Keep, MeasurementPart, Newest, NewestSample, Satisfaction, SeenSamples, Test, Window,
 };
 use crate::state::thresholds::Threshold;
 use apex_model::agent_limits::Limit;
 use apex_model::because::Evidence;
-use apex_model::bindings::Bindings;
 use apex_model::condition::MeasurementCondition;
 use apex_model::condition::VariablePattern;
 use apex_model::event::StateVariable;

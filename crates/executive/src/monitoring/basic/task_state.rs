@@ -10,9 +10,9 @@
 use crate::expression::{Surroundings, evaluate};
 use crate::monitoring::part::{Site, Troubles, remember};
 use crate::monitoring::pattern_matching::match_pattern;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
 use apex_model::because::Evidence;
-use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::symbol::Symbol;
 use apex_model::task::{TaskId, TaskState};

@@ -11,14 +11,14 @@ use crate::expression::arithmetic::{duration, instant};
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::monitoring::part::Site;
 use crate::monitoring::wake::WakeReason;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Satisfaction, TimePart};
+use crate::state::walk;
 use apex_model::because::Evidence;
-use apex_model::bindings::Bindings;
 use apex_model::builtins::CHANGING;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::time::{Duration, Time};
-use apex_model::walk;
 
 /// Which of the two forms a part is.
 #[derive(Clone, Copy, PartialEq, Eq)]

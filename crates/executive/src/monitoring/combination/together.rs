@@ -15,8 +15,8 @@ use crate::monitoring::asking::Asking;
 use crate::monitoring::combination::extents::{self, Extent, Extents};
 use crate::monitoring::combination::logic;
 use crate::monitoring::part::Truth;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
-use apex_model::bindings::Bindings;
 use apex_model::evidence_list::EvidenceList;
 use apex_model::time::Time;
 

@@ -11,8 +11,8 @@ use crate::monitoring::constraints::satisfies_fixed;
 use crate::monitoring::episodes::plain_episode::is_plain;
 use crate::monitoring::part::Site;
 use crate::monitoring::samples::Seen;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{EpisodePart, Keep, ObjectRun, Run, RunSample};
-use apex_model::bindings::Bindings;
 use apex_model::time::Time;
 
 /// Takes the sample in. False when it must go the long way; then nothing has changed.

@@ -12,11 +12,11 @@ use crate::monitoring::constraints::unit_of;
 use crate::monitoring::memory::demand::{Demand, Reach, Subject};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::histories::history::{Histories, Occurrence, Sample};
+use crate::state::recorded::Recorded;
 use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
 use apex_model::library::Library;
 use apex_model::quantity::Dimension;
-use apex_model::recorded::Recorded;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 

@@ -10,10 +10,10 @@
 use crate::expression::{EvaluationError, Surroundings, evaluate};
 use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as, unit_of};
 use crate::monitoring::numbers::significance::slope_by_chance;
+use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::{HeldMoments, Moments};
 use crate::state::monitors::numbers::{Criterion, Measure};
 use apex_model::agent_limits::Limit;
-use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition};
 use apex_model::estimate::Aggregate;
 use apex_model::event::StateVariable;

@@ -10,8 +10,8 @@
 use crate::expression::arithmetic::described;
 use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
 use crate::monitoring::constraints::{Reading, read};
+use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::Moments;
-use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;

@@ -2,8 +2,8 @@
 
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::monitoring::specificity::specificity;
+use crate::state::bindings::Bindings;
 use crate::test_support::View;
-use apex_model::bindings::Bindings;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::pattern::Pattern;
 use apex_model::source::Place;

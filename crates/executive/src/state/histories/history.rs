@@ -6,10 +6,10 @@
 
 use crate::state::histories::event_log::EventLogs;
 use crate::state::histories::history_table::HistoryTable;
+use crate::state::recorded::Recorded;
 use apex_model::agent_limits::{Limit, Limits};
 use apex_model::event::StateVariable;
 use apex_model::limits::{EVENT_HISTORY_MAX, HISTORY_SAMPLES_DEFAULT, HISTORY_SAMPLES_MAX, LATE_SAMPLES_MAX};
-use apex_model::recorded::Recorded;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
@@ -61,7 +61,7 @@ pub struct History {
     /// Samples that were not a number.
     pub missing_count: u64,
     /// The first arrival numbers of instants whose sample was replaced.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     first_arrivals: BTreeMap<Time, u64>,
     /// The newest instant of a sample that is no longer kept.
     pub forgotten_until: Option<Time>,

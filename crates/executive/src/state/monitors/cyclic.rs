@@ -1,7 +1,7 @@
 //! A cyclic condition (`monitoring.md` section 1, `:cyclic`), and its state: turning points and the run of cycles they make.
 
+use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::Satisfaction;
-use apex_model::bindings::Bindings;
 use apex_model::condition::CyclicCondition;
 use apex_model::event::StateVariable;
 use apex_model::quantity::Dimension;
@@ -25,7 +25,7 @@ pub struct CyclicPart {
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
     /// What the samples of each object have done.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, CyclicObject>,
 }
 

@@ -3,10 +3,10 @@
 //! A monitor is a tree with the shape of its condition. It is plain data: the services in the executive's
 //! `monitoring` folder create it, feed it and ask it.
 
+use crate::state::bindings::Bindings;
 use crate::state::monitors::cyclic::CyclicPart;
 use crate::state::monitors::numbers::{PersistedPart, RegressionPart, StatisticalPart};
 pub use crate::state::monitors::unmet::Unmet;
-use apex_model::bindings::Bindings;
 use apex_model::condition::{EpisodeCondition, MeasurementCondition, Relation};
 use apex_model::event::StateVariable;
 use apex_model::evidence_list::EvidenceList;
@@ -252,7 +252,7 @@ pub enum Newest {
     /// Of one object, while there is no other.
     One(Value, NewestSample),
     /// Of several.
-    Several(#[serde(with = "apex_model::pairs")] BTreeMap<Value, NewestSample>),
+    Several(#[serde(with = "crate::state::pairs")] BTreeMap<Value, NewestSample>),
 }
 
 impl Newest {
@@ -358,7 +358,7 @@ pub struct EpisodePart {
     /// Results of runs that are over.
     pub settled: Vec<Satisfaction>,
     /// The run of each object.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     pub runs: BTreeMap<Value, ObjectRun>,
 }
 

@@ -1,10 +1,10 @@
 //! State of the conditions that compute: statistics, trends, regression, persistence (`monitoring.md` section 2, rules
 //! 9 to 13). Plain data; the services in the executive's `monitoring` folder work on it.
 
+use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::{HeldMoments, Moments};
 use crate::state::monitors::monitor::{Satisfaction, Tests};
 use crate::state::monitors::ordered_numbers::OrderedNumbers;
-use apex_model::bindings::Bindings;
 use apex_model::condition::{Constraint, EpisodeCondition, MeasurementCondition};
 use apex_model::event::StateVariable;
 use apex_model::expression::Expr;
@@ -95,7 +95,7 @@ pub struct StatisticalPart {
     /// Results that no later arrival of the same instant can take back.
     pub settled: Vec<Satisfaction>,
     /// The run of each object.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, NumberRun>,
 }
 
@@ -212,7 +212,7 @@ pub struct PersistedPart {
     /// Results of samples that have been followed by others.
     pub settled: Vec<Satisfaction>,
     /// The newest sample of each object.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, PersistedSample>,
 }
 
@@ -251,7 +251,7 @@ pub struct RegressionPart {
     /// The fit interval reaches before the oldest sample that was kept when the monitor was made.
     pub blind: bool,
     /// The samples of each object.
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     pub objects: BTreeMap<Value, Fit>,
 }
 

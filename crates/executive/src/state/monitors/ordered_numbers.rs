@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 /// Finite numbers, each as often as it was added.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OrderedNumbers {
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     low: BTreeMap<i64, u64>,
-    #[serde(with = "apex_model::pairs")]
+    #[serde(with = "crate::state::pairs")]
     high: BTreeMap<i64, u64>,
     low_count: u64,
     high_count: u64,

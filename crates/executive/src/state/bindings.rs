@@ -1,7 +1,7 @@
 //! Variable bindings of a context: small, ordered by first binding, searched linearly. One takes no room of its own.
 
-use crate::symbol::Symbol;
-use crate::value::Value;
+use apex_model::symbol::Symbol;
+use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 

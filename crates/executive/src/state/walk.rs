@@ -1,7 +1,7 @@
 //! Expressions, part by part: every expression inside of another one, the outer one first.
 
-use crate::expression::{Expr, ExprKind, Template};
-use crate::procedure::Activity;
+use apex_model::expression::{Expr, ExprKind, Template};
+use apex_model::procedure::Activity;
 
 /// Shows `see` the expression and all its parts.
 pub fn each(expr: &Expr, see: &mut dyn FnMut(&Expr)) {
