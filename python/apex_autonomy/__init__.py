@@ -7,7 +7,9 @@ A :class:`Monitor` watches one condition of PDL over samples and messages, and t
 >>> monitor.push(12.5, 17)[0].start_s
 12.5
 
-A :class:`Planner` is a planner of your own; :func:`plan` plans with it, :func:`apex` flies missions with it.
+:func:`fly` flies a :class:`Mission` in the built-in simulator and records it; :func:`replay`, :func:`fork` and
+:func:`report` work on the record. A :class:`Planner` is a planner of your own: :func:`plan` plans with it, missions are
+flown with it, and a :class:`Profile` measures it beside those that ship.
 :func:`expected_cost` scores any plan of surveillance, also by costs of your own, and :func:`cost_table` makes them
 tables for planners.
 
@@ -21,6 +23,7 @@ from apex_autonomy._apex import (
     InputError,
     Interval,
     Judgement,
+    MissionError,
     PlanningError,
     Quantity,
     Reason,
@@ -31,33 +34,61 @@ from apex_autonomy._apex import (
     __version__,
 )
 from apex_autonomy.costs import ExpectedCost, TargetCost, cost_table, expected_cost
+from apex_autonomy.flight import (
+    Difference,
+    Flight,
+    Mission,
+    Plan,
+    ReplayResult,
+    Report,
+    Target,
+    fly,
+    fork,
+    replay,
+    report,
+)
 from apex_autonomy.monitor import Monitor
-from apex_autonomy.planner import Environment, Planner, apex, plan
+from apex_autonomy.planner import Environment, Planner, plan, problem
+from apex_autonomy.profile import Profile, profile_cells
 from apex_autonomy.tables import to_arrow
 
 __all__ = [
     "ApexError",
     "ConditionError",
+    "Difference",
     "Environment",
     "Evidence",
     "ExpectedCost",
+    "Flight",
     "InputError",
     "Interval",
     "Judgement",
+    "Mission",
+    "MissionError",
     "Monitor",
+    "Plan",
     "Planner",
     "PlanningError",
+    "Profile",
     "Quantity",
     "Reason",
+    "ReplayResult",
+    "Report",
     "Result",
     "Results",
     "Symbol",
+    "Target",
     "TargetCost",
     "Variable",
     "__version__",
-    "apex",
     "cost_table",
     "expected_cost",
+    "fly",
+    "fork",
     "plan",
+    "problem",
+    "profile_cells",
+    "replay",
+    "report",
     "to_arrow",
 ]

@@ -12,6 +12,9 @@ __all__ = [
     "InputError",
     "Interval",
     "Judgement",
+    "Means",
+    "Mission",
+    "MissionError",
     "PlanningError",
     "Quantity",
     "Reason",
@@ -22,11 +25,19 @@ __all__ = [
     "Symbol",
     "Variable",
     "__version__",
-    "command",
+    "cell_names",
     "cost_points",
     "expected_cost_of",
+    "fly_json",
+    "fork_json",
     "instant_ns",
+    "measured",
+    "merged_profile",
     "plan_json",
+    "problem_json",
+    "profile_table",
+    "replay_json",
+    "report_json",
 ]
 
 __version__: str
@@ -34,7 +45,14 @@ __version__: str
 class ApexError(Exception): ...
 class ConditionError(ApexError): ...
 class InputError(ApexError): ...
-class PlanningError(ApexError): ...
+
+class MissionError(ApexError):
+    message: str
+    place: str | None
+    reason: str | None
+    help: str | None
+
+class PlanningError(MissionError): ...
 
 @final
 class Symbol:
@@ -198,8 +216,62 @@ class Surroundings:
 
 _Planners = list[tuple[str, list[str], Callable[[str, Surroundings], str], Callable[[int], None]]]
 
-def command(arguments: list[str], planners: _Planners) -> bool: ...
-def plan_json(problem: str, solver: str | None, budget_s: float, seed: int, planners: _Planners) -> str: ...
+@final
+class Means:
+    def __new__(
+        cls,
+        planners: _Planners,
+        *,
+        table: str | None = None,
+        solver_timeout_s: float | None = None,
+        solver_memory_mib: int | None = None,
+    ) -> Means: ...
+
+@final
+class Mission:
+    @staticmethod
+    def load(path: Path) -> Mission: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def vehicle(self) -> str: ...
+    @property
+    def duration_s(self) -> float: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def targets_json(self) -> str: ...
+    def plan_json(
+        self, solver: str | None, budget_s: float | None, seed: int | None, means: Means
+    ) -> tuple[str, str]: ...
+
+def plan_json(problem: str, solver: str | None, budget_s: float, seed: int, means: Means) -> str: ...
+def problem_json(path: Path) -> str: ...
+def fly_json(
+    mission: Mission,
+    record: Path,
+    seed: int | None,
+    limits: tuple[float | None, float | None],
+    means: Means,
+    on_progress: Callable[[float], object] | None,
+) -> str: ...
+def replay_json(record: Path) -> str: ...
+def fork_json(
+    record: Path,
+    at_s: float,
+    changes: tuple[float | None, int | None, str | None, list[str]],
+    target: tuple[Path, float | None],
+    means: Means,
+) -> str: ...
+def report_json(record: Path) -> str: ...
+def cell_names(named: list[str]) -> list[str]: ...
+def measured(
+    profile: str | None, grid: tuple[list[str], int, list[float]], planners: list[str], means: Means
+) -> str: ...
+def merged_profile(parts: list[str]) -> str: ...
+def profile_table(profile: str) -> str: ...
 def expected_cost_of(
     problem: str,
     visits: list[tuple[str, float]],

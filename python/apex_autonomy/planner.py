@@ -6,11 +6,12 @@ import abc
 import ctypes
 import json
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
-from apex_autonomy._apex import Surroundings, command, plan_json
+from apex_autonomy._apex import Means, Surroundings, plan_json, problem_json
 
-__all__ = ["Environment", "Planner", "apex", "plan"]
+__all__ = ["Environment", "Planner", "plan", "problem"]
 
 
 class PlannerStopped(BaseException):
@@ -103,8 +104,61 @@ def _registered(planners: Iterable[Planner]) -> list[Any]:
     return [(planner.name, list(planner.kinds), call(planner), _interrupt) for planner in planners]
 
 
+def means(
+    planners: Iterable[Planner],
+    *,
+    table: str | None = None,
+    solver_timeout_s: float | None = None,
+    solver_memory_mib: int | None = None,
+) -> Means:
+    """Return planners of your own beside those that ship, with the table that chooses and the limits."""
+    registered = _registered(planners)
+    return Means(registered, table=table, solver_timeout_s=solver_timeout_s, solver_memory_mib=solver_memory_mib)
+
+
+def chosen(planner: Planner | str | None, planners: Iterable[Planner]) -> tuple[str | None, list[Planner]]:
+    """Return the name of the planner that is asked for, and all planners to register."""
+    if isinstance(planner, Planner):
+        return planner.name, [*(other for other in planners if other is not planner), planner]
+    return planner, list(planners)
+
+
+def problem(name: str | Path) -> dict[str, Any]:
+    """Read a planning problem.
+
+    Parameters
+    ----------
+    name : str or Path
+        The name of a test mission (``docs/reference/test-missions.md``), a problem's file, or a benchmark's file.
+
+    Returns
+    -------
+    dict
+        The problem as ``docs/reference/planning-problems.md`` describes it.
+
+    Raises
+    ------
+    PlanningError
+        There is no such problem, or the file holds something else.
+
+    Examples
+    --------
+    >>> from apex_autonomy import problem
+    >>> len(problem("small-fixed-fixed-4-uniform@7")["Surveillance"]["targets"])
+    4
+    """
+    read: dict[str, Any] = json.loads(problem_json(Path(name)))
+    return read
+
+
 def plan(
-    problem: dict[str, Any] | str, *, planner: Planner | str | None = None, budget_s: float = 1.0, seed: int = 1
+    problem: dict[str, Any] | str,
+    *,
+    planner: Planner | str | None = None,
+    budget_s: float = 1.0,
+    seed: int = 1,
+    planners: Iterable[Planner] = (),
+    table: str | None = None,
 ) -> dict[str, Any]:
     """Plan for a problem, check the plan and prove a bound.
 
@@ -113,11 +167,15 @@ def plan(
     problem : dict or str
         A problem as ``docs/reference/planning-problems.md`` describes it, or its JSON text.
     planner : Planner or str, optional
-        Yours, or the name of one that ships; left out, the profile table chooses.
+        Yours, or the name of one; left out, the profile table chooses.
     budget_s : float
         Time for deliberation, in the time of a flight.
     seed : int
-        Seed of the planner's chance.
+        Seed of the planner's random numbers.
+    planners : iterable of Planner
+        Planners of your own that `planner` or `table` may name.
+    table : str, optional
+        Text of the profile table that chooses (`Profile.table`); left out, the one that ships.
 
     Returns
     -------
@@ -128,27 +186,15 @@ def plan(
     ------
     PlanningError
         There is no plan, and why.
+
+    Examples
+    --------
+    >>> from apex_autonomy import plan, problem
+    >>> answer = plan(problem("small-fixed-fixed-4-uniform"), planner="nearest-neighbour", budget_s=0.001)
+    >>> answer["bound"] <= answer["value"]
+    True
     """
     text = problem if isinstance(problem, str) else json.dumps(problem)
-    own = [planner] if isinstance(planner, Planner) else []
-    name = planner.name if isinstance(planner, Planner) else planner
-    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, seed, _registered(own)))
+    name, own = chosen(planner, planners)
+    answer: dict[str, Any] = json.loads(plan_json(text, name, budget_s, seed, means(own, table=table)))
     return answer
-
-
-def apex(*arguments: str, planners: Iterable[Planner] = ()) -> bool:
-    """Run the ``apex`` command in this process, with planners of your own beside those that ship.
-
-    Missions ask them by ``(solver NAME ..)``. It prints what the command prints.
-
-    Returns
-    -------
-    bool
-        True when the command went well.
-
-    Raises
-    ------
-    InputError
-        The arguments are not understood, or a planner's name is taken.
-    """
-    return command([str(argument) for argument in arguments], _registered(planners))

@@ -1,8 +1,7 @@
-"""The profile of planners, one task a cell: on the processes of this machine, or with --ray on a Ray cluster.
+"""The profile of planners, one task per cell: on the processes of this machine, or with --ray on a Ray cluster.
 
 Missions are independent and planners deterministic, so the file is the same, byte for byte, for any number of
-processes and machines. Every machine needs the package `apex_autonomy`. What this does not know goes to
-`apex profile build`: `--missions`, `--budgets`, `--planners`.
+processes and machines. Every machine needs the package `apex_autonomy`.
 """
 
 import argparse
@@ -10,51 +9,45 @@ import functools
 import multiprocessing
 import pathlib
 import sys
-import tempfile
 
-from apex_autonomy import apex
+from apex_autonomy import MissionError, Profile, profile_cells
 
-
-def measured(cells: str, *, options: tuple[str, ...]) -> str:
-    """Measure all planners in cells, and return the profile's text."""
-    with tempfile.TemporaryDirectory() as folder:
-        part = pathlib.Path(folder) / "part.txt"
-        if not apex("profile", "build", str(part), "--cells", cells, "--threads", "1", "--no-progress", *options):
-            raise RuntimeError(f"{cells} cannot be measured")
-        return part.read_text()
+SHIPPED = "nearest-neighbour,two-opt,wam,anytime"
 
 
-def cells(which: str) -> list[str]:
-    """Return the names of the cells: of `all`, of `subset`, or those with commas between."""
-    if which not in ("all", "subset"):
-        return which.split(",")
-    # The quickest profile there is names them.
-    names = measured(which, options=("--missions", "1", "--budgets", "1ms", "--planners", "nearest-neighbour"))
-    return [line.split()[1] for line in names.splitlines() if line.startswith("cell ")]
+def measured(cell: str, *, planners: list[str], missions: int, budgets_s: list[float]) -> str:
+    """Measure planners in one cell, and return the profile's text."""
+    return Profile.measure([cell], planners=planners, missions=missions, budgets_s=budgets_s).text
 
 
 def main(arguments: list[str]) -> int:
     """Measure all cells and merge the parts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("profile", help="the profile to write")
-    parser.add_argument("--cells", default="subset", help="all, subset, or names with commas between")
-    parser.add_argument(
-        "--ray", action="store_true", help="tasks go to the Ray cluster that is connected, or a local one"
-    )
-    parser.add_argument("--processes", type=int, help="at a time; all cores unless told otherwise")
-    known, options = parser.parse_known_args(arguments)
-    if known.ray:
+    parser.add_argument("--cells", default="subset", help="all, subset, or names separated by commas")
+    parser.add_argument("--missions", type=int, default=50, help="test missions of each cell")
+    parser.add_argument("--budgets-ms", default="1,10,100,1000", help="times for deliberation, separated by commas")
+    parser.add_argument("--planners", default=SHIPPED, help="names separated by commas")
+    parser.add_argument("--ray", action="store_true", help="send tasks to the connected Ray cluster, or a local one")
+    parser.add_argument("--processes", type=int, help="processes at a time; default: all cores")
+    options = parser.parse_args(arguments)
+    if options.ray:
         from ray.util.multiprocessing import Pool
     else:
         Pool = multiprocessing.get_context("spawn").Pool
-    task = functools.partial(measured, options=tuple(options))
-    with Pool(known.processes) as pool:
-        parts = pool.map(task, cells(known.cells), chunksize=1)
-    with tempfile.TemporaryDirectory() as folder:
-        files = [pathlib.Path(folder) / f"part-{number}.txt" for number in range(len(parts))]
-        for file, part in zip(files, parts, strict=True):
-            file.write_text(part)
-        return 0 if apex("profile", "merge", known.profile, *map(str, files)) else 1
+    budgets_s = [float(budget_ms) / 1000 for budget_ms in options.budgets_ms.split(",")]
+    planners = options.planners.split(",")
+    task = functools.partial(measured, planners=planners, missions=options.missions, budgets_s=budgets_s)
+    try:
+        cells = profile_cells(*options.cells.split(","))
+        with Pool(options.processes) as pool:
+            parts = pool.map(task, cells, chunksize=1)
+        whole = Profile.merge(map(Profile, parts))
+    except MissionError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    pathlib.Path(options.profile).write_text(whole.text)
+    return 0
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import random
 import sys
 
-from apex_autonomy import Environment, Planner, apex
+from apex_autonomy import Environment, Mission, Planner
 
 
 class Swaps(Planner):
@@ -39,5 +39,7 @@ class Swaps(Planner):
 
 
 if __name__ == "__main__":
-    # For example: python swaps.py plan missions/structure-watch --solver py-swaps
-    sys.exit(0 if apex(*sys.argv[1:], planners=[Swaps()]) else 1)
+    # For example: python swaps.py missions/structure-watch
+    planned = Mission.load(sys.argv[1]).plan(planner=Swaps(), budget_s=0.005)
+    plan = planned.answer["plan"]["Surveillance"]
+    print(f"planned by {plan['solver']}:", *(visit["target"] for visit in plan["visits"]))

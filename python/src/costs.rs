@@ -1,9 +1,10 @@
 //! Costs of ignorance written in Python: asked by the metrics, which know what a cost must be.
 
-use crate::errors::{InputError, PlanningError, input};
+use crate::errors::{InputError, input, planning};
 use apex_metrics::eci::Likelihoods;
 use apex_metrics::own_cost::{OwnCost, expected_cost_with};
 use apex_metrics::tabulate::tabulate;
+use apex_mission::plan::input::PlanInput;
 use apex_model::problem::{Problem, SurveillanceVisit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -50,7 +51,8 @@ pub(crate) fn expected_cost_of(
     costs: Vec<(String, Bound<'_, PyAny>, Vec<f64>)>,
     survival: bool,
 ) -> PyResult<(f64, Targets)> {
-    let problem = match apex_cli::problem(problem).map_err(PlanningError::new_err)? {
+    let read = PlanInput::of_json(problem, "the problem").map_err(|failure| planning(python, failure))?;
+    let problem = match read.problem {
         Problem::Surveillance(problem) => problem,
         Problem::SingleVisit(_) => return Err(input("only problems of surveillance have a cost of ignorance")),
     };

@@ -1,5 +1,6 @@
 //! Exceptions, all in one place.
 
+use apex_mission::error::MissionError as Failure;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
@@ -20,9 +21,16 @@ create_exception!(
 
 create_exception!(
     apex_autonomy,
-    PlanningError,
+    MissionError,
     ApexError,
-    "There is no plan: the problem cannot be read or makes no sense, nothing can be visited, or the planner's plan was refused."
+    "A mission, a flight, a record or a profile failed. `message` says what failed, `place` where, `reason` why, `help` what to do;\n\
+     the last three are None where there is nothing to say. The text of the exception holds all four."
+);
+create_exception!(
+    apex_autonomy,
+    PlanningError,
+    MissionError,
+    "There is no plan: the problem cannot be read or is invalid, nothing can be visited, or the planner's plan was refused."
 );
 
 /// Makes the exceptions known.
@@ -31,6 +39,13 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ApexError", python.get_type::<ApexError>())?;
     module.add("ConditionError", python.get_type::<ConditionError>())?;
     module.add("InputError", python.get_type::<InputError>())?;
+    let mission = python.get_type::<MissionError>();
+    // Instances of failures have their own; the class has these so that the attributes are always there.
+    mission.setattr("message", "")?;
+    for attribute in ["place", "reason", "help"] {
+        mission.setattr(attribute, python.None())?;
+    }
+    module.add("MissionError", mission)?;
     module.add("PlanningError", python.get_type::<PlanningError>())
 }
 
@@ -42,4 +57,33 @@ pub(crate) fn input(message: impl Into<String>) -> PyErr {
 /// A `ValueError`, for arguments that Python's own conventions name so.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
+}
+
+/// A failure of the mission crate as a [`MissionError`].
+pub(crate) fn mission(python: Python<'_>, failure: Failure) -> PyErr {
+    exception(python, MissionError::new_err, failure)
+}
+
+/// A failure of the mission crate as a [`PlanningError`].
+pub(crate) fn planning(python: Python<'_>, failure: Failure) -> PyErr {
+    exception(python, PlanningError::new_err, failure)
+}
+
+fn exception(python: Python<'_>, new: impl FnOnce(String) -> PyErr, failure: Failure) -> PyErr {
+    let mut failure = failure;
+    if let Some(checked) = failure.diagnostics.take() {
+        failure.reason =
+            Some(apex_pdl::render(&checked.diagnostics, &checked.library.sources, false).trim_end().to_string());
+    }
+    let error = new(failure.to_string());
+    let value = error.value(python);
+    let attributes = [
+        ("message", Some(failure.message)),
+        ("place", failure.place),
+        ("reason", failure.reason),
+        ("help", failure.help),
+    ];
+    let set = attributes.into_iter().try_for_each(|(name, text)| value.setattr(name, text));
+    // An exception whose attributes cannot be set is a failure of Python itself, which says more.
+    set.err().unwrap_or(error)
 }

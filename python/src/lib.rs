@@ -3,8 +3,12 @@
 
 mod costs;
 mod errors;
+mod flight;
 mod judgement;
 mod planner;
+mod planning;
+mod profile;
+mod recorded;
 mod results;
 mod session;
 mod source;
@@ -28,8 +32,18 @@ fn _apex(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<values::Variable>()?;
     module.add_class::<planner::Surroundings>()?;
     module.add_function(wrap_pyfunction!(instant_ns, module)?)?;
-    module.add_function(wrap_pyfunction!(planner::command, module)?)?;
-    module.add_function(wrap_pyfunction!(planner::plan_json, module)?)?;
+    module.add_class::<planning::Mission>()?;
+    module.add_class::<planning::Means>()?;
+    module.add_function(wrap_pyfunction!(planning::plan_json, module)?)?;
+    module.add_function(wrap_pyfunction!(planning::problem_json, module)?)?;
+    module.add_function(wrap_pyfunction!(flight::fly_json, module)?)?;
+    module.add_function(wrap_pyfunction!(recorded::replay_json, module)?)?;
+    module.add_function(wrap_pyfunction!(recorded::fork_json, module)?)?;
+    module.add_function(wrap_pyfunction!(recorded::report_json, module)?)?;
+    module.add_function(wrap_pyfunction!(profile::cell_names, module)?)?;
+    module.add_function(wrap_pyfunction!(profile::measured, module)?)?;
+    module.add_function(wrap_pyfunction!(profile::merged_profile, module)?)?;
+    module.add_function(wrap_pyfunction!(profile::profile_table, module)?)?;
     module.add_function(wrap_pyfunction!(costs::expected_cost_of, module)?)?;
     module.add_function(wrap_pyfunction!(costs::cost_points, module)?)?;
     errors::register(module)

@@ -3,7 +3,7 @@
 //! A planner works on a thread of its own. What it asks of its environment is sent to the thread of the solver, which serves it
 //! under the limits of every solver; so a planner that does not stop is interrupted there.
 
-use crate::errors::{PlanningError, input};
+use crate::errors::input;
 use apex_model::problem::{Plan, Problem};
 use apex_planning::Registry;
 use apex_planning::solver::{Environment, Solver};
@@ -202,38 +202,14 @@ fn read(name: &str, problem: &Problem, text: &str) -> Result<Plan, String> {
 }
 
 /// Name, kinds of problems it serves, what calls it, what interrupts its thread.
-type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
+pub(crate) type Planners = Vec<(String, Vec<String>, Py<PyAny>, Py<PyAny>)>;
 
 /// The planners that ship, and these.
-fn registry(planners: Planners) -> PyResult<Registry> {
+pub(crate) fn registry(planners: Planners) -> PyResult<Registry> {
     let mut registry = apex_solvers::shipped();
     for (name, kinds, call, interrupt) in planners {
         let solver = PythonSolver { name, kinds, call: Arc::new(call), interrupt: Arc::new(interrupt) };
         registry.add(Arc::new(solver)).map_err(input)?;
     }
     Ok(registry)
-}
-
-/// Runs the `apex` command with these planners beside those that ship; true when it went well.
-#[pyfunction]
-pub(crate) fn command(python: Python<'_>, arguments: Vec<String>, planners: Planners) -> PyResult<bool> {
-    let registry = registry(planners)?;
-    let arguments = std::iter::once("apex".to_string()).chain(arguments).map(Into::into);
-    let code = python.detach(|| apex_cli::try_main(arguments, registry)).map_err(input)?;
-    Ok(code == std::process::ExitCode::SUCCESS)
-}
-
-/// Plans for a problem in JSON; the answer is JSON too.
-#[pyfunction]
-pub(crate) fn plan_json(
-    python: Python<'_>,
-    problem: &str,
-    solver: Option<&str>,
-    budget_s: f64,
-    seed: u64,
-    planners: Planners,
-) -> PyResult<String> {
-    let registry = Arc::new(registry(planners)?);
-    let budget = apex_model::time::Duration::from_seconds(budget_s);
-    python.detach(|| apex_cli::plan(problem, solver, budget, seed, &registry)).map_err(PlanningError::new_err)
 }

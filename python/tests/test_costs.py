@@ -6,15 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from apex_autonomy import InputError, PlanningError, apex, cost_table, expected_cost, plan
+from apex_autonomy import InputError, PlanningError, cost_table, expected_cost, plan, problem
 
 HORIZON_S = 3600.0
 ALARM_S = 30.0
-
-
-def problem(capfd: pytest.CaptureFixture[str], name: str = "small-fixed-uniform-6-globular@2") -> dict:
-    assert apex("plan", name, "--problem")
-    return json.loads(capfd.readouterr().out)
+GIVEN = "small-fixed-uniform-6-globular@2"
 
 
 def smoke(age_s: float) -> float:
@@ -22,8 +18,8 @@ def smoke(age_s: float) -> float:
     return 0.0 if age_s < ALARM_S else 0.2 + 1.0 - math.exp(-(((age_s - ALARM_S) / 900.0) ** 2))
 
 
-def test_a_plan_is_scored_as_the_planner_scored_it(capfd):
-    given = problem(capfd)
+def test_a_plan_is_scored_as_the_planner_scored_it():
+    given = problem(GIVEN)
     answer = plan(given, budget_s=0.02)
     content = answer["plan"]["Surveillance"]
     for visits in (answer, answer["plan"], content, content["visits"], reversed(content["visits"])):
@@ -36,8 +32,8 @@ def test_a_plan_is_scored_as_the_planner_scored_it(capfd):
     assert never.total > score.total
 
 
-def test_a_family_written_in_python_costs_the_same(capfd):
-    given = problem(capfd)
+def test_a_family_written_in_python_costs_the_same():
+    given = problem(GIVEN)
     visits = plan(given, budget_s=0.02)
     costs = {}
     for target in given["Surveillance"]["targets"]:
@@ -52,8 +48,8 @@ def test_a_family_written_in_python_costs_the_same(capfd):
     assert expected_cost(given, visits, costs=costs, survival=True).total == pytest.approx(first, rel=1e-9)
 
 
-def test_jumps_may_be_named_and_save_calls(capfd):
-    given = problem(capfd)
+def test_jumps_may_be_named_and_save_calls():
+    given = problem(GIVEN)
     name = given["Surveillance"]["targets"][0]["name"]
     calls = []
 
@@ -68,8 +64,8 @@ def test_jumps_may_be_named_and_save_calls(capfd):
 
 
 @pytest.mark.parametrize("relative_error", [1e-2, 1e-4])
-def test_a_cost_is_tabulated_planned_and_scored(capfd, relative_error):
-    given = problem(capfd)
+def test_a_cost_is_tabulated_planned_and_scored(relative_error):
+    given = problem(GIVEN)
     table = cost_table(smoke, horizon_s=HORIZON_S, relative_error=relative_error)
     for target in given["Surveillance"]["targets"]:
         target["cost"] = table
@@ -109,8 +105,8 @@ def raises(age_s):
         (lambda age_s: 1e4 - age_s, r"falls from .* s to .* s; cost never falls with age"),
     ],
 )
-def test_what_is_no_cost_is_told_with_target_and_age(capfd, cost, words):
-    given = problem(capfd)
+def test_what_is_no_cost_is_told_with_target_and_age(cost, words):
+    given = problem(GIVEN)
     name = given["Surveillance"]["targets"][1]["name"]
     with pytest.raises(InputError, match=f"{name}: The cost of an event .*{words}") as caught:
         expected_cost(given, [], costs={name: cost})
@@ -119,7 +115,7 @@ def test_what_is_no_cost_is_told_with_target_and_age(capfd, cost, words):
         cost_table(cost, horizon_s=100)
 
 
-def test_an_interrupt_stays_one(capfd):
+def test_an_interrupt_stays_one():
     def interrupted(age_s):
         raise KeyboardInterrupt
 
@@ -127,8 +123,8 @@ def test_an_interrupt_stays_one(capfd):
         cost_table(interrupted, horizon_s=100)
 
 
-def test_mistakes_are_told(capfd):
-    given = problem(capfd)
+def test_mistakes_are_told():
+    given = problem(GIVEN)
     name = given["Surveillance"]["targets"][0]["name"]
     with pytest.raises(InputError, match="atlantis is no target of the problem"):
         expected_cost(given, [{"target": "atlantis", "end_s": 1}])

@@ -3,6 +3,7 @@
 import importlib.util
 import itertools
 import json
+import sqlite3
 import subprocess
 import sys
 import time
@@ -11,7 +12,7 @@ from types import ModuleType
 
 import pytest
 
-from apex_autonomy import InputError, Planner, PlanningError, apex, plan
+from apex_autonomy import InputError, Mission, Planner, PlanningError, Profile, fly, plan, problem, replay
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "python/examples/swaps.py"
@@ -38,9 +39,10 @@ def mission(folder: Path, solver: str, budget: str) -> Path:
     return folder
 
 
-def problem(capfd: pytest.CaptureFixture[str], name: str = "small-fixed-uniform-6-globular@2") -> dict:
-    assert apex("plan", name, "--problem")
-    return json.loads(capfd.readouterr().out)
+def said(record: Path) -> str:
+    """Return the texts of all effects in a record."""
+    with sqlite3.connect(record) as connection:
+        return "\n".join(text for (text,) in connection.execute("SELECT text FROM effect ORDER BY id"))
 
 
 def test_the_example_is_short_and_on_the_page():
@@ -49,23 +51,21 @@ def test_the_example_is_short_and_on_the_page():
     assert f"```python\n{code}```\n" in (ROOT / "docs/guides/adding-a-solver.md").read_text()
 
 
-def test_the_example_is_measured_and_chosen_by_its_table(tmp_path, capfd):
-    profile, table = str(tmp_path / "mine.txt"), str(tmp_path / "mine.csv")
-    swaps = [example().Swaps()]
-    cell = "small-fixed-fixed-4-uniform"
-    build = ["--cells", cell, "--missions", "3", "--budgets", "1ms", "--planners", "py-swaps", "--no-progress"]
-    assert apex("profile", "build", profile, *build, planners=swaps)
-    update = ["--planners", "nearest-neighbour,py-swaps", "--no-progress"]
-    assert apex("profile", "update", profile, *update, planners=swaps)
-    assert apex("profile", "build", profile, *build, "--table", table, planners=swaps)
-    capfd.readouterr()
-    assert apex("plan", f"{cell}@9", "--table", table, "--budget", "1ms", planners=swaps)
-    assert "planned by py-swaps" in capfd.readouterr().out
-
-
-def test_the_example_plans(capfd):
+def test_the_example_is_measured_and_chosen_by_its_table():
     swaps = example().Swaps()
-    given = problem(capfd)
+    cell = "small-fixed-fixed-4-uniform"
+    mine = Profile.measure([cell], planners=[swaps], missions=3, budgets_s=[0.001])
+    both = mine.with_planners(["nearest-neighbour", swaps])
+    assert both.text != mine.text and len(both.text) > len(mine.text)
+    answer = plan(problem(f"{cell}@9"), table=mine.table, budget_s=0.001, planners=[swaps])
+    assert answer["plan"]["Surveillance"]["solver"] == "py-swaps"
+    with pytest.raises(PlanningError, match="there is no solver `py-swaps`, which the profile table chooses"):
+        plan(problem(f"{cell}@9"), table=mine.table, budget_s=0.001)
+
+
+def test_the_example_plans():
+    swaps = example().Swaps()
+    given = problem("small-fixed-uniform-6-globular@2")
     answer = plan(given, planner=swaps, budget_s=0.01, seed=3)
     visits = answer["plan"]["Surveillance"]["visits"]
     assert answer["plan"]["Surveillance"]["solver"] == "py-swaps"
@@ -76,18 +76,18 @@ def test_the_example_plans(capfd):
     assert plan(json.dumps(given), planner="anytime", budget_s=0.1)["value"] <= answer["value"]
 
 
-def test_the_example_flies(capfd, tmp_path):
-    folder, record = mission(tmp_path / "m", "py-swaps", "5ms"), str(tmp_path / "flown.apex")
-    assert apex("fly", str(folder), "--record", record, "--no-progress", planners=[example().Swaps()])
-    assert apex("trace", record, "--type", "plan")
-    assert "because py-swaps answered request 0" in capfd.readouterr().out
-    assert apex("replay", record)
+def test_the_example_flies(tmp_path):
+    folder, record = mission(tmp_path / "m", "py-swaps", "5ms"), tmp_path / "flown.apex"
+    flight = fly(Mission.load(folder), record=record, planners=[example().Swaps()])
+    assert flight.reason == "the initial task is done"
+    assert "py-swaps" in said(record)
+    assert replay(record).equal
 
 
 def test_the_example_is_a_program():
-    command = [sys.executable, str(EXAMPLE), "plan", str(MISSION), "--solver", "py-swaps", "--budget", "5ms"]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert "planned by py-swaps" in said
+    command = [sys.executable, str(EXAMPLE), str(MISSION)]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert printed.startswith("planned by py-swaps: ")
 
 
 class Bad(Planner):
@@ -131,21 +131,20 @@ class Bad(Planner):
         ("lies", "the plan of `lies` breaks"),
     ],
 )
-def test_misconduct_is_named_in_the_record_and_the_flight_goes_on(capfd, tmp_path, name, named):
-    folder, record = mission(tmp_path / "m", name, "1ms"), str(tmp_path / "flown.apex")
-    limits = ["--solver-patience", "0.5s" if name == "loops" else "60s"]
-    limits += ["--solver-memory", "64" if name == "hoards" else "100000"]
-    arguments = ["fly", str(folder), "--record", record, "--no-progress", "--until", "2min", *limits]
-    assert apex(*arguments, planners=[Bad(name)])
-    capfd.readouterr()
-    assert apex("trace", record)
-    trace = capfd.readouterr().out
-    assert named in trace and "(without-a-plan)" in trace
-    assert apex("trace", record, "--from", "1:50")
-    assert "signal-level" in capfd.readouterr().out
+def test_misconduct_is_named_in_the_record_and_the_flight_goes_on(tmp_path, name, named):
+    folder, record = mission(tmp_path / "m", name, "1ms"), tmp_path / "flown.apex"
+    timeout_s, memory_mib = 0.5 if name == "loops" else 60, 64 if name == "hoards" else 100_000
+    limits = {"solver_timeout_s": timeout_s, "solver_memory_mib": memory_mib}
+    flight = fly(Mission.load(folder), record=record, until_s=120, planners=[Bad(name)], **limits)
+    assert flight.end_s == 120
+    assert "(without-a-plan)" in said(record)
+    with sqlite3.connect(record) as connection:
+        answers = connection.execute("SELECT detail FROM problem").fetchall()
+        told = "\n".join(str(detail) for (detail,) in answers)
+    assert named in told or named in said(record)
 
 
-def test_a_planner_that_loops_is_truly_stopped(tmp_path, capfd):
+def test_a_planner_that_loops_is_truly_stopped(tmp_path):
     steps = []
 
     class Counts(Planner):
@@ -155,10 +154,8 @@ def test_a_planner_that_loops_is_truly_stopped(tmp_path, capfd):
             while True:
                 steps.append(1)
 
-    folder = mission(tmp_path / "m", "counts", "1ms")
-    more = ["--record", str(tmp_path / "r.apex"), "--no-progress", "--until", "40s", "--solver-patience", "0.2s"]
-    assert apex("fly", str(folder), *more, planners=[Counts()])
-    capfd.readouterr()
+    flown = Mission.load(mission(tmp_path / "m", "counts", "1ms"))
+    fly(flown, record=tmp_path / "r.apex", until_s=40, solver_timeout_s=0.2, planners=[Counts()])
     for _ in range(100):
         before = len(steps)
         time.sleep(0.05)
@@ -167,8 +164,8 @@ def test_a_planner_that_loops_is_truly_stopped(tmp_path, capfd):
     pytest.fail("it goes on counting")
 
 
-def test_mistakes_are_told(capfd):
-    given = problem(capfd)
+def test_mistakes_are_told():
+    given = problem("small-fixed-uniform-6-globular@2")
     with pytest.raises(PlanningError, match="there is no solver `magic`"):
         plan(given, planner="magic")
     with pytest.raises(PlanningError, match=r"the problem:1:.*no planning problem"):
@@ -177,6 +174,7 @@ def test_mistakes_are_told(capfd):
     with pytest.raises(PlanningError, match="The horizon is -1"):
         plan(given)
     with pytest.raises(InputError, match="called `wam` already"):
-        apex("plan", "x", planners=[Bad("wam")])
-    with pytest.raises(InputError, match="unrecognized subcommand"):
-        apex("fyl")
+        plan(given, planners=[Bad("wam")])
+    with pytest.raises(PlanningError, match="there is no mission, file or test mission called atlantis") as caught:
+        problem("atlantis")
+    assert caught.value.help

@@ -22,8 +22,6 @@ mod trouble;
 pub use apex_planning::Registry;
 pub use apex_solvers::shipped;
 
-use apex_model::problem::Problem;
-use apex_model::time::Duration;
 use clap::Parser;
 use options::{Command, Options};
 use std::ffi::OsString;
@@ -43,28 +41,6 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -
 pub fn try_main(arguments: impl IntoIterator<Item = OsString>, planners: Registry) -> Result<ExitCode, String> {
     let options = Options::try_parse_from(arguments).map_err(|told| told.to_string())?;
     Ok(run(options, &Arc::new(planners)))
-}
-
-/// Plans for a problem in JSON (`docs/reference/planning-problems.md`) and answers in JSON, as `apex plan FILE.json --json` does.
-///
-/// # Errors
-/// What is wrong with the problem, or why there is no plan; as the command says it.
-pub fn plan(
-    problem: &str,
-    solver: Option<&str>,
-    budget: Duration,
-    seed: u64,
-    planners: &Arc<Registry>,
-) -> Result<String, String> {
-    commands::plan::answer(problem, solver, budget, seed, planners).map_err(|trouble| trouble.to_string())
-}
-
-/// Reads a problem in JSON as [`plan`] does.
-///
-/// # Errors
-/// What is wrong with the problem, as the command says it.
-pub fn problem(problem: &str) -> Result<Problem, String> {
-    commands::plan::problem(problem).map_err(|trouble| trouble.to_string())
 }
 
 fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {

@@ -8,8 +8,8 @@ use apex_runtime::RecordError;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::{RecordOptions, RecordReader, Recorder};
 use std::fs::{File, TryLockError};
-use std::path::Path;
-use std::sync::OnceLock;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Starts a record of a run of `library`; `fill` adds what else belongs into it. What it then holds is on the disk
 /// before the run begins, so that a record that is cut off can still explain itself.
@@ -54,8 +54,9 @@ pub fn of_mission(path: &Path, mission: &Mission) -> MissionResult<Recorder> {
     create(path, &mission.library, options, |recorder| flight::describe(mission, recorder))
 }
 
-/// The record of this run, held until the program ends: closing the file earlier would release SQLite's own locks on it.
-static HELD: OnceLock<File> = OnceLock::new();
+/// The records of this program's runs, held until they are released or the program ends: closing the file of a record that is
+/// still written would release SQLite's own locks on it.
+static HELD: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
 
 /// Marks the record as ours. SQLite's locks do not do that: a flight at a pace gives them back whenever it waits.
 fn hold(path: &Path) {
@@ -64,8 +65,13 @@ fn hold(path: &Path) {
         && let Ok(file) = File::open(path)
         && file.try_lock().is_ok()
     {
-        HELD.set(file).ok();
+        HELD.lock().unwrap_or_else(PoisonError::into_inner).push((path.to_path_buf(), file));
     }
+}
+
+/// Lets other runs replace the record at `path`. For programs that fly more than once; call it after its recorder is dropped.
+pub fn release(path: &Path) {
+    HELD.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, _)| held != path);
 }
 
 /// A record that another run still writes or serves must not be taken away from it.

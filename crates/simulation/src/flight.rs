@@ -3,7 +3,7 @@
 use crate::world::world;
 use apex_mission::Mission;
 use apex_mission::deliberation::Means;
-use apex_mission::error::MissionResult;
+use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
 use apex_runtime::FlyOptions;
@@ -25,6 +25,22 @@ pub fn create_record(path: &Path, mission: &Mission, seed: Option<u64>) -> Missi
     let described = recorder.meta("vehicle_type", BUILT_IN).and_then(|()| recorder.meta("seed", &seed));
     described.map_err(recording::written)?;
     Ok(recorder)
+}
+
+/// The pace at which `mission` is flown: a mission in real time has pace 1 unless another is wished.
+///
+/// # Errors
+/// The clock of the mission belongs to an outside simulator.
+pub fn pace_of(mission: &Mission, wished: Option<f64>) -> MissionResult<Option<f64>> {
+    let kind = mission.library.application.as_ref().map(|application| application.kind.folded().to_string());
+    match kind.as_deref() {
+        Some("foreign-sim") => Err(MissionError::setting("an outside simulator owns the clock")
+            .at(&mission.settings.place)
+            .because("the application is of type foreign-sim, and `apex fly` flies the built-in simulator")
+            .help("connect the simulator to `apex run`, or write `:type native-sim`")),
+        Some("realtime") => Ok(wished.or(Some(1.0))),
+        _ => Ok(wished),
+    }
 }
 
 /// Flies `mission` in the world of `seed` and closes the record. The observers see each step after the recorder.

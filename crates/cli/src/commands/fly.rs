@@ -28,7 +28,7 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(sources::load_mission(&options.mission)?);
-    let pace = pace_of(&mission, pace)?;
+    let pace = apex_simulation::pace_of(&mission, pace)?;
     let short_name = Mission::short_name(&options.mission);
     let path = options.record.clone().unwrap_or_else(|| PathBuf::from(format!("{short_name}.apex")));
     if options.serve {
@@ -82,20 +82,6 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
             output::print_line(format_args!("      apex why {path} T0"))
         }
         _ => output::print_line(format_args!("      apex replay {path}")),
-    }
-}
-
-/// A real-time mission is flown by the clock on the wall; one for an outside simulator cannot be flown by ours.
-fn pace_of(mission: &Mission, pace: Option<f64>) -> Outcome<Option<f64>> {
-    let kind = mission.library.application.as_ref().map(|application| application.kind.folded().to_string());
-    match kind.as_deref() {
-        Some("foreign-sim") => {
-            Err(Trouble::user(format!("{}: an outside simulator owns the clock", mission.settings.place))
-                .because("the application is of type foreign-sim, and `apex fly` flies the built-in simulator")
-                .help("connect the simulator to `apex run`, or write `:type native-sim`"))
-        }
-        Some("realtime") => Ok(pace.or(Some(1.0))),
-        _ => Ok(pace),
     }
 }
 

@@ -14,7 +14,7 @@ use apex_mission::plan::input::PlanInput;
 use apex_mission::plan::proof::{self, Proven};
 use apex_mission::plan::turns;
 use apex_model::problem::{Plan, Problem};
-use apex_model::time::{Duration, Time};
+use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_planning::Registry;
 use apex_runtime::invocation::Invocations;
@@ -138,34 +138,6 @@ fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>
     let wish = Wish { means: &means, solver, budget, seed, previous: None };
     solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
         .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))
-}
-
-/// Plans for a problem in JSON and answers in JSON.
-///
-/// # Errors
-/// The problem cannot be read or makes no sense, or there is no plan.
-pub fn answer(
-    problem: &str,
-    solver: Option<&str>,
-    budget: Duration,
-    seed: u64,
-    planners: &Arc<Registry>,
-) -> Outcome<String> {
-    let question = PlanInput::of_json(problem, "the problem")?;
-    let means = Means::of(planners);
-    let wish = Wish { means: &means, solver, budget, seed, previous: None };
-    let mut solved = solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
-        .map_err(|reason| Trouble::user("no plan was found").because(reason))?;
-    let proven = proof::prove(&mut solved, question.is_tour(), question.bound_budget);
-    Ok(json(&question, &solved, &proven, None))
-}
-
-/// A problem in JSON.
-///
-/// # Errors
-/// As [`answer`], as far as it concerns the problem.
-pub fn problem(problem: &str) -> Outcome<Problem> {
-    PlanInput::of_json(problem, "the problem").map(|question| question.problem).map_err(Trouble::from)
 }
 
 /// What is asked for; else what the file's name says; else a table.

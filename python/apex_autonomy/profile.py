@@ -1,0 +1,107 @@
+"""The profile of planners: which planner is best on which test missions at which time for deliberation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from apex_autonomy._apex import cell_names, measured, merged_profile, profile_table
+from apex_autonomy.planner import Planner, means
+
+__all__ = ["Profile", "profile_cells"]
+
+
+def profile_cells(*names: str) -> list[str]:
+    """Return the names of cells of test missions; ``"all"`` and ``"subset"`` stand for many.
+
+    Raises
+    ------
+    MissionError
+        There is no such cell, or one is named twice.
+
+    Examples
+    --------
+    >>> from apex_autonomy import profile_cells
+    >>> len(profile_cells("all"))
+    243
+    """
+    return cell_names(list(names))
+
+
+def _names_and_own(planners: Iterable[Planner | str]) -> tuple[list[str], list[Planner]]:
+    listed = list(planners)
+    own = [planner for planner in listed if isinstance(planner, Planner)]
+    return [planner.name if isinstance(planner, Planner) else planner for planner in listed], own
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Costs of planners on test missions (``docs/reference/profile-table.md``).
+
+    Attributes
+    ----------
+    text : str
+        The profile as ``apex profile build`` writes it.
+
+    Examples
+    --------
+    >>> from apex_autonomy import Profile
+    >>> cells = ["small-fixed-fixed-4-uniform"]
+    >>> profile = Profile.measure(cells, planners=["nearest-neighbour"], missions=2, budgets_s=[0.001])
+    >>> profile.table.splitlines()[1].split(",")[0]
+    'small-fixed-fixed-4-uniform'
+    """
+
+    text: str
+
+    @staticmethod
+    def measure(
+        cells: Iterable[str], *, planners: Iterable[Planner | str], missions: int = 50, budgets_s: Sequence[float]
+    ) -> Profile:
+        """Measure planners on test missions.
+
+        Parameters
+        ----------
+        cells : iterable of str
+            Names of cells; ``"all"`` and ``"subset"`` stand for many.
+        planners : iterable of Planner or str
+            Yours, or names of those that ship.
+        missions : int
+            Test missions of each cell.
+        budgets_s : sequence of float
+            Times for deliberation, rising.
+
+        Raises
+        ------
+        MissionError
+            An unknown cell or planner, budgets that do not rise, a planner that finds no plan or an invalid one.
+        """
+        names, own = _names_and_own(planners)
+        return Profile(measured(None, (list(cells), missions, list(budgets_s)), names, means(own)))
+
+    def with_planners(self, planners: Iterable[Planner | str]) -> Profile:
+        """Measure more planners on the same missions; one that was measured before is replaced.
+
+        Raises
+        ------
+        MissionError
+            As `measure`; the profile was measured on test missions of another version.
+        """
+        names, own = _names_and_own(planners)
+        return Profile(measured(self.text, ([], 0, []), names, means(own)))
+
+    @staticmethod
+    def merge(parts: Iterable[Profile]) -> Profile:
+        """Merge profiles of different cells or planners that were measured apart.
+
+        Raises
+        ------
+        MissionError
+            The profiles are not parts of one.
+        """
+        return Profile(merged_profile([part.text for part in parts]))
+
+    @property
+    def table(self) -> str:
+        """The table that chooses planners: for `plan`, `fly`, and ``apex fly --table``."""
+        return profile_table(self.text)

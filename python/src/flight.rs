@@ -1,0 +1,121 @@
+//! Flights of missions in the built-in simulator. Other threads of Python run while one is flown.
+
+use crate::errors::mission as failed;
+use crate::planning::{Means, Mission, positive};
+use apex_mission::error::MissionResult;
+use apex_mission::flight::{FlightOutcome, MissionFlight};
+use apex_mission::recording;
+use apex_mission::report::Report;
+use apex_model::effect::Effect;
+use apex_model::event::Batch;
+use apex_model::time::Time;
+use apex_runtime::ports::Observer;
+use apex_runtime::{Control, FlyOptions};
+use pyo3::prelude::*;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// How often a flight asks Python for signals such as Ctrl-C.
+const SIGNALS_EVERY: Duration = Duration::from_millis(50);
+
+/// Flies a mission and records it: the end and the report as JSON. An exception of `on_progress`, or Ctrl-C, stops the flight
+/// in good order, and is raised after the record is closed.
+#[pyfunction]
+pub(crate) fn fly_json(
+    python: Python<'_>,
+    mission: &Mission,
+    record: PathBuf,
+    seed: Option<u64>,
+    limits: (Option<f64>, Option<f64>),
+    means: &Means,
+    on_progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let (until_s, pace) = limits;
+    let until = until_s.map(|until_s| positive(until_s, "until_s")).transpose()?.map(Time::from_seconds);
+    let pace = pace.map(|pace| positive(pace, "pace")).transpose()?;
+    let (mut watch, controls) = Watch::new(on_progress);
+    let (mission, means) = (Arc::clone(&mission.inner), means.inner.clone());
+    let flown = python.detach(|| -> MissionResult<FlightOutcome> {
+        let pace = apex_simulation::pace_of(&mission, pace)?;
+        // A mission that cannot be simulated leaves an older record as it is.
+        apex_simulation::world(&mission, seed)?;
+        let mut recorder = apex_simulation::create_record(&record, &mission, seed)?;
+        if pace.is_some() {
+            // Nothing but a stop will be said: the flight does not wait for inputs from people.
+            let _ = watch.stop.send(Control::Quiet);
+        }
+        let terms = FlyOptions { pace, controls: Some(controls), ..MissionFlight::terms(&mission, until) };
+        let flown = apex_simulation::fly(mission, means, seed, terms, &mut recorder, &mut [&mut watch]);
+        drop(recorder);
+        recording::release(&record);
+        flown
+    });
+    if let Some(error) = watch.raised {
+        return Err(error);
+    }
+    let outcome = flown.map_err(|failure| failed(python, failure))?;
+    Ok(json!({
+        "end_s": outcome.end.at.seconds(),
+        "reason": outcome.end.reason.text(),
+        "steps": outcome.end.steps,
+        "events": outcome.end.events,
+        "effects": outcome.end.effects,
+        "report": report_value(&outcome.report),
+    })
+    .to_string())
+}
+
+/// The sections of a report and its text.
+pub(crate) fn report_value(report: &Report) -> Value {
+    let sections: Map<String, Value> =
+        report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect();
+    json!({ "sections": sections, "text": report.text() })
+}
+
+/// Tells Python how far a flight is, and stops the flight at a signal or an exception.
+pub(crate) struct Watch {
+    stop: Sender<Control>,
+    on_progress: Option<Py<PyAny>>,
+    /// Whole minutes of mission time that were told.
+    minutes: u64,
+    asked: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Watch {
+    fn new(on_progress: Option<Py<PyAny>>) -> (Watch, Receiver<Control>) {
+        let (stop, controls) = channel();
+        (Watch { stop, on_progress, minutes: 0, asked: Instant::now(), raised: None }, controls)
+    }
+
+    fn ask(&self, progress: Option<f64>) -> PyResult<()> {
+        Python::attach(|python| {
+            python.check_signals()?;
+            match (&self.on_progress, progress) {
+                (Some(call), Some(now_s)) => call.bind(python).call1((now_s,)).map(|_| ()),
+                _ => Ok(()),
+            }
+        })
+    }
+}
+
+impl Observer for Watch {
+    fn observe(&mut self, batch: &Batch, _: &[Effect]) -> Result<(), String> {
+        let minutes = (batch.now.seconds() / 60.0) as u64;
+        let progress = (minutes > self.minutes && self.on_progress.is_some()).then(|| batch.now.seconds());
+        if self.raised.is_some() || (progress.is_none() && self.asked.elapsed() < SIGNALS_EVERY) {
+            return Ok(());
+        }
+        self.minutes = self.minutes.max(minutes);
+        if let Err(error) = self.ask(progress) {
+            self.raised = Some(error);
+            // A flight that is over already has nothing left to stop.
+            let _ = self.stop.send(Control::Stop);
+        }
+        self.asked = Instant::now();
+        Ok(())
+    }
+}
