@@ -123,6 +123,9 @@ def real_time(command, program, pace):
 
 
 def main():
+    if len(sys.argv) < 3:
+        print("usage: simulator.py APEX PROGRAM [--pace FACTOR] [options of apex run]", file=sys.stderr)
+        return 2
     program = sys.argv[2]
     command = [sys.argv[1], "run", program]
     if "--pace" in sys.argv[3:]:
