@@ -59,7 +59,7 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Export(options) => commands::export::run(&options),
         Command::Plan(options) => commands::plan::run(&options, planners),
         Command::Profile(command) => commands::profile::run(&command, planners),
-        Command::Serve(options) => commands::serve::run(&options),
+        Command::Serve(options) => commands::serve::run(&options, planners),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

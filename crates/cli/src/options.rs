@@ -56,7 +56,7 @@ pub enum Command {
     /// Measure planners on test missions, and show what the profile table says of them.
     #[command(subcommand)]
     Profile(ProfileCommand),
-    /// Open Sherpa, the web page, on a flight record.
+    /// Open Sherpa, the web page, on a flight record, or fly missions for programs that ask over HTTP.
     Serve(ServeOptions),
 }
 
@@ -430,8 +430,15 @@ pub enum PlanFormat {
 /// `apex serve`
 #[derive(Args)]
 pub struct ServeOptions {
-    /// The flight record.
-    pub record: PathBuf,
+    /// The flight record; can be left out with `--missions`.
+    #[arg(required_unless_present = "missions")]
+    pub record: Option<PathBuf>,
+    /// Let programs and pages of this machine fly the missions in this folder: its sub-folders with a `mission.pdl`.
+    #[arg(long, value_name = "FOLDER")]
+    pub missions: Option<PathBuf>,
+    /// The folder of the records of these flights; default is the current folder.
+    #[arg(long, value_name = "FOLDER", requires = "missions")]
+    pub records: Option<PathBuf>,
     /// The port.
     #[arg(long, default_value_t = 8040, value_name = "NUMBER")]
     pub port: u16,
@@ -439,7 +446,7 @@ pub struct ServeOptions {
     #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
     pub address: String,
     /// The agent to show, where several run; default is the first.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", requires = "record")]
     pub agent: Option<String>,
     /// Open the page in the default browser.
     #[arg(long)]

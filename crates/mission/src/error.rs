@@ -1,6 +1,6 @@
 //! What can go wrong with a mission: what failed, why, and what to do.
 
-use apex_pdl::Checked;
+use apex_pdl::{Checked, Severity};
 use std::fmt;
 
 /// What a [`MissionError`] concerns.
@@ -109,6 +109,22 @@ impl MissionError {
         match &self.place {
             Some(place) => format!("{place}: {}", self.message),
             None => self.message.clone(),
+        }
+    }
+
+    /// Replaces a failure by the first error of its program, for callers that show one error. Failures without diagnostics stay.
+    #[must_use]
+    pub fn first_diagnostic(self) -> MissionError {
+        let Some(checked) = &self.diagnostics else { return self };
+        let first = checked.diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
+        let Some(first) = first else { return self };
+        MissionError {
+            kind: self.kind,
+            place: Some(checked.library.describe_place(first.span.place())),
+            message: format!("{}: {}", first.code, first.message),
+            reason: first.reason.clone(),
+            help: first.help.first().cloned(),
+            diagnostics: self.diagnostics,
         }
     }
 

@@ -13,11 +13,12 @@ fn main() -> ExitCode {
     };
     let port = words.get(1).and_then(|text| text.parse().ok()).unwrap_or(8040);
     let options = ServeOptions {
-        record: record.into(),
+        record: Some(record.into()),
         agent: 0,
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port,
         load: None,
+        flights: None,
         ready: Box::new(|url| println!("{url}")),
     };
     match serve(options) {

@@ -2,11 +2,12 @@
 //!
 //! Contents: addresses, parameters, status codes, and the page's files (`docs/reference/server-api.md`). Answers come
 //! from the record view and the explainer of `apex-runtime` and are sent as they are. A record that is still being
-//! written is read the same way and polled, so that live and recorded flights have one path. Out of scope: SQL,
-//! decisions, planning, writing into the record.
+//! written is read the same way and polled, so that live and recorded flights have one path. With a folder of missions it also
+//! flies them, through `apex-simulation`. Out of scope: SQL, decisions, planning, writing into the served record.
 
 mod answer;
 mod assets;
+mod flights;
 mod guard;
 mod live;
 mod params;
@@ -14,4 +15,5 @@ mod router;
 mod serve;
 mod why;
 
+pub use flights::FlightOptions;
 pub use serve::{LoadSources, ServeError, ServeOptions, serve};

@@ -1,9 +1,10 @@
 //! The table of addresses: from a request to the record view and back.
 
 use crate::answer::{Answer, ApiError};
+use crate::flights::Tower;
 use crate::params::{EventsParams, SourceParams, TargetsParams, TasksParams, TimelineParams, TrackParams, WhyParams};
 use crate::serve::LoadSources;
-use crate::{assets, guard, live, why};
+use crate::{assets, flights, guard, live, why};
 use apex_runtime::record::view::{RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
@@ -25,30 +26,54 @@ worker-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'";
 
 /// State shared by all request handlers.
 pub(crate) struct AppState {
-    /// The record's file.
-    pub(crate) record: PathBuf,
+    /// The record's file; `None` if only missions are served.
+    pub(crate) record: Option<PathBuf>,
     /// The number of the agent that is shown.
     pub(crate) agent: usize,
     /// Checks the recorded sources again; without it instants are not restored.
     pub(crate) load: Option<LoadSources>,
-    /// The shared connection.
-    pub(crate) view: Mutex<RecordView>,
+    /// The shared connection to the record, if there is one.
+    pub(crate) view: Option<Mutex<RecordView>>,
+    /// The flights of this server, if it may fly.
+    pub(crate) tower: Option<Arc<Tower>>,
+    /// True if only this machine can reach the server.
+    pub(crate) loopback: bool,
 }
 
 impl AppState {
     /// Reads with the shared connection; blocks while another request reads.
     pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
         // A query that panicked has written nothing: the connection is as good as before.
-        let mut view = self.view.lock().unwrap_or_else(PoisonError::into_inner);
+        let view = self.view.as_ref().ok_or_else(no_record)?;
+        let mut view = view.lock().unwrap_or_else(PoisonError::into_inner);
         query(&mut view)
+    }
+
+    /// The flights of this server.
+    ///
+    /// # Errors
+    /// It was started without a folder of missions.
+    pub(crate) fn tower(&self) -> Answer<&Tower> {
+        self.tower.as_deref().ok_or_else(|| {
+            ApiError::not_found(
+                "this server flies no missions",
+                "start it with a folder of missions: `apex serve --missions FOLDER`",
+            )
+        })
     }
 }
 
-type Shared = State<Arc<AppState>>;
+/// The answer to questions about a record of a server that serves none.
+pub(crate) fn no_record() -> ApiError {
+    ApiError::not_found("this server serves no flight record", "start it with one: `apex serve RECORD`")
+}
+
+pub(crate) type Shared = State<Arc<AppState>>;
 type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
-/// All routes; `loopback` keeps out callers that use another name for this machine.
-pub(crate) fn router(state: Arc<AppState>, loopback: bool) -> Router {
+/// All routes. On a loopback address callers that use another name for this machine are kept out.
+pub(crate) fn router(state: Arc<AppState>) -> Router {
+    let loopback = state.loopback;
     let routes = Router::new()
         .route("/api/mission", get(mission))
         .route("/api/track", get(track))
@@ -60,8 +85,9 @@ pub(crate) fn router(state: Arc<AppState>, loopback: bool) -> Router {
         .route("/api/report", get(report))
         .route("/api/source", get(source))
         .route("/api/live", get(live))
+        .merge(flights::routes::routes(&state))
         .fallback(assets::page)
-        .method_not_allowed_fallback(read_only)
+        .method_not_allowed_fallback(other_method)
         .layer(middleware::from_fn(add_headers))
         .with_state(state);
     if loopback { routes.layer(middleware::from_fn(guard::loopback_names_only)) } else { routes }
@@ -122,6 +148,9 @@ async fn source(State(state): Shared, params: QueryParams<SourceParams>) -> Answ
 }
 
 async fn live(State(state): Shared, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Response {
+    if state.view.is_none() {
+        return no_record().into_response();
+    }
     if !guard::same_origin(&headers) {
         return ApiError::forbidden("this page comes from another site", "open the page that this server serves")
             .into_response();
@@ -129,8 +158,12 @@ async fn live(State(state): Shared, headers: HeaderMap, upgrade: WebSocketUpgrad
     upgrade.on_upgrade(move |socket| live::tell_growth(socket, state))
 }
 
-async fn read_only() -> ApiError {
-    ApiError { status: StatusCode::METHOD_NOT_ALLOWED, error: "this API only reads".into(), help: "use GET".into() }
+async fn other_method() -> ApiError {
+    ApiError {
+        status: StatusCode::METHOD_NOT_ALLOWED,
+        error: "this address does not take that method".into(),
+        help: "use GET; docs/reference/server-api.md names the addresses that take POST".into(),
+    }
 }
 
 async fn add_headers(request: axum::extract::Request, next: Next) -> Response {
@@ -142,7 +175,7 @@ async fn add_headers(request: axum::extract::Request, next: Next) -> Response {
     response
 }
 
-fn checked<T>(params: QueryParams<T>) -> Answer<T> {
+pub(crate) fn checked<T>(params: QueryParams<T>) -> Answer<T> {
     params.map(|Query(query)| query).map_err(|rejection| {
         ApiError::bad_request(
             rejection.body_text(),
@@ -161,7 +194,7 @@ where
     Ok(Json(answer).into_response())
 }
 
-async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<T> {
+pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<T> {
     tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| {
         Err(ApiError {
             status: StatusCode::INTERNAL_SERVER_ERROR,

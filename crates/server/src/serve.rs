@@ -1,5 +1,6 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
+use crate::flights::{FlightOptions, Tower};
 use crate::router::{AppState, router};
 use apex_model::source::SourceFile;
 use apex_runtime::RecordError;
@@ -20,8 +21,8 @@ pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Se
 
 /// What to serve, and where.
 pub struct ServeOptions {
-    /// The flight record, finished or still being written.
-    pub record: PathBuf,
+    /// The flight record, finished or still being written; `None` serves missions and flights only.
+    pub record: Option<PathBuf>,
     /// The number of the agent to show, from 0, in the order of their declarations.
     pub agent: usize,
     /// The address to bind to; `127.0.0.1` keeps the record on this machine.
@@ -30,6 +31,8 @@ pub struct ServeOptions {
     pub port: u16,
     /// Restores instants for `/api/why`; without it the answers come from the record's decisions alone.
     pub load: Option<LoadSources>,
+    /// The missions that the server may fly; `None`: it only reads.
+    pub flights: Option<FlightOptions>,
     /// Called once with the page's address (`http://127.0.0.1:8040/`) when requests are answered.
     pub ready: Box<dyn FnOnce(&str) + Send>,
 }
@@ -60,30 +63,42 @@ pub enum ServeError {
     Stopped(io::Error),
 }
 
-/// Serves the record until Ctrl-C (or SIGTERM); blocks.
+/// Serves the record and flies missions until Ctrl-C (or SIGTERM); blocks. Flights under way are ended in good order.
 ///
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.
 pub fn serve(options: ServeOptions) -> Result<(), ServeError> {
-    let view = Mutex::new(RecordView::open(&options.record, options.agent)?);
-    let state = AppState { record: options.record, agent: options.agent, load: options.load, view };
-    let state = Arc::new(state);
+    let ServeOptions { record, agent, load, flights, ready, .. } = options;
+    let view = record.as_ref().map(|record| RecordView::open(record, agent)).transpose()?.map(Mutex::new);
+    let tower = flights.map(|flights| Arc::new(Tower::new(flights)));
     let asked = SocketAddr::new(options.address, options.port);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_all()
         .build()
         .map_err(ServeError::Stopped)?;
-    let ready = options.ready;
+    let flown = tower.clone();
     let result = runtime.block_on(async move {
         let listener = tokio::net::TcpListener::bind(asked).await.map_err(|source| bind_error(asked, source))?;
         let bound = listener.local_addr().map_err(ServeError::Stopped)?;
         ready(&format!("http://{bound}/"));
-        axum::serve(listener, router(state, bound.ip().is_loopback()))
-            .with_graceful_shutdown(stop_asked()?)
-            .await
-            .map_err(ServeError::Stopped)
+        let closing = tower.clone();
+        let stop = stop_asked()?;
+        let stop = async move {
+            stop.await;
+            // Flights end while connections do.
+            if let Some(tower) = closing {
+                tower.close();
+            }
+        };
+        let state = AppState { record, agent, load, view, tower, loopback: bound.ip().is_loopback() };
+        axum::serve(listener, router(Arc::new(state))).with_graceful_shutdown(stop).await.map_err(ServeError::Stopped)
     });
+    // However serving ended: no flight is cut off.
+    if let Some(tower) = flown {
+        tower.close();
+        tower.join();
+    }
     runtime.shutdown_timeout(STOP_PATIENCE);
     result
 }

@@ -1,7 +1,7 @@
 //! `/api/why`: a task at an instant and its explanation.
 
 use crate::answer::{Answer, ApiError};
-use crate::router::AppState;
+use crate::router::{AppState, no_record};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, TaskExplanation};
@@ -27,7 +27,7 @@ pub(crate) fn why(state: &AppState, id: u64, at_ns: i64, restore: bool) -> Answe
         }
     };
     // Restoring an instant may take a while: a connection of its own keeps the shared one free.
-    let reader = RecordReader::open(&state.record)?.of_agent(state.agent)?;
+    let reader = RecordReader::open(state.record.as_ref().ok_or_else(no_record)?)?.of_agent(state.agent)?;
     let load = state.load.as_deref().filter(|_| restore);
     let (id, at) = (TaskId(id), Time(at_ns));
     let decided = || Explainer::of_decisions(&reader).task(id, at);

@@ -22,11 +22,12 @@ fn unloadable(_: &[SourceFile]) -> Result<Program, String> {
 
 fn options(record: &Path) -> ServeOptions {
     ServeOptions {
-        record: record.into(),
+        record: Some(record.into()),
         agent: 0,
         address: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port: 0,
         load: Some(Arc::new(unloadable)),
+        flights: None,
         ready: Box::new(|_| ()),
     }
 }

@@ -135,7 +135,7 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
             // The page is served whether anybody reads this line or not.
             output::print_line(format_args!("Sherpa: {url}")).ok();
         };
-        match commands::serve::serve(&path, 0, address, port, ready) {
+        match commands::serve::serve(Some((&path, 0)), None, address, port, ready) {
             // The flight may be over already: then nobody listens, and nothing is left to stop.
             Ok(()) => say.send(Control::Stop).unwrap_or_default(),
             Err(trouble) => output::complain(format_args!("{trouble}\n  the flight goes on without Sherpa")),

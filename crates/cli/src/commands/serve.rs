@@ -1,25 +1,26 @@
-//! `apex serve`: Sherpa on a flight record, finished or still being written.
+//! `apex serve`: Sherpa on a flight record, finished or still being written; and flights of missions for programs.
 
 use crate::options::ServeOptions;
 use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
+use apex_mission::deliberation::Means;
+use apex_planning::Registry;
+use apex_server::FlightOptions;
 use std::net::IpAddr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Serves until Ctrl-C.
-pub fn run(options: &ServeOptions) -> Outcome {
+pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> Outcome {
     let address: IpAddr = options.address.parse().map_err(|error| {
         Trouble::user(format!("`--address {}` is no address", options.address))
             .because(error)
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;
-    // Opened once here so that a wrong file is told before a port is taken.
-    let reader = recording::open(&options.record)?;
-    let called = |name: &String| reader.agent_called(name).map_err(|error| Trouble::user(error.to_string()));
-    let agent = options.agent.as_ref().map(called).transpose()?.unwrap_or(0);
+    let record = options.record.as_deref().map(|record| Ok((record, agent_of(record, options)?))).transpose()?;
+    let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
-    serve(&options.record, agent, address, options.port, move |url| {
+    serve(record, flights, address, options.port, move |url| {
         // The page is served whether anybody reads this line or not.
         output::print_line(format_args!("Sherpa: {url}  (Ctrl-C ends it)")).ok();
         if open {
@@ -28,20 +29,49 @@ pub fn run(options: &ServeOptions) -> Outcome {
     })
 }
 
-/// Serves what agent number `agent` of `record` did at `address:port`; calls `ready` with the page's address.
+/// The number of the agent to show. Opens the record so that a wrong file is told before a port is taken.
+fn agent_of(record: &Path, options: &ServeOptions) -> Outcome<usize> {
+    let reader = recording::open(record)?;
+    let called = |name: &String| reader.agent_called(name).map_err(|error| Trouble::user(error.to_string()));
+    Ok(options.agent.as_ref().map(called).transpose()?.unwrap_or(0))
+}
+
+/// What the server needs to fly `missions`.
+fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) -> Outcome<FlightOptions> {
+    let folder = |path: PathBuf, option: &str, help: &str| {
+        if path.is_dir() {
+            return Ok(path);
+        }
+        Err(Trouble::user(format!("`{option} {}` is not a folder", path.display())).help(help))
+    };
+    let records = options.records.clone().unwrap_or_else(|| PathBuf::from("."));
+    Ok(FlightOptions {
+        missions: folder(
+            missions.to_path_buf(),
+            "--missions",
+            "name the folder whose sub-folders are missions, for example `missions`",
+        )?,
+        records: folder(records, "--records", "make the folder, or choose another one")?,
+        means: Means::of(planners),
+    })
+}
+
+/// Serves `record` (its file, and the number of the agent to show) and flies missions by `flights` at `address:port`; calls
+/// `ready` with the page's address.
 pub fn serve(
-    record: &Path,
-    agent: usize,
+    record: Option<(&Path, usize)>,
+    flights: Option<FlightOptions>,
     address: IpAddr,
     port: u16,
     ready: impl FnOnce(&str) + Send + 'static,
 ) -> Outcome {
     apex_server::serve(apex_server::ServeOptions {
-        record: record.to_path_buf(),
-        agent,
+        record: record.map(|(record, _)| record.to_path_buf()),
+        agent: record.map_or(0, |(_, agent)| agent),
         address,
         port,
         load: Some(Arc::new(sources::load_recorded)),
+        flights,
         ready: Box::new(ready),
     })
     .map_err(|error| Trouble::failure(error.to_string()))

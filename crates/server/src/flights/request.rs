@@ -1,0 +1,76 @@
+//! Bodies and parameters of the flight addresses, and the checks of their values.
+
+use crate::answer::{Answer, ApiError};
+use apex_model::time::{Duration, Time};
+use serde::Deserialize;
+
+/// The fastest pace. Faster is as fast as possible, which needs no pace.
+const PACE_MAX: f64 = 1e9;
+/// The latest end of a flight that can be asked for: a year.
+const UNTIL_MAX_S: f64 = 366.0 * 86_400.0;
+/// The longest time to plan in.
+const BUDGET_MAX_S: f64 = 60.0;
+
+/// The body of `POST /api/flights`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FlightRequest {
+    /// Name of the mission.
+    pub(crate) mission: String,
+    /// Seed of the world; default is the mission's own.
+    pub(crate) seed: Option<u64>,
+    /// Mission time in seconds at which the flight ends at the latest; default is the mission's duration.
+    until_s: Option<f64>,
+    /// Mission seconds per second of wall time; default is as fast as possible, or 1 for a real-time mission.
+    pace: Option<f64>,
+}
+
+/// Parameters of `/api/missions/{name}/plan`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlanParams {
+    /// Time to plan in, in seconds; default is the budget of the mission's first solver.
+    budget_s: Option<f64>,
+}
+
+impl FlightRequest {
+    /// The latest end of the flight.
+    ///
+    /// # Errors
+    /// It is not a time after the start.
+    pub(crate) fn until(&self) -> Answer<Option<Time>> {
+        let seconds =
+            in_range("until_s", self.until_s, UNTIL_MAX_S, "the mission time in seconds at which the flight ends")?;
+        Ok(seconds.map(Time::from_seconds))
+    }
+
+    /// The pace of the flight.
+    ///
+    /// # Errors
+    /// Mission time would not advance.
+    pub(crate) fn pace(&self) -> Answer<Option<f64>> {
+        in_range("pace", self.pace, PACE_MAX, "the mission seconds per second: 1 is real time")
+    }
+}
+
+impl PlanParams {
+    /// The time to plan in.
+    ///
+    /// # Errors
+    /// It is not a time, or too long.
+    pub(crate) fn budget(&self) -> Answer<Option<Duration>> {
+        let seconds = in_range("budget_s", self.budget_s, BUDGET_MAX_S, "the time to plan in, in seconds")?;
+        Ok(seconds.map(|seconds| Time::from_seconds(seconds) - Time::ZERO))
+    }
+}
+
+/// `value`, if it is above 0 and at most `max`.
+fn in_range(name: &str, value: Option<f64>, max: f64, meaning: &str) -> Answer<Option<f64>> {
+    match value {
+        Some(value) if !(value > 0.0 && value <= max) => Err(ApiError::bad_request(
+            format!("`{name}` is {value}, which is not above 0 and at most {max}"),
+            format!("write {meaning}, or leave `{name}` out"),
+        )),
+        other => Ok(other),
+    }
+}

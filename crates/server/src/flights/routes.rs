@@ -1,0 +1,124 @@
+//! The addresses of missions and flights.
+
+use crate::answer::{Answer, ApiError};
+use crate::flights::request::{FlightRequest, PlanParams};
+use crate::guard;
+use crate::router::{AppState, Shared, blocking, checked};
+use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
+use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
+use axum::http::header::{CONTENT_TYPE, LOCATION};
+use axum::http::{Method, StatusCode};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use serde::Serialize;
+use serde_json::json;
+use std::sync::Arc;
+
+/// Bytes of the largest body: a request is a few words.
+const BODY_MAX_BYTES: usize = 4096;
+
+/// The routes; `state` says whether the server may fly.
+pub(crate) fn routes(state: &Arc<AppState>) -> Router<Arc<AppState>> {
+    Router::new()
+        .route("/api/missions", get(missions))
+        .route("/api/missions/{name}/plan", get(plan))
+        .route("/api/flights", get(flights).post(start))
+        .route("/api/flights/{id}", get(flight))
+        .route("/api/flights/{id}/report", get(report))
+        .route("/api/flights/{id}/stop", post(stop))
+        .layer(DefaultBodyLimit::max(BODY_MAX_BYTES))
+        .layer(middleware::from_fn_with_state(Arc::clone(state), own_pages_only))
+}
+
+/// Lets only programs and pages of this machine start and stop flights.
+async fn own_pages_only(State(state): Shared, request: Request, next: Next) -> Response {
+    if request.method() == Method::POST {
+        let refused = if !guard::same_origin(request.headers()) {
+            Some(("this page comes from another site", "open the page that this server serves"))
+        } else if !state.loopback {
+            Some((
+                "this server flies no missions: it answers to other machines, and has no password",
+                "start it without `--address`, or with 127.0.0.1",
+            ))
+        } else {
+            None
+        };
+        if let Some((error, help)) = refused {
+            return ApiError::forbidden(error, help).into_response();
+        }
+    }
+    next.run(request).await
+}
+
+async fn missions(State(state): Shared) -> Answer<Response> {
+    ask(move || Ok(json!({"missions": state.tower()?.missions()?}))).await
+}
+
+async fn plan(
+    State(state): Shared,
+    name: Result<Path<String>, PathRejection>,
+    params: Result<Query<PlanParams>, QueryRejection>,
+) -> Answer<Response> {
+    state.tower()?;
+    let (name, params) = (of_path(name)?, checked(params)?);
+    let text = blocking(move || state.tower()?.plan(&name, &params)).await?;
+    Ok(([(CONTENT_TYPE, "application/json")], text).into_response())
+}
+
+async fn flights(State(state): Shared) -> Answer<Response> {
+    ask(move || Ok(json!({"flights": state.tower()?.flights()}))).await
+}
+
+async fn start(State(state): Shared, request: Result<Json<FlightRequest>, JsonRejection>) -> Answer<Response> {
+    state.tower()?;
+    let Json(request) = request.map_err(|rejection| ApiError {
+        status: rejection.status(),
+        error: rejection.body_text(),
+        help: "send `{\"mission\": NAME}` as application/json, with `seed`, `until_s` and `pace` if wanted".into(),
+    })?;
+    let (id, flight) = blocking(move || {
+        let flight = state.tower()?.start(request)?;
+        Ok((flight.id(), flight))
+    })
+    .await?;
+    Ok((StatusCode::CREATED, [(LOCATION, format!("/api/flights/{id}"))], Json(flight)).into_response())
+}
+
+async fn flight(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+    let flight = state.tower()?.flight(of_path(id)?)?;
+    Ok(Json(flight.state()).into_response())
+}
+
+async fn report(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+    let flight = state.tower()?.flight(of_path(id)?)?;
+    let report = flight.report().ok_or_else(|| ApiError {
+        status: StatusCode::CONFLICT,
+        error: format!(
+            "flight {} has no report: it has {}",
+            flight.id,
+            if flight.is_flying() { "not ended" } else { "failed" }
+        ),
+        help: format!("`/api/flights/{}` says how it stands", flight.id),
+    })?;
+    Ok(Json(report).into_response())
+}
+
+async fn stop(State(state): Shared, id: Result<Path<u64>, PathRejection>) -> Answer<Response> {
+    let flight = state.tower()?.flight(of_path(id)?)?;
+    flight.stop();
+    let status = if flight.is_flying() { StatusCode::ACCEPTED } else { StatusCode::OK };
+    Ok((status, Json(flight.state())).into_response())
+}
+
+fn of_path<T>(value: Result<Path<T>, PathRejection>) -> Answer<T> {
+    value.map(|Path(value)| value).map_err(|rejection| {
+        ApiError::bad_request(rejection.body_text(), "flights have whole numbers; `/api/flights` lists them")
+    })
+}
+
+/// Answers as JSON, off the network threads.
+async fn ask<T: Serialize + Send + 'static>(query: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<Response> {
+    Ok(Json(blocking(query).await?).into_response())
+}
