@@ -1,4 +1,4 @@
-//! A server that flies missions is stopped: its flights end in good order.
+//! A server that flies missions is stopped: its flights end cleanly.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test that cannot start its program has failed")]

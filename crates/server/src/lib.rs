@@ -13,7 +13,9 @@ mod live;
 mod params;
 mod router;
 mod serve;
+mod state;
 mod why;
 
 pub use flights::FlightOptions;
-pub use serve::{LoadSources, ServeError, ServeOptions, serve};
+pub use serve::{ServeError, ServeOptions, serve};
+pub use state::LoadSources;

@@ -3,7 +3,7 @@
 //! The record is polled, not the program that writes it: a second process, a crashed one and a finished one look
 //! the same from here. Bound: one small query per client and poll.
 
-use crate::router::AppState;
+use crate::state::AppState;
 use apex_runtime::record::view::Growth;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use std::sync::Arc;

@@ -1,75 +1,25 @@
 //! The table of addresses: from a request to the record view and back.
 
 use crate::answer::{Answer, ApiError};
-use crate::flights::Tower;
 use crate::params::{EventsParams, SourceParams, TargetsParams, TasksParams, TimelineParams, TrackParams, WhyParams};
-use crate::serve::LoadSources;
+use crate::state::{AppState, QueryParams, Shared, blocking, checked, no_record};
 use crate::{assets, flights, guard, live, why};
 use apex_runtime::record::view::{RecordView, SourceLine};
 use axum::Json;
 use axum::Router;
-use axum::extract::rejection::QueryRejection;
+use axum::extract::State;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{Query, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Serialize;
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// The page needs nothing from elsewhere: no fonts, no tiles, no scripts.
 const CONTENT_RULES: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
 worker-src 'self' blob:; connect-src 'self' ws: wss:; frame-ancestors 'none'";
-
-/// State shared by all request handlers.
-pub(crate) struct AppState {
-    /// The record's file; `None` if only missions are served.
-    pub(crate) record: Option<PathBuf>,
-    /// The number of the agent that is shown.
-    pub(crate) agent: usize,
-    /// Checks the recorded sources again; without it instants are not restored.
-    pub(crate) load: Option<LoadSources>,
-    /// The shared connection to the record, if there is one.
-    pub(crate) view: Option<Mutex<RecordView>>,
-    /// The flights of this server, if it may fly.
-    pub(crate) tower: Option<Arc<Tower>>,
-    /// True if only this machine can reach the server.
-    pub(crate) loopback: bool,
-}
-
-impl AppState {
-    /// Reads with the shared connection; blocks while another request reads.
-    pub(crate) fn read<T>(&self, query: impl FnOnce(&mut RecordView) -> Answer<T>) -> Answer<T> {
-        // A query that panicked has written nothing: the connection is as good as before.
-        let view = self.view.as_ref().ok_or_else(no_record)?;
-        let mut view = view.lock().unwrap_or_else(PoisonError::into_inner);
-        query(&mut view)
-    }
-
-    /// The flights of this server.
-    ///
-    /// # Errors
-    /// It was started without a folder of missions.
-    pub(crate) fn tower(&self) -> Answer<&Tower> {
-        self.tower.as_deref().ok_or_else(|| {
-            ApiError::not_found(
-                "this server flies no missions",
-                "start it with a folder of missions: `apex serve --missions FOLDER`",
-            )
-        })
-    }
-}
-
-/// The answer to questions about a record of a server that serves none.
-pub(crate) fn no_record() -> ApiError {
-    ApiError::not_found("this server serves no flight record", "start it with one: `apex serve RECORD`")
-}
-
-pub(crate) type Shared = State<Arc<AppState>>;
-type QueryParams<T> = Result<Query<T>, QueryRejection>;
 
 /// All routes. On a loopback address callers that use another name for this machine are kept out.
 pub(crate) fn router(state: Arc<AppState>) -> Router {
@@ -175,15 +125,6 @@ async fn add_headers(request: axum::extract::Request, next: Next) -> Response {
     response
 }
 
-pub(crate) fn checked<T>(params: QueryParams<T>) -> Answer<T> {
-    params.map(|Query(query)| query).map_err(|rejection| {
-        ApiError::bad_request(
-            rejection.body_text(),
-            "times are whole nanoseconds of mission time; docs/reference/server-api.md lists all parameters",
-        )
-    })
-}
-
 /// Runs a query off the network threads and sends its answer as JSON.
 async fn read<T, Q>(state: Arc<AppState>, query: Q) -> Answer<Response>
 where
@@ -192,14 +133,4 @@ where
 {
     let answer = blocking(move || state.read(query)).await?;
     Ok(Json(answer).into_response())
-}
-
-pub(crate) async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Answer<T> + Send + 'static) -> Answer<T> {
-    tokio::task::spawn_blocking(work).await.unwrap_or_else(|error| {
-        Err(ApiError {
-            status: StatusCode::INTERNAL_SERVER_ERROR,
-            error: format!("the query broke off: {error}"),
-            help: "this is a fault of Apex; please report it with the record".into(),
-        })
-    })
 }

@@ -1,10 +1,9 @@
 //! Serving: opens the record, binds, runs until Ctrl-C. Owns its tokio runtime, so that callers need none.
 
 use crate::flights::{FlightOptions, Tower};
-use crate::router::{AppState, router};
-use apex_model::source::SourceFile;
+use crate::router::router;
+use crate::state::{AppState, LoadSources};
 use apex_runtime::RecordError;
-use apex_runtime::record::Program;
 use apex_runtime::record::view::RecordView;
 use std::future::Future;
 use std::io;
@@ -15,9 +14,6 @@ use std::time::Duration;
 
 /// How long open connections may hold up the end of the program.
 const STOP_PATIENCE: Duration = Duration::from_secs(1);
-
-/// Checks the PDL sources of a record again, so that an instant can be restored; the server knows no syntax.
-pub type LoadSources = Arc<dyn Fn(&[SourceFile]) -> Result<Program, String> + Send + Sync>;
 
 /// What to serve, and where.
 pub struct ServeOptions {
@@ -63,7 +59,7 @@ pub enum ServeError {
     Stopped(io::Error),
 }
 
-/// Serves the record and flies missions until Ctrl-C (or SIGTERM); blocks. Flights under way are ended in good order.
+/// Serves the record and flies missions until Ctrl-C (or SIGTERM); blocks. Flights under way are ended cleanly.
 ///
 /// # Errors
 /// When the record cannot be read, the port cannot be had, or the network fails; each says what to do.

@@ -1,7 +1,7 @@
 //! `/api/why`: a task at an instant and its explanation.
 
 use crate::answer::{Answer, ApiError};
-use crate::router::{AppState, no_record};
+use crate::state::{AppState, no_record};
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, TaskExplanation};

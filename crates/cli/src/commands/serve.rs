@@ -17,7 +17,8 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> Outcome {
             .because(error)
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;
-    let record = options.record.as_deref().map(|record| Ok((record, agent_of(record, options)?))).transpose()?;
+    let record =
+        options.record.as_deref().map(|record| Ok::<_, Trouble>((record, agent_of(record, options)?))).transpose()?;
     let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
     serve(record, flights, address, options.port, move |url| {

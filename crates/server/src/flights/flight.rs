@@ -99,7 +99,7 @@ impl Flight {
         Ok(End::Ended { reason: outcome.end.reason.text(), report })
     }
 
-    /// Asks the flight to end in good order.
+    /// Asks the flight to end cleanly.
     pub(crate) fn stop(&self) {
         // A flight that has ended does not listen, and needs no stop.
         self.controls.send(Control::Stop).ok();

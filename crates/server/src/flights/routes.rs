@@ -3,7 +3,7 @@
 use crate::answer::{Answer, ApiError};
 use crate::flights::request::{FlightRequest, PlanParams};
 use crate::guard;
-use crate::router::{AppState, Shared, blocking, checked};
+use crate::state::{AppState, Shared, blocking, checked};
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
 use axum::http::header::{CONTENT_TYPE, LOCATION};
