@@ -10,6 +10,7 @@ use apex_mission::plan::input::PlanInput;
 use apex_mission::plan::{proof, turns};
 use apex_mission::{TargetKind, program};
 use apex_model::time::Duration;
+use apex_pdl::{Diagnostic, Severity};
 use apex_portfolio::ProfileTable;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
@@ -69,10 +70,12 @@ impl Mission {
     fn load(python: Python<'_>, path: PathBuf) -> PyResult<Mission> {
         let loaded = python.detach(|| -> MissionResult<Mission> {
             let checked = program::load_program(&path)?;
-            let render =
-                |diagnostic| apex_pdl::render(std::slice::from_ref(diagnostic), &checked.library.sources, false);
-            let warnings =
-                checked.diagnostics.iter().map(|diagnostic| render(diagnostic).trim_end().to_string()).collect();
+            let render = |diagnostic: &Diagnostic| {
+                let one = std::slice::from_ref(diagnostic);
+                apex_pdl::render(one, &checked.library.sources, false).trim_end().to_string()
+            };
+            let is_warning = |diagnostic: &&Diagnostic| diagnostic.severity == Severity::Warning;
+            let warnings = checked.diagnostics.iter().filter(is_warning).map(render).collect();
             let inner = Arc::new(apex_mission::Mission::of_program(&path, Arc::new(checked.library))?);
             Ok(Mission { inner, warnings })
         });
