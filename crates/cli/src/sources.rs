@@ -2,16 +2,17 @@
 
 use crate::output;
 use crate::trouble::{Outcome, Trouble};
-use apex_mission::Mission;
 pub use apex_mission::program::{
     agent_of, check_conditions, check_program, check_program_with, check_text_with, check_texts, crew_of,
     host_functions, load_recorded, program_path,
 };
+use apex_mission::{Mission, scenario};
 use apex_model::library::Library;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::Checked;
-use std::io::IsTerminal;
+use apex_runtime::ports::Input;
+use std::io::{IsTerminal, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,6 +33,21 @@ pub fn load_program(path: &Path) -> Outcome<Arc<Library>> {
 pub fn load_mission(path: &Path) -> Outcome<Mission> {
     let library = load_program(path)?;
     Ok(Mission::of_program(path, library)?)
+}
+
+/// Reads scripted inputs from a file, or from standard input for `-`.
+///
+/// # Errors
+/// The inputs cannot be read, or are not scripted inputs.
+pub fn inputs_of(path: &Path) -> Outcome<Vec<Input>> {
+    if path.as_os_str() != "-" {
+        return Ok(scenario::read(path)?);
+    }
+    let mut text = String::new();
+    std::io::stdin()
+        .read_to_string(&mut text)
+        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+    Ok(scenario::parse("<standard input>", &text)?)
 }
 
 /// Prints what a person who runs the program must know: not the notes.

@@ -4,11 +4,13 @@
 //! since the problem's own zero (usually the start of the mission). Travel, wind and light are computed by `apex-geo`,
 //! cost and score by `apex-metrics`.
 
+mod left_out;
 mod place;
 mod single_visit;
 mod surveillance;
 mod travel_times;
 
+pub use left_out::LeftOut;
 pub use place::{AirspaceZone, Area, FOREVER_S, LandingPlace, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 pub use single_visit::{
     CrewMember, FailureTerm, Light, Manoeuvre, PlannedVisit, QualityFactor, QualityFactors, SingleVisitPlan,
@@ -75,15 +77,6 @@ impl Plan {
             Plan::SingleVisit(plan) => plan.visits.iter().map(|visit| visit.target.as_str()).collect(),
         }
     }
-}
-
-/// A target that a plan does not visit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LeftOut {
-    /// The target's name.
-    pub target: String,
-    /// Why, for example "needs 41 min more than endurance leaves".
-    pub reason: String,
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::loose;
 use crate::lower::{Lowering, Names};
 use crate::read::{Datum, DatumKind, read_file};
 use crate::suggest::{renames, renames_marked};
+use crate::vocabulary::FORMS;
 use apex_model::condition::Condition;
 use apex_model::library::Library;
 use apex_model::source::SourceFile;
@@ -72,25 +73,6 @@ impl Checked {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
-
-/// Top-level forms.
-pub(crate) const FORMS: &[&str] = &[
-    "agent",
-    "declare-function",
-    "defapplication",
-    "defconstant",
-    "defindexical",
-    "defun",
-    "in-apex-bundle",
-    "primitive",
-    "procedure",
-    "require-apex-file",
-    "require-apex-library",
-    "resource",
-    "router",
-    "solver",
-    "state-variable",
-];
 
 /// Texts loaded for one library; a cycle of requirements ends by loading each text once, this ends a growing chain.
 const SOURCES_MAX: usize = 1_000;

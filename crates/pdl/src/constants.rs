@@ -1,9 +1,9 @@
 //! Messages about constants that have no value. Who can compute them says which; here nothing can be run.
 
-use crate::analysis::locate::Locator;
 use crate::check::Checked;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
+use crate::locate::Locator;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
 

@@ -14,6 +14,7 @@ mod diagnostic;
 mod fix;
 mod format;
 mod host;
+mod locate;
 mod lookup;
 mod loose;
 mod lower;

@@ -2,8 +2,8 @@
 //! do in articles and manuals. They are wrapped into procedures here, so that everything after checks them as usual.
 
 use crate::diagnostic::Span;
-use crate::lower::{ACTIVITIES, PROCEDURE_CLAUSES};
 use crate::read::{Datum, DatumKind};
+use crate::vocabulary::{ACTIVITIES, PROCEDURE_CLAUSES};
 use apex_model::symbol::Symbol;
 
 /// May this clause of a procedure stand alone in a fragment? Not where its short spelling is an activity too.

@@ -1,8 +1,5 @@
 //! The words of the language outside of expressions, as the checker knows them: for tables that must be complete.
 
-use crate::check::FORMS;
-use crate::lower::{AGENT_OPTIONS, PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, REPEATING_OPTIONS, STEP_CLAUSES};
-
 /// Words of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Words {
@@ -20,4 +17,112 @@ pub const VOCABULARY: &[Words] = &[
     Words { kind: "clause of a primitive", words: PRIMITIVE_CLAUSES },
     Words { kind: "option of `repeating`", words: REPEATING_OPTIONS },
     Words { kind: "option of an agent", words: AGENT_OPTIONS },
+];
+
+/// Top-level forms.
+pub(crate) const FORMS: &[&str] = &[
+    "agent",
+    "declare-function",
+    "defapplication",
+    "defconstant",
+    "defindexical",
+    "defun",
+    "in-apex-bundle",
+    "primitive",
+    "procedure",
+    "require-apex-file",
+    "require-apex-library",
+    "resource",
+    "router",
+    "solver",
+    "state-variable",
+];
+
+/// Clauses of a procedure.
+pub(crate) const PROCEDURE_CLAUSES: &[&str] = &[
+    "index",
+    "step",
+    "profile",
+    "log",
+    "expected-duration",
+    "interrupt-cost",
+    "end-when",
+    "terminate",
+    "restart",
+    "restart-when",
+    "resume",
+    "resume-when",
+    "suspend",
+    "suspend-when",
+    "on-start",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "select",
+];
+
+/// Clauses of a step.
+pub(crate) const STEP_CLAUSES: &[&str] = &[
+    "waitfor",
+    "select",
+    "forall",
+    "priority",
+    "rank",
+    "interrupt-cost",
+    "repeating",
+    "responding",
+    "profile",
+    "on-start",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "on-failure",
+    "terminate",
+    "end-when",
+    "restart",
+    "restart-when",
+    "resume",
+    "resume-when",
+    "suspend",
+    "suspend-when",
+];
+
+/// Clauses of a primitive.
+pub(crate) const PRIMITIVE_CLAUSES: &[&str] = &[
+    "index",
+    "profile",
+    "locals",
+    "duration",
+    "on-enablement",
+    "on-start",
+    "update",
+    "on-completion",
+    "on-end",
+    "on-suspend",
+    "on-resume",
+    "return",
+];
+
+/// Options of `repeating`; `responding` knows some of them.
+pub(crate) const REPEATING_OPTIONS: &[&str] =
+    &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"];
+
+/// Options of `agent`.
+pub(crate) const AGENT_OPTIONS: &[&str] = &["initial-task", "use-bundles", "routers", "workload", "limits"];
+
+/// Activities that need no definition, for suggestions.
+pub(crate) const ACTIVITIES: &[&str] = &[
+    "terminate",
+    "reset",
+    "suspend",
+    "resume",
+    "reprioritize",
+    "cogevent",
+    "inform",
+    "hold-resource",
+    "release-resource",
+    "print",
+    "end-application",
+    "ask",
+    "plan",
 ];

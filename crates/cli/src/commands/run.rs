@@ -6,23 +6,22 @@ use crate::options::RunOptions;
 use crate::output::Listened;
 use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{external_simulator, output, recording, sources};
+use apex_mission::Mission;
 use apex_mission::deliberation::Means;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::Report;
-use apex_mission::{Mission, scenario};
 use apex_model::library::{Application, Library};
 use apex_model::time::Time;
 use apex_planning::Registry;
 use apex_runtime::answer_lines::read_answers;
 use apex_runtime::foreign::{self, ForeignEnd};
 use apex_runtime::live_lines::OpenQuestions;
-use apex_runtime::ports::{Input, Observer};
+use apex_runtime::ports::Observer;
 use apex_runtime::program::{NoDeliberator, NoVehicle};
 use apex_runtime::record::{RecordOptions, Recorder};
 use apex_runtime::terms::Lateness;
 use apex_runtime::trace::{TraceFilter, TraceFormat, Tracer};
 use apex_runtime::{EndReason, FlyOptions, RunEnd, ScriptedAnswer, program};
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -31,7 +30,7 @@ use std::sync::Arc;
 pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
     let library = sources::load_program(&options.program)?;
     let clock = ClockSource::of(&library, options)?;
-    let inputs = options.inputs.as_deref().map(inputs_of).transpose()?.unwrap_or_default();
+    let inputs = options.inputs.as_deref().map(sources::inputs_of).transpose()?.unwrap_or_default();
     let answers = options.answers.as_deref().map(answers_of).transpose()?.unwrap_or_default();
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = live_mission(&library, options)?;
@@ -243,18 +242,6 @@ fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> Outcom
     Ok(recording::create(path, library, RecordOptions::default(), |recorder| {
         recorder.meta("agent", sources::agent_of(library).name.printed())
     })?)
-}
-
-/// Reads scripted inputs from a file, or from standard input for `-`.
-pub fn inputs_of(path: &Path) -> Outcome<Vec<Input>> {
-    if path.as_os_str() != "-" {
-        return Ok(scenario::read(path)?);
-    }
-    let mut text = String::new();
-    std::io::stdin()
-        .read_to_string(&mut text)
-        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
-    Ok(scenario::parse("<standard input>", &text)?)
 }
 
 /// Reads what the operator answers.

@@ -1,7 +1,7 @@
 //! What is watched or exported: a log, a flight record, or lines of JSON, as measurements and events in order of time.
 
 use crate::trouble::{Outcome, Trouble, read_text, unreadable};
-use crate::{commands, output, recording};
+use crate::{output, recording, sources};
 use apex_logs::{Format, LogError, LogFile, MappingFile, ReadErrors};
 use apex_model::event::EventKind;
 use apex_model::library::Library;
@@ -90,7 +90,7 @@ impl Source {
         match self {
             Source::Lines => feed_lines(sink),
             Source::LinesFile(path) => {
-                commands::run::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
+                sources::inputs_of(&path)?.into_iter().try_for_each(|input| sink(input.at, input.kind))
             }
             Source::Record(reader) => feed_record(&reader, sink),
             Source::Log(log) => feed_log(log, library, sink),

@@ -3,12 +3,12 @@
 
 use super::endings::{ends_procedure, is_end_of, is_endless, is_plain, is_plain_step, known_truth};
 use super::horn::{Horn, Node};
-use super::locate::closing;
 use super::methods::Method;
 use super::{Program, Report};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
+use crate::locate::closing;
 use crate::matching::{View, must_match};
 use crate::print::{pattern_text, template_text};
 use apex_model::condition::{ConditionKind, Timing};

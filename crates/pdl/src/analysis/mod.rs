@@ -12,7 +12,6 @@ mod horn;
 mod impossible;
 mod kinds;
 mod limits;
-pub(crate) mod locate;
 mod loops;
 mod memory;
 mod methods;
@@ -27,6 +26,7 @@ mod unused;
 mod walk;
 
 use crate::diagnostic::Diagnostic;
+use crate::locate::Locator;
 use crate::lower::Names;
 use apex_model::condition::Condition;
 use apex_model::library::Library;
@@ -35,7 +35,6 @@ use apex_model::procedure::{Activity, BuiltInActivity, Hooks, Procedure, Procedu
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use endings::Endings;
-use locate::Locator;
 use methods::Methods;
 use std::collections::BTreeSet;
 use std::sync::Arc;

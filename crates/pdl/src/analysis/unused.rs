@@ -1,12 +1,12 @@
 //! What is defined and never used: variables, and in a program with agents whole definitions.
 
 use super::bound::by_pattern;
-use super::locate::each;
 use super::methods::Method;
 use super::{Program, Report, walk};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::fix::Fix;
+use crate::locate::each;
 use crate::print::pattern_text;
 use crate::suggest::{is_certain, near};
 use apex_model::condition::{Condition, ConditionKind, Constraint};

@@ -6,6 +6,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames_marked;
+use crate::vocabulary::AGENT_OPTIONS;
 use apex_model::expression::Template;
 use apex_model::library::{
     AgentDeclaration, DEFAULT_ROUTER, DEFAULT_WORKLOAD, Library, RouterDeclaration, RouterUse, Topics,
@@ -16,7 +17,6 @@ use apex_model::value::Value;
 
 const AGENT_SHAPE: &str =
     "(agent NAME [:initial-task GOAL] [:use-bundles (..)] [:routers (..)] [:workload 1..9] [:limits (..)])";
-pub(crate) const AGENT_OPTIONS: &[&str] = &["initial-task", "use-bundles", "routers", "workload", "limits"];
 const ROUTER_SHAPE: &str = "(router NAME [:carries (TOPIC..)])";
 
 /// A name of something that another form must define.

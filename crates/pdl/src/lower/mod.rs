@@ -40,16 +40,12 @@ mod timing;
 mod unindexed;
 mod unserved;
 
-pub(crate) use agents::{AGENT_OPTIONS, NameKind, NameUse};
+pub(crate) use agents::{NameKind, NameUse};
 pub(crate) use goals::{Goal, Served};
 pub(crate) use indexes::shape;
 pub(crate) use names::{Callable, Names};
-pub(crate) use primitive::CLAUSES as PRIMITIVE_CLAUSES;
-pub(crate) use procedure::CLAUSES as PROCEDURE_CLAUSES;
 pub(crate) use scope::Scope;
-pub(crate) use step::{REPEATING_OPTIONS, STEP_CLAUSES};
 pub(crate) use unindexed::Unindexed;
-pub(crate) use unserved::ACTIVITIES;
 
 use crate::diagnostic::{Diagnostic, Severity, Span};
 use crate::read::Datum;

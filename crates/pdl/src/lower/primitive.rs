@@ -5,33 +5,18 @@ use super::{Lowering, Scope};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::read::{Datum, DatumKind};
+use crate::vocabulary::PRIMITIVE_CLAUSES;
 use apex_model::expression::Expr;
 use apex_model::procedure::{Hooks, Primitive};
 use apex_model::symbol::Symbol;
 
-/// Clauses of a primitive.
-pub(crate) const CLAUSES: &[&str] = &[
-    "index",
-    "profile",
-    "locals",
-    "duration",
-    "on-enablement",
-    "on-start",
-    "update",
-    "on-completion",
-    "on-end",
-    "on-suspend",
-    "on-resume",
-    "return",
-];
-
 impl Lowering {
     /// Lowers `(primitive (index PATTERN) CLAUSE..)`.
     pub(crate) fn primitive(&mut self, datum: &Datum) -> Option<Primitive> {
-        let (index, clauses) = self.split_index(datum, datum.tail(), CLAUSES, "primitive")?;
+        let (index, clauses) = self.split_index(datum, datum.tail(), PRIMITIVE_CLAUSES, "primitive")?;
         self.scope = Scope::of_tasks();
         let index = self.index_pattern(index)?;
-        let mut complete = self.check_clauses(&clauses, CLAUSES, "a primitive");
+        let mut complete = self.check_clauses(&clauses, PRIMITIVE_CLAUSES, "a primitive");
         let mut primitive = Primitive {
             index,
             profile: Vec::new(),

@@ -6,33 +6,11 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{nearest, renames, renames_marked};
+use crate::vocabulary::PROCEDURE_CLAUSES;
 use apex_model::pattern::Pattern;
 use apex_model::procedure::{Activity, Hooks, Procedure, ProcedureKind, Step, Transitions};
 use apex_model::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Clauses of a procedure.
-pub(crate) const CLAUSES: &[&str] = &[
-    "index",
-    "step",
-    "profile",
-    "log",
-    "expected-duration",
-    "interrupt-cost",
-    "end-when",
-    "terminate",
-    "restart",
-    "restart-when",
-    "resume",
-    "resume-when",
-    "suspend",
-    "suspend-when",
-    "on-start",
-    "on-end",
-    "on-suspend",
-    "on-resume",
-    "select",
-];
 
 const KINDS: &[&str] = &["concurrent", "conc", "sequential", "seq", "ranked", "soft-seq"];
 
@@ -40,7 +18,7 @@ impl Lowering {
     /// Lowers `(procedure [KIND] (index PATTERN) CLAUSE.. STEP..)`.
     pub(crate) fn procedure(&mut self, datum: &Datum) -> Option<Procedure> {
         let (kind, items) = self.procedure_kind(datum)?;
-        let (index, clauses) = self.split_index(datum, items, CLAUSES, "procedure")?;
+        let (index, clauses) = self.split_index(datum, items, PROCEDURE_CLAUSES, "procedure")?;
         self.scope = Scope::of_tasks();
         if self.report_misplaced(datum) {
             self.index_pattern(index)?;
@@ -55,7 +33,7 @@ impl Lowering {
         variables_in(datum, &mut |name| *self.scope.times_named.or_insert(name, 0) += 1);
         self.collect_results(&steps);
         let index = self.index_pattern(index)?;
-        complete &= self.check_clauses(&clauses, CLAUSES, "a procedure");
+        complete &= self.check_clauses(&clauses, PROCEDURE_CLAUSES, "a procedure");
         let mut procedure = Procedure {
             kind,
             index,
@@ -251,7 +229,7 @@ impl Lowering {
             }
             "interrupt-cost" => procedure.interrupt_cost = Some(self.only_expression(clause)?),
             "on-start" | "on-end" | "on-suspend" | "on-resume" => self.hook(clause, &mut procedure.hooks)?,
-            name if CLAUSES.contains(&name) => self.transition(clause, &mut procedure.transitions)?,
+            name if PROCEDURE_CLAUSES.contains(&name) => self.transition(clause, &mut procedure.transitions)?,
             // Unknown clauses have been reported.
             _ => {}
         }

@@ -8,6 +8,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::fix::Fix;
 use crate::read::{Datum, DatumKind};
 use crate::suggest::renames;
+use crate::vocabulary::{REPEATING_OPTIONS, STEP_CLAUSES};
 use apex_model::expression::Expr;
 use apex_model::procedure::{Activity, BuiltInActivity, PriorityClause, Repetition, Step};
 use apex_model::symbol::Symbol;
@@ -24,34 +25,6 @@ pub(crate) struct StepSource<'d> {
     pub(crate) span: Span,
 }
 
-/// Options of `repeating`; `responding` knows some of them.
-pub(crate) const REPEATING_OPTIONS: &[&str] =
-    &["while", "until", "enabled", "with-recovery", "with-min-interval", "for-new"];
-/// Clauses of a step.
-pub(crate) const STEP_CLAUSES: &[&str] = &[
-    "waitfor",
-    "select",
-    "forall",
-    "priority",
-    "rank",
-    "interrupt-cost",
-    "repeating",
-    "responding",
-    "profile",
-    "on-start",
-    "on-end",
-    "on-suspend",
-    "on-resume",
-    "on-failure",
-    "terminate",
-    "end-when",
-    "restart",
-    "restart-when",
-    "resume",
-    "resume-when",
-    "suspend",
-    "suspend-when",
-];
 /// Words that authors write for clauses with another name.
 const MEANT: &[(&str, &str)] = &[
     ("when", "waitfor"),

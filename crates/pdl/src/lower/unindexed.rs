@@ -3,10 +3,10 @@
 use super::Lowering;
 use super::goals::{Goal, GoalIndex};
 use super::procedure::variables_in;
-use crate::analysis::locate::Locator;
 use crate::codes;
 use crate::diagnostic::Span;
 use crate::fix::Fix;
+use crate::locate::Locator;
 use crate::read::Datum;
 use apex_model::library::Library;
 use apex_model::symbol::Symbol;

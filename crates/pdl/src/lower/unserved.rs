@@ -5,13 +5,14 @@ use super::Lowering;
 use super::apart;
 use super::goals::{Goal, GoalIndex, Served};
 use super::nearly::{Difference, difference, words};
-use crate::analysis::locate::Locator;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::fix::Fix;
+use crate::locate::Locator;
 use crate::print::{pattern_text, template_text};
 use crate::read::{Datum, DatumKind};
 use crate::suggest::{is_certain, near, renames};
+use crate::vocabulary::ACTIVITIES;
 use apex_model::library::Library;
 use apex_model::source::Place;
 use apex_model::symbol::Symbol;
@@ -21,23 +22,6 @@ use std::collections::BTreeMap;
 const UNSERVED_MAX: usize = 100;
 /// Indexes that are looked at for what an unserved goal may have meant.
 const CANDIDATES_MAX: usize = 2_000;
-/// Activities that need no definition, for suggestions.
-pub(crate) const ACTIVITIES: &[&str] = &[
-    "terminate",
-    "reset",
-    "suspend",
-    "resume",
-    "reprioritize",
-    "cogevent",
-    "inform",
-    "hold-resource",
-    "release-resource",
-    "print",
-    "end-application",
-    "ask",
-    "plan",
-];
-
 /// Words that authors write for `terminate`.
 const ENDINGS: &[&str] = &["end", "finish", "stop", "done", "exit", "return", "quit", "complete"];
 

@@ -1,9 +1,8 @@
 //! How little a balanced form looks like PDL: what stands where it cannot, and lines that contradict their indentation.
 //! Only for choosing among repairs; what a form means is decided elsewhere.
 
-use crate::check::FORMS;
-use crate::lower::{PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
 use crate::suggest::{is_certain, near};
+use crate::vocabulary::{FORMS, PRIMITIVE_CLAUSES, PROCEDURE_CLAUSES, STEP_CLAUSES};
 use apex_model::builtins::built_in;
 
 /// A token that matters for structure.
