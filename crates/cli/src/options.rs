@@ -399,7 +399,6 @@ pub enum PlanFormat {
 #[derive(Args)]
 pub struct ServeOptions {
     /// The flight record; can be left out with `--missions`.
-    #[arg(required_unless_present = "missions")]
     pub record: Option<PathBuf>,
     /// Let programs and pages of this machine fly the missions in this folder: its sub-folders with a `mission.pdl`.
     #[arg(long, value_name = "FOLDER")]

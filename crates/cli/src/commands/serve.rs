@@ -12,6 +12,10 @@ use std::sync::Arc;
 
 /// Serves until Ctrl-C.
 pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> Outcome {
+    if options.record.is_none() && options.missions.is_none() {
+        return Err(Trouble::user("`apex serve` needs a flight record or a folder of missions")
+            .help("write `apex serve RECORD`, or `apex serve --missions FOLDER`"));
+    }
     let address: IpAddr = options.address.parse().map_err(|error| {
         Trouble::user(format!("`--address {}` is no address", options.address))
             .because(error)
