@@ -40,9 +40,10 @@ def mission(folder: Path, solver: str, budget: str) -> Path:
 
 
 def said(record: Path) -> str:
-    """Return the texts of all effects in a record."""
+    """Return the subjects and texts of all effects in a record."""
+    select = "SELECT coalesce(subject, '') || ' ' || coalesce(text, '') FROM effect ORDER BY id"
     with sqlite3.connect(record) as connection:
-        return "\n".join(text for (text,) in connection.execute("SELECT text FROM effect ORDER BY id"))
+        return "\n".join(text for (text,) in connection.execute(select))
 
 
 def test_the_example_is_short_and_on_the_page():
