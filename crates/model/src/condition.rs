@@ -183,7 +183,7 @@ pub struct EpisodeCondition {
     pub trend: Vec<(Symbol, Vec<Constraint>)>,
 }
 
-/// `(:cyclic (ATTR OBJ) :period C ..)`.
+/// Repeated swings of a state variable, with constraints by option.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CyclicCondition {
     /// Whose values.

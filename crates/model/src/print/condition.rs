@@ -2,8 +2,8 @@
 
 use super::{Style, joined, list_text};
 use crate::condition::{
-    Condition, ConditionKind, Constraint, CyclicCondition, EpisodeCondition, Estimation, MeasurementCondition, Quality,
-    Relation, Timing, VariablePattern,
+    Condition, ConditionKind, Constraint, EpisodeCondition, Estimation, MeasurementCondition, Quality, Relation,
+    Timing, VariablePattern,
 };
 use crate::expression::Expr;
 use crate::pattern::Pattern;
@@ -76,7 +76,7 @@ impl Style {
     }
 
     /// `(ATTR OBJ.. rest)`
-    fn variable(self, variable: &VariablePattern, rest: String) -> String {
+    pub(super) fn variable(self, variable: &VariablePattern, rest: String) -> String {
         let split = |count: usize| count > 1 || self == Style::Brief;
         let object = match &variable.object {
             Pattern::Literal(Value::List(items)) if items.is_empty() => String::new(),
@@ -211,16 +211,6 @@ impl Style {
         list_text(":atomic-episode", [tag, form, timing, probing])
     }
 
-    /// A cyclic condition as text.
-    pub fn cyclic(self, condition: &CyclicCondition) -> String {
-        self.cyclic_with(condition, String::new())
-    }
-
-    fn cyclic_with(self, cyclic: &CyclicCondition, tag: String) -> String {
-        let options = cyclic.options.iter().map(|(name, constraints)| self.option(&format!(":{name}"), constraints));
-        list_text(":cyclic", [tag, self.variable(&cyclic.variable, String::new())].into_iter().chain(options))
-    }
-
     /// A wait for a task's state as text.
     pub fn task_state(self, task: &Expr, state: &Pattern) -> String {
         let head = match self {
@@ -241,7 +231,7 @@ impl Style {
     }
 
     /// `:name C..`, or nothing without constraints.
-    fn option(self, name: &str, constraints: &[Constraint]) -> String {
+    pub(super) fn option(self, name: &str, constraints: &[Constraint]) -> String {
         match constraints {
             [] => String::new(),
             all => format!("{name} {}", joined(all.iter().map(|each| self.constraint(each)))),

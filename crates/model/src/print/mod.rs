@@ -1,6 +1,7 @@
 //! The printer of PDL forms: nouns back to flat PDL text.
 
 mod condition;
+mod cyclic;
 mod expression;
 mod value;
 

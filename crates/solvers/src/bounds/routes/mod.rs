@@ -22,7 +22,7 @@ mod walks;
 use crate::planners::single_visit::steady::network::Network;
 use apex_planning::solver::Budget;
 use grain::Grain;
-use proof::{MemorySizes, Proof};
+use proof::Proof;
 use walks::Walks;
 
 /// Rounds of prices.
@@ -155,7 +155,7 @@ impl<'n> Question<'n> {
                 return;
             }
             budget.charge(needed);
-            self.proof = Proof::new(self.network, self.bound, MemorySizes::SHIPPED);
+            self.proof = Proof::new(self.network, self.bound);
         }
         let Some(proof) = &mut self.proof else { return };
         if !proof.run(self.reached, until, budget) {

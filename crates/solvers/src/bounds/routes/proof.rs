@@ -19,23 +19,10 @@ use super::{Proven, worths};
 use crate::planners::single_visit::steady::network::Network;
 use apex_planning::solver::Budget;
 
-/// Sizes of the memories of labels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MemorySizes {
-    /// Targets that each one remembers in the beginning, itself included.
-    pub(super) remembered: usize,
-    /// What they remember in the first runs: these have walks alone for a bound, so their labels must be few.
-    pub(super) first_remembered: [usize; 4],
-    /// Pairs kept for a node and a bucket: of what is left out only the highest value is known.
-    pub(super) listed_max: usize,
-}
-
-impl MemorySizes {
-    /// The sizes of all proofs. Tests with few targets try smaller ones too, with which walks revisit targets.
-    pub(super) const SHIPPED: MemorySizes =
-        MemorySizes { remembered: 8, first_remembered: [3, 4, 5, 6], listed_max: 64 };
-}
-
+/// Targets that each one remembers in the beginning, itself included. Tests have few targets, and want walks that come back.
+const REMEMBERED: usize = if cfg!(test) { 3 } else { 8 };
+/// What they remember in the first runs: these have walks alone for a bound, so their labels must be few.
+const FIRST_REMEMBERED: [usize; 4] = if cfg!(test) { [1, 2, 3, 4] } else { [3, 4, 5, 6] };
 /// Runs under the same prices.
 const RUNS_MAX: usize = 100;
 /// How prices are found, and labels tried under them.
@@ -76,7 +63,6 @@ const WAYS_PER_UNIT: u64 = 1_000;
 /// A proof on its way.
 pub(super) struct Proof<'n> {
     network: &'n Network,
-    sizes: MemorySizes,
     /// The network with its ends exchanged.
     turned: Network,
     late: [Late; 2],
@@ -124,7 +110,7 @@ impl<'n> Proof<'n> {
 
     /// A proof that begins without prices, and the bound that is known; none where there are too many targets, or legs of no
     /// time.
-    pub(super) fn new(network: &'n Network, bound: f64, sizes: MemorySizes) -> Option<Proof<'n>> {
+    pub(super) fn new(network: &'n Network, bound: f64) -> Option<Proof<'n>> {
         if network.targets > memory::TARGETS_MAX {
             return None;
         }
@@ -132,7 +118,6 @@ impl<'n> Proof<'n> {
         let turned = network.turned();
         Some(Proof {
             network,
-            sizes,
             late: [Late::new(network), Late::new(&turned)],
             onward: [onward(network), onward(&turned)],
             turned,
@@ -140,7 +125,7 @@ impl<'n> Proof<'n> {
             layout_in_a_hurry,
             grain: Grain::new(network),
             prices: vec![0.0; network.targets],
-            sampled: memory::nearest(network, sizes.remembered),
+            sampled: memory::nearest(network, REMEMBERED),
             remembers: vec![0; network.targets],
             reached: f64::NEG_INFINITY,
             known: Proven { bound, better: None },
@@ -159,7 +144,7 @@ impl<'n> Proof<'n> {
     pub(super) fn begin_with_care(&mut self, prices: Option<Vec<f64>>) {
         self.prices = prices.unwrap_or_else(|| vec![0.0; self.network.targets]);
         (self.is_careful, self.turn, self.priced) = (true, 0, false);
-        self.sampled = memory::nearest(self.network, self.sizes.remembered);
+        self.sampled = memory::nearest(self.network, REMEMBERED);
         self.remembers.fill(0);
     }
 
@@ -250,7 +235,7 @@ impl<'n> Proof<'n> {
         let began = budget.used();
         for run in 0..RUNS_MAX {
             let end = run % 2;
-            let first = self.sizes.first_remembered.get(run).map(|size| {
+            let first = FIRST_REMEMBERED.get(run).map(|size| {
                 let few = memory::nearest(self.network, *size);
                 few.iter().zip(&self.remembers).map(|(few, all)| few & all).collect::<Vec<Targets>>()
             });
@@ -317,8 +302,7 @@ impl<'n> Proof<'n> {
     /// What labels from `end` say to those from the other.
     fn rest(&self, end: usize, found: &Found, worth: &[f64], budget: &mut dyn Budget) -> Rest {
         let mut steps = 0;
-        let network = if end == 0 { self.network } else { &self.turned };
-        let rest = Rest::new(network, &found.labels, worth, self.sizes.listed_max, &mut steps);
+        let rest = Rest::new(if end == 0 { self.network } else { &self.turned }, &found.labels, worth, &mut steps);
         budget.charge(1 + steps / STEPS_PER_UNIT);
         rest
     }

@@ -7,6 +7,8 @@ use crate::planners::single_visit::steady::network::Network;
 
 /// Buckets of the flight.
 const BUCKETS: i32 = 256;
+/// Pairs kept for a node and a bucket: of what is left out only the highest value is known. Tests have few pairs.
+const LISTED_MAX: usize = if cfg!(test) { 2 } else { 64 };
 
 /// For each node and bucket of time what ways from the other end gather that can follow a visit that begins in the bucket,
 /// itself left out, with the targets that they remember.
@@ -16,9 +18,8 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// `labels` are those of the same problem with its ends exchanged; each visit was worth `worth`. At most `listed_max` pairs
-    /// are kept for a node and a bucket.
-    pub(super) fn new(network: &Network, labels: &[Label], worth: &[f64], listed_max: usize, steps: &mut u64) -> Rest {
+    /// `labels` are those of the same problem with its ends exchanged; each visit was worth `worth`.
+    pub(super) fn new(network: &Network, labels: &[Label], worth: &[f64], steps: &mut u64) -> Rest {
         let limit = network.limit();
         let width = limit / BUCKETS + 1;
         let mut of_node: Vec<Vec<&Label>> = vec![Vec::new(); network.nodes.len()];
@@ -40,7 +41,7 @@ impl Rest {
                     let (value, seen) = (label.value - gain, label.seen & !own);
                     if !front.beats(value, seen, steps) {
                         front.insert(value, seen, steps);
-                        left_out = left_out.max(front.shorten(listed_max));
+                        left_out = left_out.max(front.shorten(LISTED_MAX));
                     }
                 }
                 if let Some(slot) = fronts.get_mut(node as usize * BUCKETS as usize + bucket as usize) {

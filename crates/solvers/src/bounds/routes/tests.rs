@@ -13,9 +13,6 @@ use apex_planning::random::Generator;
 use apex_planning::solver::WorkBudget;
 use proptest::prelude::*;
 
-/// Sizes with which walks over few targets revisit some, and pairs are left out.
-const SMALL: MemorySizes = MemorySizes { remembered: 3, first_remembered: [1, 2, 3, 4], listed_max: 2 };
-
 /// Up to eight targets with one or two nodes each; windows wide and narrow, waiting, one-way legs of any length. Of every
 /// other network the targets that can be visited are far apart in the list of all.
 fn random(seed: u64) -> Network {
@@ -116,19 +113,17 @@ proptest! {
         let best = most(&routes(&network));
         let reached = f64::from(share) * 0.5 * best;
         let sum: f64 = network.nodes.iter().map(|node| node.value).sum();
-        for sizes in [SMALL, MemorySizes::SHIPPED] {
-            let mut proof = Proof::new(&network, sum, sizes).unwrap();
-            prop_assert!(proof.run(reached, 1 << 40, &mut WorkBudget::new(1 << 40)));
-            let found = proof.known();
-            let bound = Grain::new(&network).below(found.bound).max(reached);
-            prop_assert!(bound >= best - 1e-9 && bound <= best + 1e-5, "{bound} of {best}");
-            match &found.better {
-                Some(route) => {
-                    prop_assert!(flies(&network, route));
-                    prop_assert!((proof::value_of(&network, route).unwrap() - best).abs() < 1e-9);
-                }
-                None => prop_assert!(reached >= best - 1e-9),
+        let mut proof = Proof::new(&network, sum).unwrap();
+        prop_assert!(proof.run(reached, 1 << 40, &mut WorkBudget::new(1 << 40)));
+        let found = proof.known();
+        let bound = Grain::new(&network).below(found.bound).max(reached);
+        prop_assert!(bound >= best - 1e-9 && bound <= best + 1e-5, "{bound} of {best}");
+        match &found.better {
+            Some(route) => {
+                prop_assert!(flies(&network, route));
+                prop_assert!((proof::value_of(&network, route).unwrap() - best).abs() < 1e-9);
             }
+            None => prop_assert!(reached >= best - 1e-9),
         }
     }
 
@@ -179,7 +174,7 @@ proptest! {
     fn of_targets_that_fit_into_no_set_walks_alone_say_what_they_can(seed in 0..100_000u64, units in 0..20_000u64) {
         let (nodes, legs, targets) = parts_apart(seed, 64);
         let network = Network::given(nodes, legs, targets);
-        prop_assert_eq!(Proof::new(&network, 0.0, SMALL).is_some(), targets <= 128);
+        prop_assert_eq!(Proof::new(&network, 0.0).is_some(), targets <= 128);
         let found = highest_value(&network, 0.0, units, &mut WorkBudget::new(1 << 40));
         prop_assert!(found.bound >= most(&routes(&network)) - 1e-9);
         prop_assert!(found.better.is_none() || targets <= 128);
@@ -222,7 +217,7 @@ proptest! {
                 let found = search.run(u64::MAX, &mut WorkBudget::new(u64::MAX)).unwrap();
                 prop_assert!((found.value - best).abs() < 1e-9, "run {run}: {} is not {best}", found.value);
             }
-            rest = Some(Rest::new(network, &found.labels, worth, SMALL.listed_max, &mut steps));
+            rest = Some(Rest::new(network, &found.labels, worth, &mut steps));
         }
     }
 

@@ -1,0 +1,17 @@
+//! Cyclic conditions as text.
+
+use super::Style;
+use super::list_text;
+use crate::condition::CyclicCondition;
+
+impl Style {
+    /// A cyclic condition as text.
+    pub fn cyclic(self, condition: &CyclicCondition) -> String {
+        self.cyclic_with(condition, String::new())
+    }
+
+    pub(super) fn cyclic_with(self, cyclic: &CyclicCondition, tag: String) -> String {
+        let options = cyclic.options.iter().map(|(name, constraints)| self.option(&format!(":{name}"), constraints));
+        list_text(":cyclic", [tag, self.variable(&cyclic.variable, String::new())].into_iter().chain(options))
+    }
+}
