@@ -1,0 +1,156 @@
+//! The best look of a cell, and the expected best of predicted looks.
+//!
+//! Looks are sorted by worth; look l counts with the probability that it is valid and no better one is:
+//! `E[best] = sum_l q_l P(l valid, all better ones not)`. Turbulence is independent between looks. Cloud is one draw per
+//! hour: of looks in the same hour the one with the smaller probability of a clear line is clear only if the other is.
+//! A flown look is certain, so that only the best of them counts.
+
+use super::by_cell::ByCell;
+use super::worth::{CAUSES, LookWorth, StripWorth, add};
+use crate::result::LossCause;
+
+/// Sums of one cell for one wanted look.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CellWorth {
+    pub(super) is_seen: bool,
+    /// Mean clarity.
+    pub(super) s: f64,
+    /// Mean of clarity times resolution.
+    pub(super) sr: f64,
+    /// Mean worth.
+    pub(super) sro: f64,
+    /// The look that counts most.
+    pub(super) best: Option<(u32, u32)>,
+}
+
+/// One look that may count.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    entry: (u32, u32),
+    interval: f64,
+    worth: LookWorth,
+    hour: i64,
+    /// Probability that this look counts.
+    used: f64,
+}
+
+/// Memory that is used again for every cell.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    candidates: Vec<Candidate>,
+}
+
+/// The sums of one cell over the looks in `entries`, each with the factor of its interval.
+pub(super) fn outcome(
+    by_cell: &ByCell<'_>,
+    worth: &StripWorth<'_>,
+    entries: impl Iterator<Item = ((u32, u32), f64)>,
+    scratch: &mut Scratch,
+) -> CellWorth {
+    let candidates = &mut scratch.candidates;
+    candidates.clear();
+    candidates.extend(entries.filter_map(|(entry, interval)| {
+        let look = by_cell.look(entry)?;
+        let strip = by_cell.passes.get(entry.0 as usize)?.strip(look)?;
+        let hour = libm::floor(strip.time_s / 3_600.0) as i64;
+        Some(Candidate { entry, interval, worth: worth.of(entry.0, look, strip, interval), hour, used: 0.0 })
+    }));
+    if candidates.is_empty() {
+        return CellWorth::default();
+    }
+    candidates.sort_by(|a, b| {
+        let chance = |c: &Candidate| c.worth.valid * c.worth.clear;
+        let by_worth = b.worth.sro.total_cmp(&a.worth.sro);
+        let by_resolution = (chance(b) * b.worth.sr).total_cmp(&(chance(a) * a.worth.sr));
+        by_worth.then(by_resolution).then((chance(b) * b.worth.s).total_cmp(&(chance(a) * a.worth.s)))
+    });
+    share_out(candidates);
+    let mut sum =
+        CellWorth { is_seen: true, best: candidates.first().map(|first| first.entry), ..CellWorth::default() };
+    for candidate in candidates.iter() {
+        sum.s += candidate.used * candidate.worth.s;
+        sum.sr += candidate.used * candidate.worth.sr;
+        sum.sro += candidate.used * candidate.worth.sro;
+    }
+    sum
+}
+
+/// The probability with which each candidate counts; they are sorted, the best first.
+fn share_out(candidates: &mut [Candidate]) {
+    let is_plain = candidates.iter().all(|candidate| candidate.worth.clear >= 1.0);
+    let mut left = 1.0;
+    for index in 0..candidates.len() {
+        let (better, rest) = candidates.split_at_mut(index);
+        let Some(candidate) = rest.first_mut() else { return };
+        let LookWorth { valid, clear, .. } = candidate.worth;
+        if is_plain {
+            candidate.used = left * valid;
+            left -= candidate.used;
+            continue;
+        }
+        // Better looks of the same hour, given that this line of sight is clear.
+        let same = better.iter().filter(|other| other.hour == candidate.hour);
+        let same_invalid = same.fold(1.0, |product, other| product * (1.0 - given_clear(other, clear)));
+        candidate.used = clear * valid * same_invalid * other_hours_invalid(better, candidate.hour);
+    }
+}
+
+/// Probability that `other` is valid and clear, given that a line of sight of the same hour with probability `clear` is.
+fn given_clear(other: &Candidate, clear: f64) -> f64 {
+    let share = if clear > 0.0 { (other.worth.clear / clear).min(1.0) } else { 1.0 };
+    other.worth.valid * share
+}
+
+/// Probability that no look of `better` in another hour than `hour` is valid and clear.
+fn other_hours_invalid(better: &[Candidate], hour: i64) -> f64 {
+    let mut product = 1.0;
+    for (index, first) in better.iter().enumerate() {
+        let is_new = better.iter().take(index).all(|earlier| earlier.hour != first.hour);
+        if first.hour == hour || !is_new {
+            continue;
+        }
+        // The first valid look of that hour, in the same order.
+        let mut any = 0.0;
+        for (position, look) in better.iter().enumerate().skip(index).filter(|(_, look)| look.hour == first.hour) {
+            let earlier = better.iter().take(position).filter(|earlier| earlier.hour == first.hour);
+            let invalid =
+                earlier.fold(1.0, |product, earlier| product * (1.0 - given_clear(earlier, look.worth.clear)));
+            any += look.worth.clear * look.worth.valid * invalid;
+        }
+        product *= (1.0 - any).max(0.0);
+    }
+    product
+}
+
+/// What the cell of the last [`outcome`] loses to which cause; with its worth the sum is 1.
+pub(super) fn losses(
+    by_cell: &ByCell<'_>,
+    worth: &StripWorth<'_>,
+    outcome: &CellWorth,
+    scratch: &Scratch,
+) -> [f64; CAUSES] {
+    let mut losses = [0.0; CAUSES];
+    if !outcome.is_seen {
+        add(&mut losses, LossCause::NotSeen, 1.0);
+        return losses;
+    }
+    let mut missed = 1.0;
+    for candidate in scratch.candidates.iter().filter(|candidate| candidate.used > 0.0) {
+        missed -= candidate.used;
+        let Some(look) = by_cell.look(candidate.entry) else { continue };
+        let Some(strip) = by_cell.passes.get(candidate.entry.0 as usize).and_then(|pass| pass.strip(look)) else {
+            continue;
+        };
+        worth.add_losses(candidate.entry.0, look, strip, (candidate.used, candidate.interval), &mut losses);
+    }
+    let best = scratch.candidates.first().and_then(|candidate| {
+        let look = by_cell.look(candidate.entry)?;
+        Some((look, by_cell.passes.get(candidate.entry.0 as usize)?.strip(look)?))
+    });
+    if missed > 0.0
+        && let Some((look, strip)) = best
+    {
+        worth.add_missed(look, strip, missed, &mut losses);
+    }
+    losses
+}

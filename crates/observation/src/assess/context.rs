@@ -1,0 +1,28 @@
+//! What looks are judged by, in addition to what they are.
+
+use std::collections::BTreeMap;
+
+/// The image of a line or picture that was received on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Product {
+    /// First instant in the image.
+    pub from_s: f64,
+    /// Last instant in the image.
+    pub until_s: f64,
+    /// Instant at which it is on the ground.
+    pub on_ground_s: f64,
+}
+
+/// What looks are judged by, in addition to what they are.
+#[derive(Clone, Copy, Debug)]
+pub struct AssessContext<'a> {
+    /// Start of the mission, seconds of Unix time, for the sun.
+    pub zero_unix_s: f64,
+    /// Images received on the ground.
+    pub products: &'a [Product],
+    /// First valid look of each target seen so far, for order constraints.
+    pub first_valid_s: &'a BTreeMap<String, f64>,
+    /// False leaves out the losses, which planners do not need.
+    pub is_explained: bool,
+}

@@ -1,0 +1,430 @@
+//! Flown observations: a fold over the recorded samples of a flight.
+//!
+//! Samples, switches of the sensor, pictures and received products come in order of time. Ground between two samples is seen
+//! while the sensor is on and the samples are close in time; a gap in the record is not seen. Only samples near a target
+//! are rasterised. Bound: O(targets) per sample, O(cells of the swath) where a target is near.
+
+use crate::assess::{AssessContext, Product, assess};
+use crate::attitude::{Attitude, Vector};
+use crate::clarity::ClarityWeights;
+use crate::footprint::{self, Ground, OFF_NADIR_DEG_MAX};
+use crate::grid::{AreaError, GridSettings, TargetGrid};
+use crate::looks::{SeenGround, StripFacts, TargetLooks};
+use crate::plane::Point;
+use crate::result::{Remark, TargetResult};
+use crate::sensor::GimbalAngles;
+use crate::strip::{AngularRates, ScanLine, ScannerSetting, add_between, hiding, scan_line};
+use crate::target::{ObservedTarget, WANTED_LOOKS_MAX};
+use crate::timing::sun::solar_position;
+use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A target that is not seen for this long, while the sensor is on, begins a new pass when it is seen again.
+pub const PASS_GAP_S: f64 = 60.0;
+/// Roll that changes by more than this between two samples is interpolated.
+const ROLL_STEP_DEG: f64 = 0.5;
+/// Time between interpolated samples.
+const INTERPOLATION_S: f64 = 0.2;
+/// Interpolated pieces between two samples.
+const PIECES_MAX: f64 = 20.0;
+
+/// Settings of an accumulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlownSettings {
+    /// Start of the mission, seconds of Unix time.
+    pub zero_unix_s: f64,
+    /// How fine the grids are.
+    pub grid: GridSettings,
+    /// Samples farther apart are a gap: the ground between them is not seen.
+    pub sample_gap_s_max: f64,
+}
+
+/// Why a flight cannot be accumulated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ObservationError {
+    /// A target's area is not usable.
+    Area(AreaError),
+    /// A target wants more looks than [`WANTED_LOOKS_MAX`].
+    TooManyLooks {
+        /// Name of the target.
+        target: String,
+        /// Number of its wanted looks.
+        looks: usize,
+    },
+    /// Two targets have the same name.
+    DoubleName(String),
+}
+
+impl fmt::Display for ObservationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ObservationError::Area(error) => error.fmt(f),
+            ObservationError::TooManyLooks { target, looks } => {
+                let most = WANTED_LOOKS_MAX;
+                write!(
+                    f,
+                    "target `{target}` wants {looks} looks, at most {most} are possible: split it into two targets"
+                )
+            }
+            ObservationError::DoubleName(name) => {
+                write!(f, "two targets have the name `{name}`: give each its own name")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ObservationError {}
+
+/// What the sensor does from an instant on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum SensorState {
+    /// Nothing is recorded.
+    #[default]
+    Off,
+    /// A line scanner records.
+    Scanning(ScannerSetting),
+}
+
+/// State of the vehicle at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlightSample {
+    /// Instant.
+    pub time_s: f64,
+    /// Ground point of the vehicle.
+    pub position: Position,
+    /// Altitude above mean sea level.
+    pub altitude_m: f64,
+    /// Attitude; none if the record has none. Lines then count as level with clarity 0.
+    pub attitude: Option<Attitude>,
+    /// Ground speed.
+    pub ground_speed_mps: f64,
+    /// Share of the line of sight straight down that is free of cloud, 0 or 1 in simulation; none if it is not known.
+    pub clear_share: Option<f64>,
+}
+
+/// A picture or a frame of a video.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picture {
+    /// Vehicle at the instant of the exposure.
+    pub sample: FlightSample,
+    /// Angles of the gimbal.
+    pub angles: GimbalAngles,
+    /// Full horizontal field of view.
+    pub horizontal_field_deg: f64,
+    /// Full vertical field of view.
+    pub vertical_field_deg: f64,
+    /// Angle of one pixel.
+    pub pixel_mrad: f64,
+    /// Worth of the picture by its smear, 0..1.
+    pub smear_weight: f64,
+    /// False while the camera is not ready.
+    pub is_ready: bool,
+}
+
+/// A target with its grid and what has been seen of it.
+#[derive(Clone, Debug)]
+struct Watched {
+    target: ObservedTarget,
+    grid: TargetGrid,
+    looks: TargetLooks,
+    last_seen_s: f64,
+    reach_m: f64,
+}
+
+/// The accumulation of a flight.
+#[derive(Clone, Debug)]
+pub struct FlownObservation {
+    settings: FlownSettings,
+    watched: Vec<Watched>,
+    sensor: SensorState,
+    last: Option<FlightSample>,
+    products: Vec<Product>,
+}
+
+impl FlownObservation {
+    /// An accumulation of nothing yet. `ground` gives the elevations of the targets.
+    ///
+    /// # Errors
+    /// [`ObservationError`] if an area is not usable, a target wants too many looks, or two have the same name.
+    pub fn new(
+        targets: Vec<ObservedTarget>,
+        settings: FlownSettings,
+        ground: &dyn Ground,
+    ) -> Result<FlownObservation, ObservationError> {
+        let mut watched: Vec<Watched> = Vec::with_capacity(targets.len());
+        for target in targets {
+            if target.looks.len() > WANTED_LOOKS_MAX {
+                return Err(ObservationError::TooManyLooks { looks: target.looks.len(), target: target.name });
+            }
+            if watched.iter().any(|other| other.target.name == target.name) {
+                return Err(ObservationError::DoubleName(target.name));
+            }
+            let grid = TargetGrid::new(&target, settings.grid).map_err(ObservationError::Area)?.with_elevations(ground);
+            let (low, high) = grid.bounds();
+            let reach_m = [low, high, Point { x: low.x, y: high.y }, Point { x: high.x, y: low.y }]
+                .iter()
+                .fold(0.0, |most: f64, corner| most.max(corner.length()));
+            let last_seen_s = f64::NEG_INFINITY;
+            watched.push(Watched { target, grid, looks: TargetLooks::default(), last_seen_s, reach_m });
+        }
+        Ok(FlownObservation { settings, watched, sensor: SensorState::Off, last: None, products: Vec::new() })
+    }
+
+    /// The sensor changes at the instant of the last sample: the strip up to there is complete.
+    pub fn sensor(&mut self, state: SensorState) {
+        if self.sensor != state {
+            self.sensor = state;
+            self.end_passes();
+            if self.sensor == SensorState::Off {
+                self.last = None;
+            }
+        }
+    }
+
+    /// The vehicle's state at the next instant. With a scanner on, the ground since the sample before is seen.
+    pub fn sample(&mut self, sample: FlightSample, ground: &dyn Ground) {
+        let SensorState::Scanning(setting) = &self.sensor else {
+            self.last = None;
+            return;
+        };
+        let before = self.last.replace(sample);
+        let Some(before) = before else { return };
+        let span_s = sample.time_s - before.time_s;
+        if span_s.is_nan() || span_s <= 0.0 || span_s > self.settings.sample_gap_s_max {
+            self.end_passes();
+            return;
+        }
+        let lowest_m = ground.elevation_range_m().0;
+        let roll_deg = |sample: &FlightSample| sample.attitude.map_or(0.0, |attitude| attitude.roll_deg.abs());
+        let angle_deg = 0.5 * setting.mode.field_of_view_deg + roll_deg(&sample).max(roll_deg(&before));
+        let swath_m =
+            (sample.altitude_m - lowest_m).max(0.0) * libm::tan(angle_deg.min(OFF_NADIR_DEG_MAX) * RAD_PER_DEG);
+        let zero_unix_s = self.settings.zero_unix_s;
+        for watched in self.watched.iter_mut().filter(|watched| watched.is_near(sample.position, swath_m)) {
+            watched.strip(&before, &sample, setting, ground, zero_unix_s);
+        }
+    }
+
+    /// A picture is taken; the scanner's state does not matter.
+    pub fn picture(&mut self, picture: &Picture, ground: &dyn Ground) {
+        let lowest_m = ground.elevation_range_m().0;
+        let height_m = (picture.sample.altitude_m - lowest_m).max(0.0);
+        let reach_m = height_m * libm::tan(OFF_NADIR_DEG_MAX * RAD_PER_DEG);
+        let near = |watched: &&mut Watched| watched.is_near(picture.sample.position, reach_m);
+        for watched in self.watched.iter_mut().filter(near) {
+            watched.picture(picture, ground, self.settings.zero_unix_s);
+        }
+    }
+
+    /// The image of a line or picture is received on the ground.
+    pub fn product(&mut self, product: Product) {
+        self.products.push(product);
+    }
+
+    /// Images received so far.
+    pub fn products(&self) -> &[Product] {
+        &self.products
+    }
+
+    /// What has been seen of a target so far; none for an unknown name.
+    pub fn looks(&self, name: &str) -> Option<&TargetLooks> {
+        self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.looks)
+    }
+
+    /// The grid of a target; none for an unknown name.
+    pub fn grid(&self, name: &str) -> Option<&TargetGrid> {
+        self.watched.iter().find(|watched| watched.target.name == name).map(|watched| &watched.grid)
+    }
+
+    /// First valid look of each target seen so far.
+    pub fn first_valid_s(&self) -> BTreeMap<String, f64> {
+        let seen = |watched: &Watched| Some((watched.target.name.clone(), watched.looks.first_valid_s()?));
+        self.watched.iter().filter_map(seen).collect()
+    }
+
+    /// The results of all targets, in their order, from what has been seen so far.
+    pub fn results(&self) -> Vec<TargetResult> {
+        let first_valid_s = self.first_valid_s();
+        let context = AssessContext {
+            zero_unix_s: self.settings.zero_unix_s,
+            products: &self.products,
+            first_valid_s: &first_valid_s,
+            is_explained: true,
+        };
+        self.watched.iter().map(|watched| assess(&watched.target, &watched.grid, &[&watched.looks], &context)).collect()
+    }
+
+    fn end_passes(&mut self) {
+        self.watched.iter_mut().for_each(|watched| watched.looks.end_pass());
+    }
+}
+
+impl Watched {
+    /// True if ground within `swath_m` of a position may belong to the target. Degrees first: most targets are far.
+    fn is_near(&self, position: Position, swath_m: f64) -> bool {
+        let centre = self.grid.plane().centre();
+        let reach_m = self.reach_m + swath_m + 1_000.0;
+        let north_deg = (position.latitude_deg - centre.latitude_deg).abs();
+        if north_deg * 110_500.0 > reach_m {
+            return false;
+        }
+        let east_deg = geodesy::wrap_180(position.longitude_deg - centre.longitude_deg).abs();
+        let farthest_rad = (position.latitude_deg.abs().max(centre.latitude_deg.abs())).min(89.0) * RAD_PER_DEG;
+        east_deg * 111_300.0 * libm::cos(farthest_rad) <= reach_m
+    }
+
+    fn begin(&mut self, time_s: f64) {
+        if !self.looks.is_recording() || time_s - self.last_seen_s > PASS_GAP_S {
+            let is_empty = self.looks.passes.last().is_some_and(|pass| pass.looks.is_empty());
+            if is_empty {
+                self.looks.passes.pop();
+            }
+            self.looks.begin_pass(&self.grid);
+        }
+    }
+
+    fn strip(
+        &mut self,
+        from: &FlightSample,
+        to: &FlightSample,
+        setting: &ScannerSetting,
+        ground: &dyn Ground,
+        zero_unix_s: f64,
+    ) {
+        self.begin(to.time_s);
+        let terrain = hiding(&self.grid, ground, setting.mode.half_field_rad());
+        let (span_s, pieces) = (to.time_s - from.time_s, pieces(from, to));
+        let track_deg = geodesy::azimuth_deg(from.position, to.position);
+        let level = Attitude { heading_deg: track_deg, pitch_deg: 0.0, roll_deg: 0.0 };
+        let (first, last) = (from.attitude.unwrap_or(level), to.attitude.unwrap_or(level));
+        let rates = AngularRates::between(&first, &last, span_s);
+        let half_field_rad = setting.mode.half_field_rad();
+        let fallback_m = self.target.elevation_m;
+        let line = |share: f64| {
+            let attitude = first.interpolate(&last, share);
+            let here = between(from, to, share);
+            scan_line(here.time_s, here.position, here.altitude_m, &attitude, half_field_rad, ground, fallback_m)
+        };
+        let mut before = line(0.0);
+        for index in 1..=pieces {
+            let share = index as f64 / pieces as f64;
+            let here = line(share);
+            if let (Some(start), Some(end)) = (&before, &here) {
+                let middle = first.interpolate(&last, share - 0.5 / pieces as f64);
+                let facts = self.facts(from, to, (start, end), middle.roll_deg, rates, setting);
+                let sun = self.sun(zero_unix_s + facts.time_s);
+                if add_between(&mut self.looks, &self.grid, (start, end), setting.mode.pixel_rad(), sun, facts, terrain)
+                {
+                    self.last_seen_s = to.time_s;
+                }
+            }
+            before = here;
+        }
+    }
+
+    fn facts(
+        &mut self,
+        from: &FlightSample,
+        to: &FlightSample,
+        lines: (&ScanLine, &ScanLine),
+        roll_deg: f64,
+        rates: AngularRates,
+        setting: &ScannerSetting,
+    ) -> StripFacts {
+        let height_m = 0.5 * (lines.0.height_m + lines.1.height_m);
+        let mut weights = setting.weights(roll_deg, rates, height_m, to.ground_speed_mps);
+        if from.attitude.is_none() || to.attitude.is_none() {
+            weights.attitude_known = 0.0;
+            self.looks.remarks.insert(Remark::AttitudeNotRecorded);
+        }
+        if setting.mode.scan_rates_hz.is_empty() && setting.scan_rate_hz.is_none() {
+            self.looks.remarks.insert(Remark::ScanRateNotKnown);
+        }
+        weights.clear_share = self.clear_share(to);
+        StripFacts { time_s: 0.5 * (lines.0.time_s + lines.1.time_s), weights, is_flown: true, on_ground_s: None }
+    }
+
+    fn clear_share(&mut self, sample: &FlightSample) -> f64 {
+        if sample.clear_share.is_none() {
+            self.looks.remarks.insert(Remark::CloudNotKnown);
+        }
+        sample.clear_share.unwrap_or(1.0).clamp(0.0, 1.0)
+    }
+
+    /// Azimuth and zenith angle of the sun, where glint counts.
+    fn sun(&self, unix_s: f64) -> Option<(f64, f64)> {
+        self.target.is_water.then(|| {
+            let sun = solar_position(self.grid.plane().centre(), unix_s);
+            (sun.azimuth_deg, 90.0 - sun.elevation_deg)
+        })
+    }
+
+    fn picture(&mut self, picture: &Picture, ground: &dyn Ground, zero_unix_s: f64) {
+        let sample = &picture.sample;
+        let body = sample.attitude.unwrap_or_default().rotation();
+        let mount = Attitude { heading_deg: picture.angles.pan_deg, pitch_deg: picture.angles.tilt_deg, roll_deg: 0.0 };
+        let mount = mount.rotation();
+        let sight = |ray: Vector| body.to_ground(mount.to_ground(ray));
+        let wide_rad = picture.horizontal_field_deg * RAD_PER_DEG;
+        let high_rad = picture.vertical_field_deg * RAD_PER_DEG;
+        let fallback_m = self.target.elevation_m;
+        let plane = self.grid.plane();
+        let corner = |ray: &Vector| {
+            let hit = footprint::hit_terrain(*ray, sample.position, sample.altitude_m, ground, fallback_m)?;
+            Some(plane.project(footprint::offset_position(sample.position, hit.north_m, hit.east_m)))
+        };
+        let rays = footprint::picture_rays(sight, wide_rad, high_rad);
+        let polygon: Vec<Point> = rays.iter().filter_map(corner).collect();
+        let foot = plane.project(sample.position);
+        self.begin(sample.time_s);
+        let mut weights = ClarityWeights {
+            smear: picture.smear_weight.clamp(0.0, 1.0),
+            ready: if picture.is_ready { 1.0 } else { 0.0 },
+            ..ClarityWeights::CLEAR
+        };
+        if sample.attitude.is_none() {
+            weights.attitude_known = 0.0;
+            self.looks.remarks.insert(Remark::AttitudeNotRecorded);
+        }
+        weights.clear_share = self.clear_share(sample);
+        let facts = StripFacts { time_s: sample.time_s, weights, is_flown: true, on_ground_s: None };
+        let seen = SeenGround {
+            polygon: &polygon,
+            foot: [foot, foot],
+            altitude_m: [sample.altitude_m, sample.altitude_m],
+            first_line: None,
+            last_left: foot,
+            pixel_rad: picture.pixel_mrad * 1e-3,
+            sun: self.sun(zero_unix_s + sample.time_s),
+        };
+        let terrain = (self.grid.slope_max() > 0.0).then_some(ground);
+        if self.looks.add(&self.grid, &seen, facts, terrain) {
+            self.last_seen_s = sample.time_s;
+        }
+    }
+}
+
+/// Pieces into which the strip between two samples is cut, so that a limit of roll is met where it is crossed.
+fn pieces(from: &FlightSample, to: &FlightSample) -> usize {
+    let (Some(first), Some(last)) = (from.attitude, to.attitude) else { return 1 };
+    if (last.roll_deg - first.roll_deg).abs() <= ROLL_STEP_DEG {
+        return 1;
+    }
+    libm::ceil((to.time_s - from.time_s) / INTERPOLATION_S).clamp(1.0, PIECES_MAX) as usize
+}
+
+/// The vehicle between two samples; they are at most a sample gap apart, so that the way between them is straight.
+fn between(from: &FlightSample, to: &FlightSample, share: f64) -> FlightSample {
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    let turn_deg = geodesy::wrap_180(to.position.longitude_deg - from.position.longitude_deg);
+    FlightSample {
+        time_s: mix(from.time_s, to.time_s),
+        position: Position {
+            latitude_deg: mix(from.position.latitude_deg, to.position.latitude_deg),
+            longitude_deg: geodesy::wrap_180(from.position.longitude_deg + share * turn_deg),
+        },
+        altitude_m: mix(from.altitude_m, to.altitude_m),
+        ..*to
+    }
+}

@@ -1,0 +1,15 @@
+//! The grid of a target: wanted ground as weighted cells.
+//!
+//! Cells are squares on an equal-area plane at the target's middle. The weight of a cell is its exact area inside the
+//! polygon; a border cell whose middle is outside gives its area to a neighbour. Points are one cell of weight 1; lines are cells of their length. Cells lie in rows from south to north
+//! and, in a row, from west to east, so that a swath is rasterised row by row.
+//!
+//! Cell size: `min(W_use / 30, max(g_want, sqrt(area / budget)))`, enlarged where that makes more than [`CELLS_MAX`] cells.
+//! Bound: building is O(cells x corners of a row), rasterising O(rows + cells hit).
+
+mod build;
+mod cells;
+mod clip;
+
+pub use build::{AreaError, CELLS_MAX, GridSettings, PLANNING_CELLS, SCORING_CELLS};
+pub use cells::TargetGrid;

@@ -1,0 +1,272 @@
+//! What has been seen of a target: passes, each with the cells that it saw and how.
+//!
+//! Only what is measured is kept: geometry, time and weights of clarity. What a look is worth to a wanted look is computed
+//! later (`assess`), so that the same passes serve every wanted look. Bound: one entry per cell and pass, and one more
+//! for each look of the same pass that is better in one respect and worse in another.
+
+use crate::clarity::ClarityWeights;
+use crate::footprint::{self, Ground};
+use crate::grid::TargetGrid;
+use crate::plane::Point;
+use crate::result::Remark;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// Index of "no earlier look".
+const NONE: u32 = u32::MAX;
+
+/// One strip between two instants, or one picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StripFacts {
+    /// Middle instant.
+    pub time_s: f64,
+    /// Weights of clarity.
+    pub weights: ClarityWeights,
+    /// True as flown: the weights are measured. False as predicted: roll and cloud are probabilities.
+    pub is_flown: bool,
+    /// Instant at which the image of the strip is on the ground, if it is known with the strip.
+    pub on_ground_s: Option<f64>,
+}
+
+/// How one cell was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CellLook {
+    /// Cell of the grid.
+    pub cell: u32,
+    /// Strip of the pass.
+    pub strip: u32,
+    /// Cosine of the look angle.
+    pub look_cosine: f32,
+    /// Pixel along the line of sight's horizontal normal (along the track of a scanner).
+    pub pixel_along_m: f32,
+    /// Pixel in the plane of view on the ground (across the track of a scanner).
+    pub pixel_across_m: f32,
+    /// Weight of glint.
+    pub glint: f32,
+}
+
+/// One pass: a span of time in which the sensor saw the target.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TargetPass {
+    /// Its strips in order of time.
+    pub strips: Vec<StripFacts>,
+    /// Its looks.
+    pub looks: Vec<CellLook>,
+}
+
+impl TargetPass {
+    /// The strip of a look.
+    pub fn strip(&self, look: &CellLook) -> Option<&StripFacts> {
+        self.strips.get(look.strip as usize)
+    }
+
+    /// First instant; none without strips.
+    pub fn from_s(&self) -> Option<f64> {
+        self.strips.first().map(|strip| strip.time_s)
+    }
+}
+
+/// A polygon of ground that is seen at once, with the vehicle's place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenGround<'a> {
+    /// Corners on the plane of the target.
+    pub polygon: &'a [Point],
+    /// Ground point of the vehicle at the beginning and at the end.
+    pub foot: [Point; 2],
+    /// Altitude of the vehicle at the beginning and at the end.
+    pub altitude_m: [f64; 2],
+    /// First scan line, left and right end; a picture has none.
+    pub first_line: Option<[Point; 2]>,
+    /// Left end of the last scan line.
+    pub last_left: Point,
+    /// Angle of one pixel.
+    pub pixel_rad: f64,
+    /// Azimuth and zenith angle of the sun in degrees, where glint counts.
+    pub sun: Option<(f64, f64)>,
+}
+
+impl SeenGround<'_> {
+    /// How far between beginning and end a point is seen, 0..1.
+    fn fraction(&self) -> impl Fn(Point) -> f64 {
+        let (start, along, scale) = match self.first_line {
+            None => (Point::default(), Point::default(), 0.0),
+            Some([left, right]) => {
+                let (line, advance) = (right.minus(left), self.last_left.minus(left));
+                let squared = line.cross(advance);
+                (left, line, if squared == 0.0 { 0.0 } else { 1.0 / squared })
+            }
+        };
+        move |point: Point| (along.cross(point.minus(start)) * scale).clamp(0.0, 1.0)
+    }
+}
+
+/// What has been seen of one target.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TargetLooks {
+    /// Passes in order of time.
+    pub passes: Vec<TargetPass>,
+    /// What is not known about them.
+    pub remarks: BTreeSet<Remark>,
+    /// Number of cells of the grid that the looks belong to; 0 without passes.
+    cells: usize,
+    /// The last look of each cell in the last pass.
+    last: Vec<u32>,
+}
+
+impl TargetLooks {
+    /// Begins a pass; the one before it is complete.
+    pub fn begin_pass(&mut self, grid: &TargetGrid) {
+        self.cells = grid.len();
+        self.last.clear();
+        self.last.resize(grid.len(), NONE);
+        self.passes.push(TargetPass::default());
+    }
+
+    /// Drops what only the recording of a pass needs. More strips need [`TargetLooks::begin_pass`] first.
+    pub fn end_pass(&mut self) {
+        self.last = Vec::new();
+    }
+
+    /// True if a pass is being recorded.
+    pub fn is_recording(&self) -> bool {
+        !self.last.is_empty()
+    }
+
+    /// Adds the ground seen in a strip or a picture to the last pass. Returns true if any cell was seen. `terrain` is asked
+    /// for higher ground that hides cells; none: nothing hides.
+    pub fn add(
+        &mut self,
+        grid: &TargetGrid,
+        seen: &SeenGround<'_>,
+        facts: StripFacts,
+        terrain: Option<&dyn Ground>,
+    ) -> bool {
+        let Some(pass) = self.passes.last_mut() else { return false };
+        let (fraction, strip) = (seen.fraction(), pass.strips.len() as u32);
+        let [from, to] = seen.foot;
+        let advance = to.minus(from);
+        let [from_m, to_m] = seen.altitude_m;
+        let plane = grid.plane();
+        let last = &mut self.last;
+        let looks = &mut pass.looks;
+        let mut is_seen = false;
+        grid.rasterise(seen.polygon, |cell, middle| {
+            let share = fraction(middle);
+            let offset = middle.minus(from.plus(share, advance));
+            let height_m = from_m + share * (to_m - from_m) - grid.elevation_m(cell);
+            if height_m <= 0.0 {
+                return;
+            }
+            let altitude_m = from_m + share * (to_m - from_m);
+            if terrain.is_some_and(|ground| hides(grid, cell, middle, offset, altitude_m, ground)) {
+                return;
+            }
+            let slant_m = libm::sqrt(offset.dot(offset) + height_m * height_m);
+            let look = CellLook {
+                cell: cell as u32,
+                strip,
+                look_cosine: (height_m / slant_m) as f32,
+                pixel_along_m: (seen.pixel_rad * slant_m) as f32,
+                pixel_across_m: (seen.pixel_rad * slant_m * slant_m / height_m) as f32,
+                glint: seen.sun.map_or(1.0, |sun| glint(plane.east_north(offset), height_m, sun) as f32),
+            };
+            is_seen = true;
+            keep(&pass.strips, facts, looks, last, look);
+        });
+        if is_seen {
+            pass.strips.push(facts);
+        }
+        is_seen
+    }
+
+    /// True if the looks belong to a grid with as many cells, or there are none.
+    pub fn fits(&self, grid: &TargetGrid) -> bool {
+        self.cells == 0 || self.cells == grid.len()
+    }
+
+    /// The same looks on another grid of the target: each of its cells was seen as the nearest cell of `from` was.
+    pub fn on_grid(&self, from: &TargetGrid, to: &TargetGrid) -> TargetLooks {
+        let nearest: Vec<Option<usize>> = to.centres().map(|(x, y)| from.nearest_cell(Point { x, y })).collect();
+        let mut by_cell: Vec<Vec<u32>> = vec![Vec::new(); from.len()];
+        let passes = self.passes.iter().map(|pass| {
+            by_cell.iter_mut().for_each(Vec::clear);
+            for (index, look) in pass.looks.iter().enumerate() {
+                if let Some(all) = by_cell.get_mut(look.cell as usize) {
+                    all.push(index as u32);
+                }
+            }
+            let of_cell = |(cell, nearest): (usize, &Option<usize>)| {
+                let all = nearest.and_then(|nearest| by_cell.get(nearest)).map_or(&[][..], Vec::as_slice);
+                let looks: Vec<CellLook> = all
+                    .iter()
+                    .filter_map(|index| pass.looks.get(*index as usize))
+                    .map(|look| CellLook { cell: cell as u32, ..*look })
+                    .collect();
+                looks
+            };
+            let looks = nearest.iter().enumerate().flat_map(of_cell).collect();
+            TargetPass { strips: pass.strips.clone(), looks }
+        });
+        let passes = passes.collect();
+        TargetLooks { passes, remarks: self.remarks.clone(), cells: to.len(), last: Vec::new() }
+    }
+
+    /// First instant at which a wanted cell was seen clearly: a valid look.
+    pub fn first_valid_s(&self) -> Option<f64> {
+        let valid = self.passes.iter().flat_map(|pass| {
+            pass.looks.iter().filter_map(|look| {
+                let strip = pass.strip(look)?;
+                let weights = &strip.weights;
+                let worth = weights.roll * weights.steady() * weights.clear_share * f64::from(look.glint);
+                (worth > 0.0).then_some(strip.time_s)
+            })
+        });
+        valid.reduce(f64::min)
+    }
+}
+
+/// Adds a look of the pass, unless a look of the same cell is at least as good in every respect; drops the one before it
+/// if the new one is.
+fn keep(strips: &[StripFacts], facts: StripFacts, looks: &mut Vec<CellLook>, last: &mut [u32], look: CellLook) {
+    let Some(latest) = last.get_mut(look.cell as usize) else { return };
+    let Some(earlier) = looks.get_mut(*latest as usize) else {
+        *latest = looks.len() as u32;
+        looks.push(look);
+        return;
+    };
+    let worth = |weights: &ClarityWeights| weights.roll * weights.steady() * weights.clear_share;
+    let new_worth = worth(&facts.weights);
+    let earlier_worth = strips.get(earlier.strip as usize).map_or(new_worth, |strip| worth(&strip.weights));
+    let (new, old) = (new_worth * f64::from(look.glint), earlier_worth * f64::from(earlier.glint));
+    let finer = look.pixel_across_m <= earlier.pixel_across_m && look.pixel_along_m <= earlier.pixel_along_m;
+    let coarser = look.pixel_across_m >= earlier.pixel_across_m && look.pixel_along_m >= earlier.pixel_along_m;
+    if new <= old && coarser {
+        return;
+    }
+    if new >= old && finer {
+        *earlier = look;
+        return;
+    }
+    *latest = looks.len() as u32;
+    looks.push(look);
+}
+
+fn hides(grid: &TargetGrid, cell: usize, middle: Point, offset: Point, altitude_m: f64, ground: &dyn Ground) -> bool {
+    let position = grid.plane().position(middle);
+    let (east_m, north_m) = grid.plane().east_north(offset);
+    footprint::is_occluded(position, grid.elevation_m(cell), -north_m, -east_m, altitude_m, ground)
+}
+
+/// Weight of glint of a cell so far east and north of the vehicle.
+fn glint((east_m, north_m): (f64, f64), height_m: f64, (azimuth_deg, zenith_deg): (f64, f64)) -> f64 {
+    use crate::timing::sun::{glint_angle_deg, glint_weight};
+    use apex_geo::geodesy::RAD_PER_DEG;
+    let view_zenith_deg = libm::atan2(libm::hypot(east_m, north_m), height_m) / RAD_PER_DEG;
+    // Azimuth of the vehicle as seen from the cell.
+    let vehicle_deg = libm::atan2(-east_m, -north_m) / RAD_PER_DEG;
+    glint_weight(glint_angle_deg(zenith_deg, view_zenith_deg, vehicle_deg - azimuth_deg))
+}
