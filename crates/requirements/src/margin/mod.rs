@@ -1,0 +1,9 @@
+//! Margin functions: positive while the requirement is kept, in the unit that the name says.
+
+pub mod energy;
+pub mod landing;
+pub mod link;
+pub mod sensor;
+pub mod terrain;
+pub mod weather;
+pub mod zone;

@@ -1,0 +1,93 @@
+//! Time to violation along a route.
+
+use crate::route::{Route, RouteState};
+
+/// Least step of the search: an excursion shorter than this may be missed.
+pub const STEP_S_MIN: f64 = 1.0;
+/// Exactness of the instant that is found.
+pub const EXACT_S: f64 = 0.01;
+
+/// The first violation along a route.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// Seconds from now; 0 if the requirement is violated now.
+    pub after_s: f64,
+    /// Where.
+    pub state: RouteState,
+}
+
+/// The part of a route in which a requirement counts, in seconds from now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// First instant.
+    pub from_s: f64,
+    /// Last instant.
+    pub until_s: f64,
+}
+
+/// The first instant in `span` at which `margin` is negative; `None` if there is none before the route ends.
+///
+/// `change_per_s` bounds how fast the margin can fall along the route: the search advances by the time that the margin lasts, and by
+/// at least [`STEP_S_MIN`]. For a distance in metres the bound is [`Route::speed_mps_max`]. An infinite bound samples at
+/// [`STEP_S_MIN`].
+pub fn first_violation(
+    route: &Route,
+    span: Span,
+    change_per_s: f64,
+    mut margin: impl FnMut(&RouteState) -> f64,
+) -> Option<Violation> {
+    let until_s = span.until_s.min(route.end_s());
+    let mut kept_s = None;
+    let mut at_s = span.from_s.max(0.0);
+    loop {
+        if at_s > until_s {
+            return None;
+        }
+        let state = route.at(at_s)?;
+        let found = margin(&state);
+        if found < 0.0 {
+            return Some(bisect(route, kept_s, state, &mut margin));
+        }
+        if at_s >= until_s {
+            return None;
+        }
+        kept_s = Some(at_s);
+        let lasts_s = if change_per_s > 0.0 { found / change_per_s } else { f64::INFINITY };
+        at_s = (at_s + lasts_s.max(STEP_S_MIN)).min(until_s);
+    }
+}
+
+/// The instant of the change of sign between `kept_s` and the violated `state`.
+fn bisect(
+    route: &Route,
+    kept_s: Option<f64>,
+    mut state: RouteState,
+    margin: &mut impl FnMut(&RouteState) -> f64,
+) -> Violation {
+    let Some(mut kept_s) = kept_s else { return Violation { after_s: state.after_s, state } };
+    while state.after_s - kept_s > EXACT_S {
+        let Some(middle) = route.at(0.5 * (kept_s + state.after_s)) else { break };
+        if margin(&middle) < 0.0 {
+            state = middle;
+        } else {
+            kept_s = middle.after_s;
+        }
+    }
+    Violation { after_s: state.after_s, state }
+}
+
+/// The part of a route, from now (`now_s` of mission time) on, in which something that is active from `from_s` until `until_s` of
+/// mission time can be met: widened by `before_s` at both ends and by the arrival spread of a speed that is wrong by `speed_error`
+/// (a share, less than 1). `None` if that is not before `look_ahead_s`.
+pub fn active_span(
+    (from_s, until_s): (f64, f64),
+    now_s: f64,
+    before_s: f64,
+    speed_error: f64,
+    look_ahead_s: f64,
+) -> Option<Span> {
+    let begin_s = (from_s - before_s - now_s) / (1.0 + speed_error);
+    let end_s = (until_s + before_s - now_s) / (1.0 - speed_error);
+    let span = Span { from_s: begin_s.max(0.0), until_s: end_s.min(look_ahead_s) };
+    (span.from_s <= span.until_s).then_some(span)
+}
