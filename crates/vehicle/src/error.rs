@@ -1,13 +1,72 @@
-//! The error of a vehicle file: file, field, expected, found, help.
+//! The error of a vehicle or sensor file: file, field, expected, found, help.
 
 use std::fmt;
 
-/// Why a text is not a vehicle model.
+/// Kinds of files that this crate reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A vehicle file.
+    Vehicle,
+    /// A sensor file.
+    Sensor,
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            FileKind::Vehicle => "vehicle file",
+            FileKind::Sensor => "sensor file",
+        })
+    }
+}
+
+/// A file in messages: its kind and its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FileName<'a> {
+    /// Its kind.
+    pub(crate) kind: FileKind,
+    /// The name as the caller gave it.
+    pub(crate) name: &'a str,
+}
+
+impl<'a> FileName<'a> {
+    /// A vehicle file.
+    pub(crate) fn vehicle(name: &'a str) -> FileName<'a> {
+        FileName { kind: FileKind::Vehicle, name }
+    }
+
+    /// A sensor file.
+    pub(crate) fn sensor(name: &'a str) -> FileName<'a> {
+        FileName { kind: FileKind::Sensor, name }
+    }
+
+    /// An error at `path` in this file.
+    pub(crate) fn error(
+        self,
+        path: impl Into<String>,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+        help: impl Into<String>,
+    ) -> VehicleFileError {
+        VehicleFileError {
+            kind: self.kind,
+            file: self.name.into(),
+            path: path.into(),
+            expected: expected.into(),
+            found: found.into(),
+            help: help.into(),
+        }
+    }
+}
+
+/// Why a text is not a vehicle or sensor model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VehicleFileError {
+    /// Kind of the file.
+    pub kind: FileKind,
     /// Name of the file as the caller gave it.
-    pub file: String,
-    /// JSON path of the field, for example `flight.ceiling_m` or `cameras[1].name`; empty for the file as a whole.
+    pub file: Box<str>,
+    /// JSON path of the field, for example `flight.ceiling_m` or `sensors[1].name`; empty for the file as a whole.
     pub path: String,
     /// What the field must be.
     pub expected: String,
@@ -21,8 +80,8 @@ impl VehicleFileError {
     /// What failed and where, without the reason: ``vehicle file `my-uav.json`: invalid `flight.ceiling_m` ``.
     pub fn place(&self) -> String {
         match self.path.as_str() {
-            "" => format!("vehicle file `{}` is invalid", self.file),
-            path => format!("vehicle file `{}`: invalid `{path}`", self.file),
+            "" => format!("{} `{}` is invalid", self.kind, self.file),
+            path => format!("{} `{}`: invalid `{path}`", self.kind, self.file),
         }
     }
 

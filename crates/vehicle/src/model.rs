@@ -1,5 +1,7 @@
 //! The types of a vehicle model. Units are part of the names; angles are degrees.
 
+use crate::energy::{EnergyModel, Reserve, StatedEndurance};
+use crate::sensor::{CarriedSensor, ScannerMode};
 use serde::{Deserialize, Serialize};
 
 /// How an airframe flies.
@@ -19,6 +21,10 @@ pub struct VehicleModel {
     pub name: String,
     /// How it flies.
     pub airframe: Airframe,
+    /// Mass in flight with sensors and half of the fuel.
+    pub mass_kg: f64,
+    /// Indicated airspeed at which the wing stalls in level flight; zero for a rotorcraft.
+    pub indicated_airspeed_m_s_stall: f64,
     /// Slowest indicated airspeed in flight; zero for a rotorcraft.
     pub indicated_airspeed_m_s_min: f64,
     /// True airspeed flown if none is commanded.
@@ -41,7 +47,9 @@ pub struct VehicleModel {
     pub descent_rate_m_s_max: f64,
     /// Highest altitude it can hold, above mean sea level.
     pub ceiling_m: f64,
-    /// Metres forward for each metre of height without an engine.
+    /// Strongest steady wind at the surface in which it may fly.
+    pub wind_m_s_max: f64,
+    /// Metres forward for each metre of height without an engine; zero: it falls.
     pub glide_ratio: f64,
     /// Length of the final approach to a runway; zero for a rotorcraft.
     pub final_approach_m: f64,
@@ -53,11 +61,19 @@ pub struct VehicleModel {
     pub drag_per_s: f64,
     /// How turns are planned, by the planner and by the simulated autopilot.
     pub turns: TurnModel,
-    /// Fuel.
-    pub fuel: FuelModel,
-    /// The line scanner, if it carries one.
-    pub scanner: Option<ScannerModel>,
-    /// The cameras that it carries.
+    /// How it rolls in turbulence.
+    pub attitude_hold: AttitudeHold,
+    /// Fuel or battery.
+    pub energy: EnergyModel,
+    /// Energy that must remain.
+    pub reserve: Reserve,
+    /// Endurance that the sources state.
+    pub endurance: StatedEndurance,
+    /// The sensors that it carries.
+    pub sensors: Vec<CarriedSensor>,
+    /// What lines over the ground are recorded with: the line scanner in the mode in use, or a frame camera straight down.
+    pub scanner: Option<ScannerMode>,
+    /// The cameras among the sensors.
     pub cameras: Vec<CameraModel>,
     /// How often it reports.
     pub report: ReportIntervals,
@@ -74,45 +90,21 @@ pub struct TurnModel {
     pub circle_width: f64,
 }
 
-/// Fuel capacity and consumption.
+/// Roll of an aircraft that holds its attitude in turbulence: a second-order system driven by white noise.
 ///
-/// `flow = reference * (share[0] + share[1] x + share[2] x^3) * altitude factor * climb factor` with `x` the true
-/// airspeed over `speed_m_s_reference`.
+/// In turbulence of a constant EDR (cube root of the eddy dissipation rate) the roll angle about the commanded bank is normal
+/// with deviation `roll_deg_per_edr * EDR`; its rate has the deviation of the angle times the natural frequency. The share of
+/// time within a limit is `erf(limit / (sqrt 2 sigma))`. From the roll-gust spectrum of MIL-F-8785C: for a roll damping time
+/// constant tau (s), span b (m) and airspeed V (m/s) the figure is, in radians per unit of EDR,
+/// `1/tau sqrt(0.8/0.7987 (pi/(4 b))^(1/3) / V pi/(4 zeta omega^3))`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FuelModel {
-    /// Usable fuel when full.
-    pub capacity_kg: f64,
-    /// Fuel below which `(watch the fuel)` reports low fuel.
-    pub low_kg: f64,
-    /// Flow at the reference speed and altitude in level flight, if the shares sum to one.
-    pub flow_kg_h_reference: f64,
-    /// Speed at which `x` is one.
-    pub speed_m_s_reference: f64,
-    /// Constant, linear and cubic share of the flow.
-    pub share: [f64; 3],
-    /// Altitude at which the altitude factor is one.
-    pub altitude_m_reference: f64,
-    /// Additional share of the flow at sea level, compared with the reference altitude.
-    pub low_altitude_penalty: f64,
-    /// Additional share of the flow in the fastest climb.
-    pub climb_penalty: f64,
-    /// Share of the flow that the fastest descent saves.
-    pub descent_saving: f64,
-}
-
-/// A nadir line scanner, and how its lines are planned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ScannerModel {
-    /// Full cross-track field of view.
-    pub field_of_view_deg: f64,
-    /// Angle of one pixel.
-    pub pixel_mrad: f64,
-    /// Heights above the ground of the target among which the planner chooses, rising.
-    pub heights_m: Vec<f64>,
-    /// Planned time to roll level before the first line.
-    pub first_join_s: f64,
-    /// Planned time from the end of a line to the beginning of the next.
-    pub further_join_s: f64,
+pub struct AttitudeHold {
+    /// Stationary deviation of the roll angle for each unit of EDR, deg/(m^(2/3)/s).
+    pub roll_deg_per_edr: f64,
+    /// Undamped natural frequency of the attitude hold, rad/s.
+    pub natural_frequency_rad_s: f64,
+    /// Damping ratio of the attitude hold.
+    pub damping_ratio: f64,
 }
 
 /// A camera on a tilt, or tilt and pan, mount.
@@ -150,17 +142,34 @@ pub struct ReportIntervals {
 /// Figures that plans are made with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanningModel {
-    /// Altitude of flights between targets, above mean sea level.
-    pub cruise_altitude_m: f64,
+    /// Level of flights between targets.
+    pub cruise: CruiseLevel,
     /// Share of `climb_rate_m_s_max` that climbs are planned with.
     pub climb_share: f64,
     /// Share of `descent_rate_m_s_max` that descents are planned with.
     pub descent_share: f64,
     /// Share of the ceiling up to which targets are observed.
     pub ceiling_share: f64,
-    /// Share of endurance and fuel that must remain at the end.
-    pub reserve_share: f64,
     /// Height from which a site is visited: above the site for a rotorcraft, which hovers; above the highest site for a fixed
     /// wing, which circles.
     pub visit_height_m: f64,
+}
+
+/// Level of flights between targets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum CruiseLevel {
+    /// Altitude above mean sea level, m.
+    Altitude(f64),
+    /// Height above the highest ground of the mission, m.
+    Height(f64),
+}
+
+impl CruiseLevel {
+    /// Altitude above mean sea level, m, in a mission whose highest ground is at `ground_m`.
+    pub fn altitude_m(self, ground_m: f64) -> f64 {
+        match self {
+            CruiseLevel::Altitude(altitude_m) => altitude_m,
+            CruiseLevel::Height(height_m) => ground_m + height_m,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Reading one object of a vehicle file: its members by name, unknown and repeated ones refused, figures with their sources.
 
-use crate::error::VehicleFileError;
+use crate::error::{FileName, VehicleFileError};
 use crate::json::Node;
 
 /// Members that every section may have: `source` covers its figures, `note` is for readers.
@@ -10,7 +10,7 @@ const HELP_FIGURE: &str =
 
 /// An object of a vehicle file.
 pub(crate) struct Section<'a> {
-    file: &'a str,
+    file: FileName<'a>,
     path: String,
     members: &'a [(String, Node)],
     has_source: bool,
@@ -22,7 +22,7 @@ impl<'a> Section<'a> {
     /// # Errors
     /// Another type, an unknown or repeated member, an empty source.
     pub(crate) fn open(
-        file: &'a str,
+        file: FileName<'a>,
         path: &str,
         node: &'a Node,
         known: &[&str],
@@ -51,7 +51,7 @@ impl<'a> Section<'a> {
     }
 
     /// The file's name.
-    pub(crate) fn file(&self) -> &'a str {
+    pub(crate) fn file(&self) -> FileName<'a> {
         self.file
     }
 
@@ -64,14 +64,9 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn wrong(&self, name: &str, expected: &str, found: impl Into<String>, help: &str) -> VehicleFileError {
-        VehicleFileError {
-            file: self.file.to_owned(),
-            path: self.path_of(name),
-            expected: expected.to_owned(),
-            found: found.into(),
-            help: help.to_owned(),
-        }
+    /// An error at the member `name`.
+    pub(crate) fn wrong(&self, name: &str, expected: &str, found: impl Into<String>, help: &str) -> VehicleFileError {
+        self.file.error(self.path_of(name), expected, found, help)
     }
 
     /// Returns a member; `None` if it is absent.
@@ -112,6 +107,71 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// Returns one figure; `None` if the member is absent.
+    ///
+    /// # Errors
+    /// As [`Section::figure`].
+    pub(crate) fn figure_optional(&self, name: &str) -> Result<Option<f64>, VehicleFileError> {
+        self.member(name).map(|_| self.figure(name)).transpose()
+    }
+
+    /// Returns `true` or `false`, which must be present.
+    ///
+    /// # Errors
+    /// An absent member or one of another type.
+    pub(crate) fn truth(&self, name: &str) -> Result<bool, VehicleFileError> {
+        const HELP: &str = "write true or false";
+        match self.required(name, "true or false", HELP)? {
+            Node::Bool(truth) => Ok(*truth),
+            other => Err(self.wrong(name, "true or false", other.describe(), HELP)),
+        }
+    }
+
+    /// Returns the objects of a list, each with its path; an absent list has none.
+    ///
+    /// # Errors
+    /// Another type.
+    pub(crate) fn items(&self, name: &str) -> Result<Vec<(String, &'a Node)>, VehicleFileError> {
+        match self.member(name) {
+            None => Ok(Vec::new()),
+            Some(Node::List(items)) => {
+                let path = |number| format!("{}[{number}]", self.path_of(name));
+                Ok(items.iter().enumerate().map(|(number, node)| (path(number), node)).collect())
+            }
+            Some(other) => {
+                let help = "write [..] with one object for each, or leave it out";
+                Err(self.wrong(name, "a list of objects", other.describe(), help))
+            }
+        }
+    }
+
+    /// Returns a text that must be one of `known`.
+    ///
+    /// # Errors
+    /// An absent member, another type, another text.
+    pub(crate) fn word(&self, member: &str, known: &[&'static str]) -> Result<&'a str, VehicleFileError> {
+        let choices = || known.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ");
+        let help = format!("write \"{member}\": {}", choices());
+        let found = self.required(member, &choices(), &help)?;
+        match self.text(member)? {
+            Some(text) if known.contains(&text) => Ok(text),
+            text => {
+                let near = text.and_then(|text| nearest(text, known.iter().copied()));
+                let help = near.map_or(help, |near| format!("did you mean \"{near}\"?"));
+                Err(self.wrong(member, &choices(), found.describe(), &help))
+            }
+        }
+    }
+
+    /// Returns the text `name`, which must be present.
+    ///
+    /// # Errors
+    /// As [`Section::text`]; an absent member.
+    pub(crate) fn name(&self, example: &str) -> Result<String, VehicleFileError> {
+        self.required("name", "a text", &format!("write \"name\": \"{example}\""))?;
+        Ok(self.text("name")?.unwrap_or_default().to_owned())
+    }
+
     /// Returns a figure that only vehicles of some airframe have: present if `wanted`, else zero.
     ///
     /// # Errors
@@ -144,7 +204,7 @@ impl<'a> Section<'a> {
         items.iter().map(number).collect()
     }
 
-    /// Returns the value of a figure that has a source of its own or is covered by the section's.
+    /// Returns the value of a figure with a separate source or is covered by the section's.
     fn sourced(&self, name: &str) -> Result<&'a Node, VehicleFileError> {
         let found = self.required(name, "a figure with its source", HELP_FIGURE)?;
         if !matches!(found, Node::Object(_)) {

@@ -1,77 +1,17 @@
 //! The rules that the figures of a vehicle model obey: each alone, and those that limit each other.
 
-use crate::error::VehicleFileError;
-use crate::model::{Airframe, CameraModel, ScannerModel, VehicleModel};
+use crate::energy::{BatteryModel, EnergyModel, FlightPower, FuelModel, Reserve};
+use crate::error::{FileName, VehicleFileError};
+use crate::model::{Airframe, CruiseLevel, VehicleModel};
+use crate::rules::{Checker, Rule};
+use crate::sensor::Optics;
 
 /// Slowest indicated airspeed at which a fixed wing can stay in the air.
 const FIXED_WING_M_S_MIN: f64 = 5.0;
 /// A range shorter than this is taken for a mistake in units.
 const RANGE_M_MIN: f64 = 1_000.0;
-
-/// Values that a figure may have.
-#[derive(Clone, Copy, Debug)]
-enum Rule {
-    /// Greater than zero.
-    Positive,
-    /// Zero or greater.
-    NotNegative,
-    /// Any finite number.
-    Finite,
-    /// From the first to the second, both included.
-    Between(f64, f64),
-    /// Greater than the first, up to the second included.
-    AboveUpTo(f64, f64),
-}
-
-impl Rule {
-    fn holds(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Rule::Positive => value > 0.0,
-                Rule::NotNegative => value >= 0.0,
-                Rule::Finite => true,
-                Rule::Between(low, high) => (low..=high).contains(&value),
-                Rule::AboveUpTo(low, high) => value > low && value <= high,
-            }
-    }
-
-    fn describe(self) -> String {
-        match self {
-            Rule::Positive => "a number greater than zero".to_owned(),
-            Rule::NotNegative => "a number that is not negative".to_owned(),
-            Rule::Finite => "a finite number".to_owned(),
-            Rule::Between(low, high) => format!("a number from {low} to {high}"),
-            Rule::AboveUpTo(low, high) => format!("a number greater than {low} and at most {high}"),
-        }
-    }
-}
-
-/// Checks the figures of one file in order and returns the first error.
-struct Checker<'a> {
-    file: &'a str,
-}
-
-impl Checker<'_> {
-    fn each(&self, section: &str, figures: &[(&str, f64, Rule)]) -> Result<(), VehicleFileError> {
-        let wrong = figures.iter().find(|(_, value, rule)| !rule.holds(*value));
-        let Some((name, value, rule)) = wrong else { return Ok(()) };
-        let path = format!("{section}.{name}");
-        Err(self.error(path, rule.describe(), value.to_string(), "correct the figure; its unit is part of its name"))
-    }
-
-    fn error(&self, path: String, expected: String, found: String, help: &str) -> VehicleFileError {
-        VehicleFileError { file: self.file.to_owned(), path, expected, found, help: help.to_owned() }
-    }
-
-    /// `value` must be at most `limit`, the figure called `other`.
-    fn at_most(&self, path: &str, value: f64, limit: f64, other: &str) -> Result<(), VehicleFileError> {
-        if value <= limit {
-            return Ok(());
-        }
-        let expected = format!("at most `{other}`, {limit}");
-        Err(self.error(path.to_owned(), expected, value.to_string(), "correct one of the two figures"))
-    }
-}
+/// Greatest deviation of the endurance by the energy figures from the stated one.
+const ENDURANCE_DEVIATION_MAX: f64 = 0.15;
 
 impl VehicleModel {
     /// Checks that the figures describe a vehicle that can fly; `file` names the file in errors.
@@ -79,10 +19,10 @@ impl VehicleModel {
     /// # Errors
     /// The first figure that breaks a rule, with the rule.
     pub fn validate(&self, file: &str) -> Result<(), VehicleFileError> {
-        let check = Checker { file };
+        let check = Checker { file: FileName::vehicle(file) };
         self.check_flight(&check)?;
-        self.check_fuel(&check)?;
         self.check_planning(&check)?;
+        self.check_energy(&check)?;
         let report = &self.report;
         let intervals = [
             ("scanning_s", report.scanning_s, Rule::Positive),
@@ -90,8 +30,7 @@ impl VehicleModel {
             ("cruise_s", report.cruise_s, Rule::Positive),
         ];
         check.each("report", &intervals)?;
-        self.scanner.as_ref().map_or(Ok(()), |scanner| check_scanner(&check, scanner))?;
-        self.cameras.iter().enumerate().try_for_each(|(number, _)| check_camera(&check, &self.cameras, number))
+        self.check_sensors(&check)
     }
 
     fn check_flight(&self, check: &Checker<'_>) -> Result<(), VehicleFileError> {
@@ -100,24 +39,35 @@ impl VehicleModel {
         let if_rotorcraft = |rule: Rule| if fixed_wing { Rule::Between(0.0, 0.0) } else { rule };
         let slowest = if_fixed_wing(Rule::Between(FIXED_WING_M_S_MIN, 500.0));
         let figures = [
+            ("mass_kg", self.mass_kg, Rule::Positive),
+            ("indicated_airspeed_m_s_stall", self.indicated_airspeed_m_s_stall, if_fixed_wing(Rule::Positive)),
             ("indicated_airspeed_m_s_min", self.indicated_airspeed_m_s_min, slowest),
             ("true_airspeed_m_s_cruise", self.true_airspeed_m_s_cruise, Rule::Positive),
             ("true_airspeed_m_s_max", self.true_airspeed_m_s_max, Rule::Positive),
             ("acceleration_m_s2_max", self.acceleration_m_s2_max, Rule::Positive),
-            ("bank_deg_max", self.bank_deg_max, Rule::AboveUpTo(0.0, 80.0)),
+            ("bank_deg_max", self.bank_deg_max, Rule::AboveUpTo(0.0, 60.0)),
             ("level_roll_deg_max", self.level_roll_deg_max, Rule::AboveUpTo(0.0, 45.0)),
             ("roll_rate_deg_s_max", self.roll_rate_deg_s_max, Rule::Positive),
             ("yaw_rate_deg_s_max", self.yaw_rate_deg_s_max, Rule::Positive),
             ("climb_rate_m_s_max", self.climb_rate_m_s_max, Rule::Positive),
             ("descent_rate_m_s_max", self.descent_rate_m_s_max, Rule::Positive),
             ("ceiling_m", self.ceiling_m, Rule::Positive),
-            ("glide_ratio", self.glide_ratio, Rule::AboveUpTo(0.0, 60.0)),
+            ("wind_m_s_max", self.wind_m_s_max, Rule::Positive),
+            ("glide_ratio", self.glide_ratio, Rule::Between(0.0, 60.0)),
             ("final_approach_m", self.final_approach_m, if_fixed_wing(Rule::Positive)),
             ("final_approach_height_m", self.final_approach_height_m, if_fixed_wing(Rule::Positive)),
             ("braking_share", self.braking_share, if_rotorcraft(Rule::AboveUpTo(0.0, 1.0))),
             ("drag_per_s", self.drag_per_s, if_rotorcraft(Rule::NotNegative)),
         ];
         check.each("flight", &figures)?;
+        if fixed_wing {
+            check.below(
+                "flight.indicated_airspeed_m_s_stall",
+                self.indicated_airspeed_m_s_stall,
+                self.indicated_airspeed_m_s_min,
+                "flight.indicated_airspeed_m_s_min",
+            )?;
+        }
         // A true airspeed is never below the indicated one, so that a slower cruise is a stall at every altitude.
         check.at_most(
             "flight.indicated_airspeed_m_s_min",
@@ -133,12 +83,51 @@ impl VehicleModel {
         )
     }
 
-    fn check_fuel(&self, check: &Checker<'_>) -> Result<(), VehicleFileError> {
-        let fuel = &self.fuel;
+    fn check_energy(&self, check: &Checker<'_>) -> Result<(), VehicleFileError> {
+        let capacity = match &self.energy {
+            EnergyModel::Fuel(fuel) => {
+                self.check_fuel(check, fuel)?;
+                "fuel.capacity_kg"
+            }
+            EnergyModel::Battery(battery) => {
+                check_battery(check, battery)?;
+                "battery.capacity_wh"
+            }
+        };
+        let range_m = self.endurance_cruise_s() * self.true_airspeed_m_s_cruise;
+        if range_m < RANGE_M_MIN {
+            let expected = format!("energy for at least {RANGE_M_MIN} m of cruise");
+            let help = "correct the capacity or the consumption; a flow is in kg per hour, a power in W";
+            return Err(check.file.error(capacity, expected, format!("energy for {range_m:.0} m"), help));
+        }
+        let figures = match self.reserve {
+            Reserve::Minutes(minutes) => ("duration_min", minutes, Rule::NotNegative),
+            Reserve::Share(share) => ("share", share, Rule::Between(0.0, 0.9)),
+        };
+        check.each("reserve", &[figures])?;
+        if self.low() >= self.stored_full() {
+            let share = self.reserve() / self.stored_full() * 100.0;
+            let found = format!("{share:.0} % of the capacity");
+            let help = "shorten the reserve, or correct the capacity";
+            return Err(check.file.error(
+                format!("reserve.{}", figures.0),
+                "less than 95 % of the capacity",
+                found,
+                help,
+            ));
+        }
+        let stated = &self.endurance;
+        check.each("endurance", &[("cruise_min", stated.cruise_min, Rule::Positive)])?;
+        check_stated(check, "cruise_min", stated.cruise_min, self.endurance_cruise_s() / 60.0)?;
+        let Some((hover_min, found_s)) = stated.hover_min.zip(self.endurance_hover_s()) else { return Ok(()) };
+        check.each("endurance", &[("hover_min", hover_min, Rule::Positive)])?;
+        check_stated(check, "hover_min", hover_min, found_s / 60.0)
+    }
+
+    fn check_fuel(&self, check: &Checker<'_>, fuel: &FuelModel) -> Result<(), VehicleFileError> {
         let [constant, linear, cubic] = fuel.share;
         let figures = [
             ("capacity_kg", fuel.capacity_kg, Rule::Positive),
-            ("low_kg", fuel.low_kg, Rule::NotNegative),
             ("flow_kg_h_reference", fuel.flow_kg_h_reference, Rule::Positive),
             ("speed_m_s_reference", fuel.speed_m_s_reference, Rule::Positive),
             ("share[0]", constant, Rule::Finite),
@@ -150,21 +139,38 @@ impl VehicleModel {
             ("descent_saving", fuel.descent_saving, Rule::Between(0.0, 1.0)),
         ];
         check.each("fuel", &figures)?;
-        check.at_most("fuel.low_kg", fuel.low_kg, fuel.capacity_kg, "fuel.capacity_kg")?;
         for speed in [self.true_airspeed_m_s_cruise, self.true_airspeed_m_s_max] {
             let x = speed / fuel.speed_m_s_reference;
             let flow = constant + linear * x + cubic * x * x * x;
             if flow <= 0.0 {
                 let found = format!("{flow} at {speed} m/s");
-                let expected = "shares whose flow is greater than zero from cruise to maximum speed".to_owned();
-                return Err(check.error("fuel.share".to_owned(), expected, found, "correct the shares of the flow"));
+                let expected = "shares whose flow is greater than zero from cruise to maximum speed";
+                return Err(check.file.error("fuel.share", expected, found, "correct the shares of the flow"));
             }
         }
-        let range_m = fuel.capacity_kg / fuel.flow_kg_h_reference * 3_600.0 * self.true_airspeed_m_s_cruise;
-        if range_m < RANGE_M_MIN {
-            let expected = format!("fuel for at least {RANGE_M_MIN} m of cruise");
-            let help = "correct `capacity_kg` or `flow_kg_h_reference`; a flow is in kg per hour";
-            return Err(check.error("fuel.capacity_kg".to_owned(), expected, format!("fuel for {range_m} m"), help));
+        Ok(())
+    }
+
+    fn check_sensors(&self, check: &Checker<'_>) -> Result<(), VehicleFileError> {
+        let mut scanners = 0;
+        for (number, sensor) in self.sensors.iter().enumerate() {
+            if self.sensors.iter().take(number).any(|other| other.name == sensor.name) {
+                let found = format!("`{}` again", sensor.name);
+                let path = format!("sensors[{number}].name");
+                return Err(check.file.error(path, "a name of its own", found, "rename the sensor"));
+            }
+            if !matches!(sensor.model.optics, Optics::LineScanner { .. }) {
+                continue;
+            }
+            scanners += 1;
+            if scanners > 1 {
+                let path = format!("sensors[{number}].sensor");
+                let help = "carry one line scanner; its modes are described in its file";
+                return Err(check.file.error(path, "one line scanner at most", "a second one", help));
+            }
+            let limit = sensor.model.motion.roll_deg_valid;
+            let name = format!("motion.roll_deg_valid` of `{}", sensor.reference);
+            check.at_most("flight.level_roll_deg_max", self.level_roll_deg_max, limit, &name)?;
         }
         Ok(())
     }
@@ -175,60 +181,80 @@ impl VehicleModel {
             ("circle_width", self.turns.circle_width, Rule::Between(1.0, 10.0)),
         ];
         check.each("turns", &turns)?;
+        let hold = [
+            ("roll_deg_per_edr", self.attitude_hold.roll_deg_per_edr, Rule::Between(0.0, 100.0)),
+            ("natural_frequency_rad_s", self.attitude_hold.natural_frequency_rad_s, Rule::AboveUpTo(0.0, 100.0)),
+            ("damping_ratio", self.attitude_hold.damping_ratio, Rule::Between(0.05, 5.0)),
+        ];
+        check.each("attitude_hold", &hold)?;
         let planning = &self.planning;
+        let cruise = match planning.cruise {
+            CruiseLevel::Altitude(altitude_m) => ("cruise_altitude_m", altitude_m, Rule::Positive),
+            CruiseLevel::Height(height_m) => ("cruise_height_m", height_m, Rule::Positive),
+        };
         let figures = [
-            ("cruise_altitude_m", planning.cruise_altitude_m, Rule::Positive),
+            cruise,
             ("climb_share", planning.climb_share, Rule::AboveUpTo(0.0, 1.0)),
             ("descent_share", planning.descent_share, Rule::AboveUpTo(0.0, 1.0)),
             ("ceiling_share", planning.ceiling_share, Rule::AboveUpTo(0.0, 1.0)),
-            ("reserve_share", planning.reserve_share, Rule::Between(0.0, 0.9)),
             ("visit_height_m", planning.visit_height_m, Rule::Positive),
         ];
         check.each("planning", &figures)?;
-        check.at_most("planning.cruise_altitude_m", planning.cruise_altitude_m, self.ceiling_m, "flight.ceiling_m")
+        check.at_most(&format!("planning.{}", cruise.0), cruise.1, self.ceiling_m, "flight.ceiling_m")
     }
 }
 
-fn check_scanner(check: &Checker<'_>, scanner: &ScannerModel) -> Result<(), VehicleFileError> {
+fn check_battery(check: &Checker<'_>, battery: &BatteryModel) -> Result<(), VehicleFileError> {
     let figures = [
-        ("field_of_view_deg", scanner.field_of_view_deg, Rule::AboveUpTo(0.0, 178.0)),
-        ("pixel_mrad", scanner.pixel_mrad, Rule::Positive),
-        ("first_join_s", scanner.first_join_s, Rule::NotNegative),
-        ("further_join_s", scanner.further_join_s, Rule::NotNegative),
+        ("capacity_wh", battery.capacity_wh, Rule::Positive),
+        ("health_share", battery.health_share, Rule::AboveUpTo(0.0, 1.0)),
+        ("discharge_efficiency", battery.discharge_efficiency, Rule::AboveUpTo(0.0, 1.0)),
+        ("avionics_w", battery.avionics_w, Rule::Positive),
+        ("climb_efficiency", battery.climb_efficiency, Rule::AboveUpTo(0.0, 1.0)),
+        ("descent_saving", battery.descent_saving, Rule::Between(0.0, 1.0)),
     ];
-    check.each("scanner", &figures)?;
-    let heights = &scanner.heights_m;
-    let positive = heights.iter().all(|height| Rule::Positive.holds(*height));
-    let rising = heights.iter().zip(heights.iter().skip(1)).all(|(low, high)| low < high);
-    if heights.is_empty() || !positive || !rising {
-        let expected = "one or more heights greater than zero, each greater than the one before".to_owned();
-        let found = format!("{heights:?}");
-        return Err(check.error("scanner.heights_m".to_owned(), expected, found, "list the heights in rising order"));
+    check.each("battery", &figures)?;
+    let (at, share) = (&battery.temperature_c, &battery.temperature_share);
+    let rising = at.iter().zip(at.iter().skip(1)).all(|(low, high)| low < high);
+    if at.is_empty() || !rising || !at.iter().all(|degrees| degrees.is_finite()) {
+        let expected = "one or more temperatures, each greater than the one before";
+        let help = "list the temperatures in rising order";
+        return Err(check.file.error("battery.temperature_c", expected, format!("{at:?}"), help));
     }
-    Ok(())
+    if share.len() != at.len() || !share.iter().all(|share| *share > 0.0 && *share <= 1.0) {
+        let expected = format!("{} shares greater than 0 and at most 1", at.len());
+        let help = "give one share for each of `temperature_c`";
+        return Err(check.file.error("battery.temperature_share", expected, format!("{share:?}"), help));
+    }
+    match battery.power {
+        FlightPower::Rotor { blade_w, induced_w, tip_speed_m_s, induced_speed_m_s, parasite_w_s3_m3 } => {
+            let figures = [
+                ("blade_w", blade_w, Rule::Positive),
+                ("induced_w", induced_w, Rule::Positive),
+                ("tip_speed_m_s", tip_speed_m_s, Rule::Positive),
+                ("induced_speed_m_s", induced_speed_m_s, Rule::Positive),
+                ("parasite_w_s3_m3", parasite_w_s3_m3, Rule::Positive),
+            ];
+            check.each("battery.rotor", &figures)
+        }
+        FlightPower::Wing { power_w_reference, speed_m_s_reference, parasite_share } => {
+            let figures = [
+                ("power_w_reference", power_w_reference, Rule::Positive),
+                ("speed_m_s_reference", speed_m_s_reference, Rule::Positive),
+                ("parasite_share", parasite_share, Rule::AboveUpTo(0.0, 1.0)),
+            ];
+            check.each("battery.wing", &figures)
+        }
+    }
 }
 
-fn check_camera(check: &Checker<'_>, cameras: &[CameraModel], number: usize) -> Result<(), VehicleFileError> {
-    let Some(camera) = cameras.get(number) else { return Ok(()) };
-    let section = format!("cameras[{number}]");
-    let figures = [
-        ("tilt_deg_min", camera.tilt_deg_min, Rule::Between(-90.0, 90.0)),
-        ("tilt_deg_max", camera.tilt_deg_max, Rule::Between(-90.0, 90.0)),
-        ("pan_deg_max", camera.pan_deg_max, Rule::Between(0.0, 180.0)),
-        ("slew_rate_deg_s", camera.slew_rate_deg_s, Rule::Positive),
-        ("field_of_view_deg", camera.field_of_view_deg, Rule::AboveUpTo(0.0, 178.0)),
-        ("power_up_s", camera.power_up_s, Rule::NotNegative),
-        ("picture_s", camera.picture_s, Rule::NotNegative),
-    ];
-    check.each(&section, &figures)?;
-    if camera.tilt_deg_min >= camera.tilt_deg_max {
-        let (expected, found) = (format!("less than `tilt_deg_max`, {}", camera.tilt_deg_max), camera.tilt_deg_min);
-        let path = format!("{section}.tilt_deg_min");
-        return Err(check.error(path, expected, found.to_string(), "correct one of the two figures"));
+/// The endurance by capacity and consumption must be near the stated one.
+fn check_stated(check: &Checker<'_>, name: &str, stated_min: f64, found_min: f64) -> Result<(), VehicleFileError> {
+    if (found_min / stated_min - 1.0).abs() <= ENDURANCE_DEVIATION_MAX {
+        return Ok(());
     }
-    if cameras.iter().take(number).any(|other| other.name == camera.name) {
-        let found = format!("`{}` again", camera.name);
-        return Err(check.error(format!("{section}.name"), "a name of its own".to_owned(), found, "rename the camera"));
-    }
-    Ok(())
+    let percent = ENDURANCE_DEVIATION_MAX * 100.0;
+    let expected = format!("within {percent:.0} % of {found_min:.1} minutes, which capacity and consumption give");
+    let help = "correct the stated endurance, the capacity or the consumption";
+    Err(check.file.error(format!("endurance.{name}"), expected, stated_min.to_string(), help))
 }

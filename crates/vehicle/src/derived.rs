@@ -1,0 +1,120 @@
+//! Figures that follow from a vehicle file and that people check it by: ranges, turns, pixels, swaths, scan rates.
+
+use crate::energy::EnergyModel;
+use crate::model::{Airframe, VehicleModel};
+use crate::sensor::{CarriedSensor, Optics, ScannerMode};
+use libm::{cos, tan};
+
+/// Standard acceleration of gravity.
+const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// What a sensor sees from one height above flat ground, level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Height above the ground, m.
+    pub height_m: f64,
+    /// Pixel straight below, m.
+    pub nadir_pixel_m: f64,
+    /// Pixel across the track at the edge of the field of view, m.
+    pub edge_pixel_m: f64,
+    /// Width of the strip seen, m.
+    pub swath_m: f64,
+    /// Slowest scan rate without gaps between lines at cruise speed in still air, lines per second; `None` for a camera.
+    pub scan_rate_hz_min: Option<f64>,
+}
+
+/// Least height without gaps between lines at one scan rate, at cruise speed in still air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GapFreeHeight {
+    /// Scan rate, lines per second.
+    pub scan_rate_hz: f64,
+    /// Height above the ground, m.
+    pub height_m: f64,
+}
+
+/// Radius of a turn with `bank_deg` at `true_airspeed_m_s` in still air, m: `V^2 / (g tan bank)`.
+pub fn turn_radius_m(true_airspeed_m_s: f64, bank_deg: f64) -> f64 {
+    true_airspeed_m_s * true_airspeed_m_s / (GRAVITY_M_S2 * tan(bank_deg.to_radians()))
+}
+
+impl VehicleModel {
+    /// Radius of the turns that plans use at cruise speed, m; 0 for a rotorcraft, which turns in place.
+    pub fn planned_turn_radius_m(&self) -> f64 {
+        match self.airframe {
+            Airframe::FixedWing => {
+                turn_radius_m(self.true_airspeed_m_s_cruise, self.turns.bank_share * self.bank_deg_max)
+            }
+            Airframe::Rotorcraft => 0.0,
+        }
+    }
+
+    /// Range in still air at cruise with the reserve untouched, m.
+    pub fn range_m(&self) -> f64 {
+        (self.stored_full() - self.reserve()) / self.drain_cruise_per_s() * self.true_airspeed_m_s_cruise
+    }
+
+    /// Unit of the energy on board and what one of it is in kg or J: for printing.
+    pub fn energy_unit(&self) -> (&'static str, f64) {
+        match self.energy {
+            EnergyModel::Fuel(_) => ("kg", 1.0),
+            EnergyModel::Battery(_) => ("Wh", crate::energy::JOULES_PER_WH),
+        }
+    }
+
+    /// What `sensor` of this vehicle sees from `height_m`, straight below.
+    pub fn sight(&self, sensor: &CarriedSensor, height_m: f64) -> Sight {
+        let (pixel_rad, field_of_view_deg) = match &sensor.model.optics {
+            Optics::LineScanner { .. } => {
+                sensor.scanner_mode().map_or((0.0, 0.0), |mode| (mode.pixel_mrad * 1e-3, mode.field_of_view_deg))
+            }
+            Optics::Frame(frame) => (frame.pixel_rad(), frame.field_of_view_deg()),
+            Optics::Video(video) => (video.pixel_rad(), video.field_of_view_deg),
+        };
+        let half_rad = field_of_view_deg.to_radians() / 2.0;
+        let nadir_pixel_m = pixel_rad * height_m;
+        // The rays of a scanner's line are equally spaced in angle, the pixels of a camera on a plane.
+        let edge_pixel_m = match sensor.model.optics {
+            Optics::LineScanner { .. } => nadir_pixel_m / (cos(half_rad) * cos(half_rad)),
+            Optics::Frame(_) | Optics::Video(_) => nadir_pixel_m,
+        };
+        Sight {
+            height_m,
+            nadir_pixel_m,
+            edge_pixel_m,
+            swath_m: 2.0 * height_m * tan(half_rad),
+            scan_rate_hz_min: sensor.scanner_mode().map(|mode| self.scan_rate_hz_min(mode, height_m)),
+        }
+    }
+
+    /// Slowest scan rate without gaps at `height_m`, lines per second: `V (1 + overlap) / (pixel height)`.
+    fn scan_rate_hz_min(&self, mode: &ScannerMode, height_m: f64) -> f64 {
+        self.true_airspeed_m_s_cruise * (1.0 + mode.overlap_share) / (mode.pixel_mrad * 1e-3 * height_m)
+    }
+
+    /// For each scan rate of `mode`, the least height without gaps at cruise speed.
+    pub fn gap_free_heights(&self, mode: &ScannerMode) -> Vec<GapFreeHeight> {
+        let height = |scan_rate_hz: &f64| GapFreeHeight {
+            scan_rate_hz: *scan_rate_hz,
+            height_m: self.scan_rate_hz_min(mode, 1.0) / scan_rate_hz,
+        };
+        mode.scan_rates_hz.iter().map(height).collect()
+    }
+
+    /// Three heights at which figures of `sensor` are printed: for a scanner and a long range aircraft a quarter, a half and three
+    /// quarters of the ceiling; for others half, once and twice the height of visits.
+    pub fn sample_heights_m(&self) -> [f64; 3] {
+        match self.airframe {
+            Airframe::FixedWing if self.sensors.iter().any(|sensor| sensor.scanner_mode().is_some()) => {
+                [0.25, 0.5, 0.75].map(|share| share * self.ceiling_m)
+            }
+            Airframe::FixedWing | Airframe::Rotorcraft => {
+                [0.5, 1.0, 2.0].map(|times| times * self.planning.visit_height_m)
+            }
+        }
+    }
+
+    /// Greatest height at which the pixel straight below is at most `resolution_m`, m.
+    pub fn height_for_resolution_m(&self, sensor: &CarriedSensor, resolution_m: f64) -> f64 {
+        resolution_m / self.sight(sensor, 1.0).nadir_pixel_m
+    }
+}
