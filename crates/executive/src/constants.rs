@@ -1,7 +1,7 @@
 //! Constants: every `defconstant` that is an expression is computed once, as the agent is loaded.
 
 use crate::expression::view::View;
-use crate::expression::{Surroundings, evaluate};
+use crate::expression::{EvalContext, evaluate};
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
 use apex_model::expression::{Expr, ExprKind};
@@ -16,8 +16,8 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// Place and reason of the first constant that has no value.
-pub(crate) fn compute(library: &Library, surroundings: &dyn Surroundings) -> Result<Vec<(Symbol, Expr)>, String> {
-    let (values, failures) = values(library, surroundings);
+pub(crate) fn compute(library: &Library, context: &dyn EvalContext) -> Result<Vec<(Symbol, Expr)>, String> {
+    let (values, failures) = values(library, context);
     match failures.into_iter().next() {
         Some((name, place, reason)) => {
             let place = library.describe_place(place);
@@ -51,10 +51,10 @@ pub fn failing_constants(library: &Arc<Library>, host: HostFunctions) -> Vec<(Sy
 type Values = Vec<(Symbol, Expr)>;
 type Failures = Vec<(Symbol, Place, String)>;
 
-fn values(library: &Library, surroundings: &dyn Surroundings) -> (Values, Failures) {
+fn values(library: &Library, context: &dyn EvalContext) -> (Values, Failures) {
     let (mut values, mut failures) = (Vec::new(), Vec::new());
     for (name, expr) in library.constants.iter().filter(|(_, expr)| !matches!(expr.kind, ExprKind::Constant(_))) {
-        match evaluate(expr, surroundings) {
+        match evaluate(expr, context) {
             Ok(value) => values.push((name.clone(), Expr { kind: ExprKind::Constant(value), place: expr.place })),
             Err(error) => failures.push((name.clone(), error.place, error.message)),
         }

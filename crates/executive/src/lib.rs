@@ -24,7 +24,7 @@ pub mod state;
 
 pub use calling::call;
 pub use constants::failing_constants;
-pub use session::{Judgement, MonitorResult, MonitorSession, SamplingGap, SessionTrouble, Telling};
+pub use session::{Judgement, MonitorResult, MonitorSession, ResultEvent, SamplingGap, SessionError};
 pub use state::agent::Agent;
 pub use step::step;
 

@@ -19,9 +19,9 @@ use apex_model::task::TaskId;
 use apex_model::time::Time;
 
 /// Rounds until the next task is ended, once an instant has been found to be restless.
-const RESTLESS_ROUNDS_MAX: u64 = 100;
+const LIVELOCK_ROUNDS_MAX: u64 = 100;
 /// Tasks that may be ended at one instant because they never come to rest, before everything is dropped.
-const RESTLESS_TASKS_MAX: u32 = 100;
+const LIVELOCK_TASKS_MAX: u32 = 100;
 
 /// Advances `agent` to `batch.now` with the batch's events; returns what it wants done, in order.
 pub fn step(agent: &mut Agent, batch: &Batch) -> Vec<Effect> {
@@ -76,11 +76,11 @@ fn work_through(cycle: &mut Cycle<'_>, events: &[Event]) {
     let mut restless = 0;
     let mut rounds = 0;
     while !cycle.work.is_done() && !cycle.agent.is_finished() {
-        rounds += u64::from(!cycle.work.came_closer(cycle.agent.next.task));
-        if rounds > if restless == 0 { cycle.agent.limits.of(Limit::CascadeRounds) } else { RESTLESS_ROUNDS_MAX } {
+        rounds += u64::from(!cycle.work.made_progress(cycle.agent.next.task));
+        if rounds > if restless == 0 { cycle.agent.limits.of(Limit::CascadeRounds) } else { LIVELOCK_ROUNDS_MAX } {
             rounds = 0;
             restless += 1;
-            end_restless(cycle, restless > RESTLESS_TASKS_MAX);
+            end_restless(cycle, restless > LIVELOCK_TASKS_MAX);
             continue;
         }
         recording::record_said(cycle);

@@ -1,6 +1,6 @@
-//! Small surroundings for tests.
+//! Small evaluation context for tests.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::{Limits, UNLOWERED};
@@ -51,7 +51,7 @@ impl Default for View {
     }
 }
 
-impl Surroundings for View {
+impl EvalContext for View {
     fn variable(&self, name: &Symbol) -> Option<Value> {
         self.variables.get(name).cloned()
     }

@@ -1,18 +1,14 @@
-//! Coverage of a target by a line scanner: swath, resolution, sweep lines, and the manoeuvre made of them.
+//! Lines that sweep the ground of a target. What a sensor sees from them is the matter of `apex-observation`.
 //!
 //! Bound: a sweep has at most [`SWEEP_LINES_MAX`] lines, each O(corners).
 
-pub use crate::perimeter::{perimeter_lines, perimeter_manoeuvre};
+pub use crate::perimeter::perimeter_lines;
 
 use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position, RAD_PER_DEG};
 use crate::plane::{self, Plane, Point};
-use crate::wind::{self, WindField};
-use apex_model::problem::{Manoeuvre, QualityFactor, QualityFactors};
 
 /// Lines of one sweep: more would take days.
 pub const SWEEP_LINES_MAX: usize = 1_000;
-/// Lines with ends closer than this touch: the vehicle flies on around a corner.
-const TOUCHING_M_MAX: f64 = 1.0;
 /// Corners of the polygon that represents a circle.
 const CIRCLE_CORNERS: usize = 32;
 const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
@@ -29,32 +25,6 @@ pub enum Ground {
     },
     /// Everything inside these corners, in order, not closed.
     Polygon(Vec<Position>),
-}
-
-/// A sensor that looks down and sweeps across the track.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineScanner {
-    /// Full angle across the track.
-    pub field_of_view_deg: f64,
-    /// Angle of one pixel.
-    pub pixel_mrad: f64,
-}
-
-impl LineScanner {
-    /// Width on level ground seen from `height_m` above it.
-    pub fn swath_m(&self, height_m: f64) -> f64 {
-        2.0 * height_m * libm::tan(0.5 * self.field_of_view_deg.clamp(0.0, 178.0) * RAD_PER_DEG)
-    }
-
-    /// Metres per pixel below the vehicle.
-    pub fn resolution_m(&self, height_m: f64) -> f64 {
-        height_m * self.pixel_mrad * 1e-3
-    }
-
-    /// Greatest height above ground with pixels of at most `resolution_m`.
-    pub fn height_m_max(&self, resolution_m: f64) -> f64 {
-        resolution_m / (self.pixel_mrad * 1e-3)
-    }
 }
 
 /// How to sweep.
@@ -195,161 +165,9 @@ fn from_nearest_corner(mut lines: Vec<(Position, Position)>, approach: Position)
     lines
 }
 
-/// Length of the turn from one line into the next, antiparallel one at distance `spacing_m`: half a circle with a
-/// straight piece, or a bulb where the lines are closer than two radii.
-pub fn turn_length_m(spacing_m: f64, radius_m: f64) -> f64 {
-    let pi = std::f64::consts::PI;
-    if spacing_m >= 2.0 * radius_m {
-        return pi * radius_m + (spacing_m - 2.0 * radius_m);
-    }
-    radius_m * (3.0 * pi - 4.0 * libm::asin((0.5 + spacing_m / (4.0 * radius_m)).clamp(-1.0, 1.0)))
-}
-
-/// Length added by turning `turn_rad` (0..pi) where one line ends and the next begins: past the corner, and back onto
-/// the next line. As long as the bulb of [`turn_length_m`] where the next line leads straight back.
-pub fn corner_length_m(turn_rad: f64, radius_m: f64) -> f64 {
-    let back = 2.0 / 3.0 * std::f64::consts::PI * (1.0 - libm::cos(turn_rad));
-    radius_m * (turn_rad - libm::sin(turn_rad) + back)
-}
-
 /// Radius of a level turn.
 pub fn turn_radius_m(true_airspeed_mps: f64, bank_deg: f64) -> f64 {
     true_airspeed_mps * true_airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_deg * RAD_PER_DEG))
-}
-
-/// How a fixed-wing vehicle flies lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineFlight {
-    /// Altitude above mean sea level.
-    pub altitude_m: f64,
-    /// Speed through the air.
-    pub true_airspeed_mps: f64,
-    /// Bank in turns between lines.
-    pub bank_deg: f64,
-    /// When the first line begins.
-    pub start_s: f64,
-}
-
-/// Time and distance for `lines` in order with the turns between them.
-///
-/// # Errors
-/// A sentence where a line cannot be flown against the wind.
-pub fn fly_lines(lines: &[(Position, Position)], flight: &LineFlight, field: &WindField) -> Result<(f64, f64), String> {
-    let radius_m = turn_radius_m(flight.true_airspeed_mps, flight.bank_deg);
-    let (mut time_s, mut length_m) = (0.0, 0.0);
-    let mut before: Option<(Position, Position)> = None;
-    for (number, (from, to)) in lines.iter().enumerate() {
-        if let Some(before) = before {
-            let turn_m = turn_between_m(before, (*from, *to), radius_m);
-            length_m += turn_m;
-            time_s += turn_m / flight.true_airspeed_mps;
-        }
-        let now_s = flight.start_s + time_s;
-        let leg_s = wind::leg_time_s(*from, *to, flight.altitude_m, flight.true_airspeed_mps, field, now_s);
-        time_s += leg_s.ok_or_else(|| {
-            format!("Line {} cannot be flown at {:.0} m: the wind is too strong.", number + 1, flight.altitude_m)
-        })?;
-        length_m += geodesy::distance_m(*from, *to);
-        before = Some((*from, *to));
-    }
-    Ok((time_s, length_m))
-}
-
-/// Length of the turn from one line into the next: around a corner where they touch, else back alongside.
-fn turn_between_m(line: (Position, Position), next: (Position, Position), radius_m: f64) -> f64 {
-    let apart_m = geodesy::distance_m(line.1, next.0);
-    if apart_m > TOUCHING_M_MAX {
-        return turn_length_m(apart_m, radius_m);
-    }
-    let heading_deg = geodesy::azimuth_deg(line.1, line.0) + 180.0;
-    let turn_deg = geodesy::wrap_180(geodesy::azimuth_deg(next.0, next.1) - heading_deg);
-    corner_length_m(turn_deg.abs() * RAD_PER_DEG, radius_m)
-}
-
-/// What is wanted of an observation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObservationWish {
-    /// What to see.
-    pub ground: Ground,
-    /// Height of the ground above mean sea level.
-    pub ground_elevation_m: f64,
-    /// Wanted metres per pixel; larger pixels discount the value in proportion.
-    pub resolution_m: f64,
-}
-
-/// The sweep that sees all of the wished ground from one altitude, with its predicted time and quality.
-///
-/// # Errors
-/// A sentence where the altitude is below ground, the sweep makes no sense, or the wind is too strong.
-pub fn sweep_manoeuvre(
-    wish: &ObservationWish,
-    scanner: &LineScanner,
-    flight: &LineFlight,
-    field: &WindField,
-    approach: Position,
-) -> Result<Manoeuvre, String> {
-    let lines = |swath_m: f64| {
-        let settings = SweepSettings { swath_m, overlap: 0.1, track_deg: None, run_in_m: 0.0 };
-        sweep_lines(&wish.ground, &settings, approach)
-    };
-    observed_manoeuvre(&Observed { name: "sweep", wish, scanner, flight, field }, lines)
-}
-
-/// What an observation is made of, but for its lines.
-pub(crate) struct Observed<'a> {
-    /// First part of the manoeuvre's name.
-    pub(crate) name: &'a str,
-    pub(crate) wish: &'a ObservationWish,
-    pub(crate) scanner: &'a LineScanner,
-    pub(crate) flight: &'a LineFlight,
-    pub(crate) field: &'a WindField,
-}
-
-/// The manoeuvre of the lines for the swath at the flight's altitude, with its predicted time and quality.
-///
-/// # Errors
-/// A sentence where the altitude is below ground, there are no lines, or the wind is too strong.
-pub(crate) fn observed_manoeuvre(
-    observed: &Observed<'_>,
-    lines: impl FnOnce(f64) -> Result<Vec<(Position, Position)>, String>,
-) -> Result<Manoeuvre, String> {
-    let Observed { name, wish, scanner, flight, field } = observed;
-    let height_m = flight.altitude_m - wish.ground_elevation_m;
-    if height_m.is_nan() || height_m <= 0.0 {
-        return Err(format!(
-            "An altitude of {:.0} m is not above the ground at {:.0} m.",
-            flight.altitude_m, wish.ground_elevation_m
-        ));
-    }
-    let lines = lines(scanner.swath_m(height_m))?;
-    let (duration_s, length_m) = fly_lines(&lines, flight, field)?;
-    let obtained_m = scanner.resolution_m(height_m);
-    let turbulence = lines.iter().map(|(from, to)| {
-        let middle = geodesy::midpoint(*from, *to);
-        wind::at(field, middle, flight.altitude_m, flight.start_s + 0.5 * duration_s).turbulence
-    });
-    let turbulence = turbulence.fold(0.0, f64::max).clamp(0.0, 1.0);
-    Ok(Manoeuvre {
-        name: format!("{name}-{:.0}m", flight.altitude_m),
-        altitude_m: flight.altitude_m,
-        lines,
-        duration_s,
-        length_m,
-        quality: QualityFactors {
-            coverage: QualityFactor::default(),
-            resolution: discounted(wish.resolution_m / obtained_m, || {
-                format!(
-                    "{obtained_m:.1} m per pixel from {height_m:.0} m above ground, {:.1} m wanted",
-                    wish.resolution_m
-                )
-            }),
-            clarity: discounted(1.0 - turbulence, || format!("turbulence {turbulence:.2} forecast")),
-        },
-    })
-}
-
-fn discounted(factor: f64, cause: impl FnOnce() -> String) -> QualityFactor {
-    if factor >= 1.0 { QualityFactor::default() } else { QualityFactor { factor: factor.max(0.0), cause: cause() } }
 }
 
 #[cfg(test)]
@@ -358,17 +176,9 @@ mod tests {
     use proptest::prelude::*;
 
     const CENTRE: Position = Position::new(40.0, -120.0);
-    const SCANNER: LineScanner = LineScanner { field_of_view_deg: 86.0, pixel_mrad: 1.25 };
 
     fn settings(swath_m: f64) -> SweepSettings {
         SweepSettings { swath_m, overlap: 0.1, track_deg: None, run_in_m: 0.0 }
-    }
-
-    #[test]
-    fn the_fire_scanner_sees_as_far_as_its_field_of_view() {
-        assert!((SCANNER.swath_m(6000.0) - 11_190.2).abs() < 0.1);
-        assert!((SCANNER.resolution_m(6000.0) - 7.5).abs() < 1e-9);
-        assert!((SCANNER.height_m_max(10.0) - 8000.0).abs() < 1e-9);
     }
 
     #[test]
@@ -382,34 +192,6 @@ mod tests {
         assert!(from.latitude_deg > 40.0 && from.longitude_deg > -119.1, "{from:?}");
         assert!(to.longitude_deg < -120.9);
         assert!(lines[1].0.longitude_deg < -120.9, "the second line comes back");
-    }
-
-    #[test]
-    fn turns_are_continuous_where_the_bulb_becomes_a_half_circle() {
-        let (just_below, just_above) = (turn_length_m(1999.999, 1000.0), turn_length_m(2000.001, 1000.0));
-        assert!((just_below - just_above).abs() < 3.0);
-        assert!((turn_length_m(0.0, 1000.0) - 7.0 / 3.0 * std::f64::consts::PI * 1000.0).abs() < 1e-6);
-        assert!((corner_length_m(std::f64::consts::PI, 1000.0) - turn_length_m(0.0, 1000.0)).abs() < 1e-6);
-        assert_eq!(corner_length_m(0.0, 1000.0), 0.0);
-    }
-
-    #[test]
-    fn higher_is_quicker_and_coarser() {
-        let wish = ObservationWish {
-            ground: Ground::Circle { centre: CENTRE, radius_m: 15_000.0 },
-            ground_elevation_m: 1500.0,
-            resolution_m: 5.0,
-        };
-        let at = |altitude_m| {
-            let flight = LineFlight { altitude_m, true_airspeed_mps: 95.0, bank_deg: 18.0, start_s: 0.0 };
-            sweep_manoeuvre(&wish, &SCANNER, &flight, &WindField::default(), CENTRE)
-        };
-        let (low, high) = (at(4500.0).unwrap(), at(8500.0).unwrap());
-        assert!(low.duration_s > high.duration_s && low.lines.len() > high.lines.len());
-        assert_eq!(low.quality.resolution.factor, 1.0);
-        assert!((high.quality.resolution.factor - 5.0 / 8.75).abs() < 1e-9);
-        assert!(high.quality.resolution.cause.contains("8.8 m per pixel"), "{:?}", high.quality.resolution);
-        assert!(at(1000.0).is_err());
     }
 
     proptest! {

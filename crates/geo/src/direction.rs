@@ -12,7 +12,7 @@ pub const EARTH_RADIUS_M_MIN: f64 = 6_356_752.314_245;
 pub const EARTH_RADIUS_M_MAX: f64 = 6_378_137.0;
 /// Arcs up to this angle (2,500 km) stay close to geodesics.
 pub const ARC_RAD_MAX: f64 = 0.392;
-/// How far an arc of at most [`ARC_RAD_MAX`] may lie beside the geodesic between the same ends.
+/// How far an arc of at most [`ARC_RAD_MAX`] may lie next to the geodesic between the same ends.
 pub const ARC_APART_M_MAX: f64 = 400.0;
 /// Square of the first eccentricity of WGS84.
 const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_141_316e-3;

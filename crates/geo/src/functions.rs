@@ -3,10 +3,12 @@
 //! A location is a list `(latitude_deg longitude_deg [altitude_m])` of plain reals. Lengths and angles are quantities
 //! with their dimension: a bare number is refused, because 500 could be feet as well as metres.
 
-use crate::coverage::{LineScanner, turn_radius_m};
+use crate::coverage::turn_radius_m;
 use crate::geodesy::{self, Position, RAD_PER_DEG};
+use crate::location::Location;
 use crate::plane::{self, Plane, Point};
 use crate::sun;
+use crate::time_limit::flight_time_limit;
 use apex_model::host::HostFunctions;
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::value::Value;
@@ -30,7 +32,9 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("latitude-of", 1, 1, |a| Ok(angle(at(a, 0)?.position.latitude_deg))),
     ("longitude-of", 1, 1, |a| Ok(angle(at(a, 0)?.position.longitude_deg))),
     ("altitude-of", 1, 1, altitude_of),
-    ("with-altitude", 2, 2, |a| Ok(Place { altitude_m: Some(number(a, 1, Dimension::LENGTH)?), ..at(a, 0)? }.value())),
+    ("with-altitude", 2, 2, |a| {
+        Ok(Location { altitude_m: Some(number(a, 1, Dimension::LENGTH)?), ..at(a, 0)? }.value())
+    }),
     ("turn-radius", 2, 2, turn_radius),
     ("swath-width", 2, 2, swath_width),
     ("ground-resolution", 2, 2, |a| Ok(length(number(a, 0, Dimension::LENGTH)? * number(a, 1, Dimension::ANGLE)?))),
@@ -38,6 +42,13 @@ const FUNCTIONS: &[(&str, usize, usize, Body)] = &[
     ("solar-elevation", 2, 2, |a| {
         Ok(angle(sun::solar_elevation_deg(at(a, 0)?.position, number(a, 1, Dimension::NONE)?)))
     }),
+    // A mission replaces these by functions that know its airspace, terrain and landing places.
+    ("way-to", 5, 5, |_| Ok(Value::nil())),
+    ("way-to-circle", 5, 5, |_| Ok(Value::nil())),
+    ("way-to-line", 6, 6, |_| Ok(Value::nil())),
+    ("way-to-landing", 4, 4, |_| Ok(Value::nil())),
+    ("way-to-segment", 6, 6, |a| Ok(Value::list(a.iter().skip(3).take(2).cloned()))),
+    ("flight-time-limit", 3, 5, flight_time_limit),
 ];
 
 /// All geometry functions, ready to be registered. Each checks the number of its arguments itself as well.
@@ -67,55 +78,8 @@ pub fn host_signatures() -> Vec<(&'static str, usize, Option<usize>)> {
     FUNCTIONS.iter().map(|(name, least, most, _)| (*name, *least, Some(*most))).collect()
 }
 
-/// A location as a Rust value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// Latitude and longitude.
-    pub position: Position,
-    /// Altitude above mean sea level, where given.
-    pub altitude_m: Option<f64>,
-}
-
-impl Place {
-    /// Reads a location `(latitude_deg longitude_deg [altitude_m])`.
-    ///
-    /// # Errors
-    /// A sentence that says what a location is and what was given.
-    pub fn of(value: &Value) -> Result<Place, String> {
-        let refused = || format!("a location is (latitude longitude [altitude]) in degrees and metres; got {value}");
-        let items = value.as_list().ok_or_else(refused)?;
-        let plain = |value: &Value| match value.as_number() {
-            Some((number, Dimension::NONE)) if number.is_finite() => Some(number),
-            _ => None,
-        };
-        let altitude = |value: &Value| match value.as_number() {
-            Some((metres, Dimension::NONE | Dimension::LENGTH)) if metres.is_finite() => Some(metres),
-            _ => None,
-        };
-        let (latitude_deg, longitude_deg, altitude_m) = match items {
-            [latitude, longitude] => (plain(latitude), plain(longitude), None),
-            [latitude, longitude, height] => {
-                (plain(latitude), plain(longitude), Some(altitude(height).ok_or_else(refused)?))
-            }
-            _ => return Err(refused()),
-        };
-        match (latitude_deg, longitude_deg) {
-            (Some(latitude_deg), Some(longitude_deg)) if latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 => {
-                Ok(Place { position: Position { latitude_deg, longitude_deg }, altitude_m })
-            }
-            _ => Err(refused()),
-        }
-    }
-
-    /// The PDL value.
-    pub fn value(&self) -> Value {
-        let plane = [self.position.latitude_deg, self.position.longitude_deg];
-        Value::list(plane.into_iter().chain(self.altitude_m).map(Value::Real))
-    }
-}
-
-fn at(arguments: &[Value], index: usize) -> Result<Place, String> {
-    arguments.get(index).map_or_else(|| Err("an argument is missing".to_string()), Place::of)
+fn at(arguments: &[Value], index: usize) -> Result<Location, String> {
+    arguments.get(index).map_or_else(|| Err("an argument is missing".to_string()), Location::of)
 }
 
 fn number(arguments: &[Value], index: usize, wanted: Dimension) -> Result<f64, String> {
@@ -164,15 +128,15 @@ fn offset(arguments: &[Value]) -> Result<Value, String> {
     let from = at(arguments, 0)?;
     let azimuth_deg = number(arguments, 1, Dimension::ANGLE)? / RAD_PER_DEG;
     let distance_m = number(arguments, 2, Dimension::LENGTH)?;
-    Ok(Place { position: geodesy::destination(from.position, azimuth_deg, distance_m), ..from }.value())
+    Ok(Location { position: geodesy::destination(from.position, azimuth_deg, distance_m), ..from }.value())
 }
 
-fn interpolated(from: Place, to: Place, fraction: f64) -> Result<Value, String> {
+fn interpolated(from: Location, to: Location, fraction: f64) -> Result<Value, String> {
     let altitude_m = match (from.altitude_m, to.altitude_m) {
         (Some(low_m), Some(high_m)) => Some(low_m + fraction * (high_m - low_m)),
         (one, other) => one.or(other),
     };
-    Ok(Place { position: geodesy::interpolate(from.position, to.position, fraction), altitude_m }.value())
+    Ok(Location { position: geodesy::interpolate(from.position, to.position, fraction), altitude_m }.value())
 }
 
 fn within(arguments: &[Value]) -> Result<Value, String> {
@@ -185,7 +149,7 @@ fn inside(arguments: &[Value]) -> Result<Value, String> {
     let position = at(arguments, 0)?.position;
     let corners = arguments.get(1).and_then(Value::as_list).ok_or("argument 2 must be a list of corner locations")?;
     let corners: Vec<Position> =
-        corners.iter().map(|corner| Ok(Place::of(corner)?.position)).collect::<Result<_, String>>()?;
+        corners.iter().map(|corner| Ok(Location::of(corner)?.position)).collect::<Result<_, String>>()?;
     if corners.len() < 3 {
         return Err(format!("a polygon needs three corners; got {}", corners.len()));
     }
@@ -220,8 +184,10 @@ fn turn_radius(arguments: &[Value]) -> Result<Value, String> {
 
 fn swath_width(arguments: &[Value]) -> Result<Value, String> {
     let (height_m, view_rad) = (number(arguments, 0, Dimension::LENGTH)?, number(arguments, 1, Dimension::ANGLE)?);
-    let scanner = LineScanner { field_of_view_deg: view_rad / RAD_PER_DEG, pixel_mrad: 1.0 };
-    Ok(length(scanner.swath_m(height_m)))
+    if !(0.0..std::f64::consts::PI).contains(&view_rad) {
+        return Err("the field of view must be between 0 and 180 deg".to_string());
+    }
+    Ok(length(2.0 * height_m * libm::tan(0.5 * view_rad)))
 }
 
 fn height_for_resolution(arguments: &[Value]) -> Result<Value, String> {

@@ -18,7 +18,7 @@ pub fn nearest(places: &[LandingPlace], position: Position) -> Option<(&LandingP
 }
 
 /// Does every point of the leg have a landing place within `distance_m_max`? Steps by the slack at each look, which is
-/// exact but for excursions shorter than [`LOOK_M_MIN`]. Without places the answer is no.
+/// exact except for excursions shorter than [`LOOK_M_MIN`]. Without places the answer is no.
 pub fn leg_is_within(places: &[LandingPlace], from: Position, to: Position, distance_m_max: f64) -> bool {
     let slack =
         |position| nearest(places, position).map_or(f64::NEG_INFINITY, |(_, distance_m)| distance_m_max - distance_m);

@@ -1,4 +1,4 @@
-//! Geodesy, wind, airspace, coverage and the sun: pure functions over the plain data of `apex_model::problem`.
+//! Geodesy, wind, airspace, coverage, radio links and the sun: pure functions over the plain data of `apex_model::problem`.
 //!
 //! No state, no clock, no randomness. Trigonometry goes through `libm`, so that results are equal on every platform;
 //! the one exception is `geographiclib-rs` (geodesics on WGS84).
@@ -8,8 +8,11 @@ pub mod direction;
 pub mod functions;
 pub mod geodesy;
 pub mod landing;
+pub mod link;
+pub mod location;
 pub mod perimeter;
 pub mod plane;
 pub mod sun;
+mod time_limit;
 pub mod travel;
 pub mod wind;

@@ -3,11 +3,8 @@
 //! The outline is simplified (Douglas and Peucker) so that fewer turns are flown and every point of the true outline
 //! still lies well inside the swath. Bound: O(corners^2), lines at most [`PERIMETER_LINES_MAX`].
 
-use crate::coverage::{LineFlight, LineScanner, ObservationWish, Observed, corners_of, observed_manoeuvre};
 use crate::geodesy::{self, Position};
 use crate::plane::{self, Plane, Point};
-use crate::wind::WindField;
-use apex_model::problem::Manoeuvre;
 
 /// Lines of one outline: a simpler outline is asked for beyond.
 pub const PERIMETER_LINES_MAX: usize = 1_000;
@@ -91,31 +88,12 @@ fn simplified(points: &[Point], tolerance_m: f64) -> Vec<Point> {
     ring.iter().zip(&kept).take(end).filter(|(_, kept)| **kept).map(|(point, _)| *point).collect()
 }
 
-/// The manoeuvre along the outline of the wished ground at one altitude, with its predicted time and quality: the twin
-/// of `coverage::sweep_manoeuvre` where only the perimeter is wanted.
-///
-/// # Errors
-/// A sentence where the altitude is below ground, the outline makes no sense, or the wind is too strong.
-pub fn perimeter_manoeuvre(
-    wish: &ObservationWish,
-    scanner: &LineScanner,
-    flight: &LineFlight,
-    field: &WindField,
-    approach: Position,
-) -> Result<Manoeuvre, String> {
-    let corners = corners_of(&wish.ground)?;
-    let lines = |swath_m: f64| perimeter_lines(&corners, swath_m, approach);
-    observed_manoeuvre(&Observed { name: "perimeter", wish, scanner, flight, field }, lines)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coverage::Ground;
     use proptest::prelude::*;
 
     const CENTRE: Position = Position::new(40.0, -120.0);
-    const SCANNER: LineScanner = LineScanner { field_of_view_deg: 86.0, pixel_mrad: 1.25 };
 
     fn around(count: usize, reach_m: impl Fn(usize) -> f64) -> Vec<Position> {
         let corner = |index| geodesy::destination(CENTRE, 360.0 * index as f64 / count as f64, reach_m(index));
@@ -148,26 +126,6 @@ mod tests {
         assert!(perimeter_lines(&jagged, 100.0, CENTRE).unwrap_err().contains("3000 lines"));
         let thin = [CENTRE, geodesy::destination(CENTRE, 90.0, 5_000.0), geodesy::destination(CENTRE, 90.0, 2_500.0)];
         assert_eq!(perimeter_lines(&thin, 1_000.0, CENTRE).unwrap().len(), 2, "there and back");
-    }
-
-    #[test]
-    fn a_large_fire_is_quicker_around_than_over() {
-        let wish = ObservationWish {
-            ground: Ground::Circle { centre: CENTRE, radius_m: 40_000.0 },
-            ground_elevation_m: 1500.0,
-            resolution_m: 5.0,
-        };
-        let flight = LineFlight { altitude_m: 6000.0, true_airspeed_mps: 95.0, bank_deg: 18.0, start_s: 0.0 };
-        let field = WindField::default();
-        let around = perimeter_manoeuvre(&wish, &SCANNER, &flight, &field, CENTRE).unwrap();
-        let over = crate::coverage::sweep_manoeuvre(&wish, &SCANNER, &flight, &field, CENTRE).unwrap();
-        assert!(around.duration_s < 0.5 * over.duration_s, "{} {}", around.duration_s, over.duration_s);
-        assert!((around.length_m / (80_000.0 * std::f64::consts::PI) - 1.0).abs() < 0.1, "{}", around.length_m);
-        assert_eq!(around.quality, over.quality);
-        assert_eq!(around.name, "perimeter-6000m");
-        let low = LineFlight { altitude_m: 1000.0, ..flight };
-        let refused = perimeter_manoeuvre(&wish, &SCANNER, &low, &field, CENTRE).unwrap_err();
-        assert!(refused.contains("not above the ground"), "{refused}");
     }
 
     proptest! {

@@ -14,8 +14,8 @@ pub struct Wind {
     pub east_mps: f64,
     /// Air moves north at this speed.
     pub north_mps: f64,
-    /// 0 smooth .. 1 severe.
-    pub turbulence: f64,
+    /// Turbulence: cube root of the eddy dissipation rate (EDR), m^(2/3)/s.
+    pub edr: f64,
 }
 
 /// Flying along a track through wind.
@@ -49,7 +49,7 @@ pub fn at(field: &WindField, position: Position, altitude_m: f64, time_s: f64) -
 }
 
 fn wind_of(layer: &WindLayer) -> Wind {
-    Wind { east_mps: layer.wind_east_mps, north_mps: layer.wind_north_mps, turbulence: layer.turbulence }
+    Wind { east_mps: layer.wind_east_mps, north_mps: layer.wind_north_mps, edr: layer.edr }
 }
 
 /// Interpolates between the nearest layer middles below and above; the outermost hold to the ground and to space.
@@ -73,7 +73,7 @@ fn blended<'a>(layers: impl Iterator<Item = &'a WindLayer>, altitude_m: f64) -> 
             Wind {
                 east_mps: low.east_mps + share * (high.east_mps - low.east_mps),
                 north_mps: low.north_mps + share * (high.north_mps - low.north_mps),
-                turbulence: low.turbulence + share * (high.turbulence - low.turbulence),
+                edr: low.edr + share * (high.edr - low.edr),
             }
         }
         (Some(only), None) | (None, Some(only)) => wind_of(only),
@@ -197,13 +197,13 @@ mod tests {
             until_s: FOREVER_S,
             wind_east_mps: east,
             wind_north_mps: north,
-            turbulence: 0.2,
+            edr: 0.2,
         }
     }
 
     #[test]
     fn head_tail_and_cross_wind() {
-        let west_wind = Wind { east_mps: 30.0, north_mps: 0.0, turbulence: 0.0 };
+        let west_wind = Wind { east_mps: 30.0, north_mps: 0.0, edr: 0.0 };
         let east = triangle(90.0, 50.0, west_wind).unwrap();
         assert!((east.ground_speed_mps - 80.0).abs() < 1e-9 && (east.heading_deg - 90.0).abs() < 1e-9);
         let north = triangle(0.0, 50.0, west_wind).unwrap();

@@ -4,7 +4,7 @@
 
 pub mod eci;
 pub mod mission_score;
-pub mod own_cost;
 pub mod quadrature;
 pub mod survival;
 pub mod tabulate;
+pub mod user_cost;

@@ -11,7 +11,7 @@
 //! beyond `oldest_s`, where the table stays as it is, nothing is promised.
 //! Bound: at most [`ASKED_MAX`] calls and [`POINTS_MAX`] points.
 
-use crate::own_cost::{self, Function, ROUNDING};
+use crate::user_cost::{self, Function, ROUNDING};
 
 /// Points of one table: planners look through them at every step.
 pub const POINTS_MAX: usize = 1_000;
@@ -34,7 +34,7 @@ pub fn tabulate(function: &mut Function<'_>, oldest_s: f64, relative_error: f64)
     if !(relative_error > 0.0 && relative_error <= 0.5) {
         return Err(format!("The relative error is {relative_error}; it must be above 0 and at most 0.5."));
     }
-    let oldest = own_cost::ask(function, oldest_s)?;
+    let oldest = user_cost::ask(function, oldest_s)?;
     // One half for what happens between ages asked, one for the straight lines; a little less, since the lines' half is taken
     // of the older end.
     let share = 0.5 * relative_error / (1.0 + relative_error);
@@ -59,14 +59,14 @@ fn asked(
     let rounding = ROUNDING * oldest.1;
     let between = |low: (f64, f64), (age_s, cost): (f64, f64), high: (f64, f64)| {
         if cost < low.1 - rounding {
-            return Err(own_cost::falls(low, (age_s, cost)));
+            return Err(user_cost::falls(low, (age_s, cost)));
         }
         if cost > high.1 + rounding {
-            return Err(own_cost::falls((age_s, cost), high));
+            return Err(user_cost::falls((age_s, cost), high));
         }
         Ok((age_s, cost.clamp(low.1, high.1)))
     };
-    let mut youngest = (0.0, own_cost::ask(function, 0.0)?);
+    let mut youngest = (0.0, user_cost::ask(function, 0.0)?);
     youngest = between((0.0, 0.0), youngest, oldest)?;
     let mut done = vec![youngest];
     let mut last = youngest;
@@ -86,7 +86,7 @@ fn asked(
             ));
         }
         let middle_s = last.0 + 0.5 * (next.0 - last.0);
-        ahead.push(between(last, (middle_s, own_cost::ask(function, middle_s)?), next)?);
+        ahead.push(between(last, (middle_s, user_cost::ask(function, middle_s)?), next)?);
     }
     Ok(done)
 }

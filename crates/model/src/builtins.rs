@@ -19,7 +19,7 @@ pub struct BuiltIn {
     pub arguments_max: Option<usize>,
     /// Has no effect: may stand in conditions, guards and everywhere else. Impure functions stand in hooks only.
     pub pure: bool,
-    /// Parameters and result in one line, for people.
+    /// Parameters and result in one line, for operators.
     pub summary: &'static str,
 }
 

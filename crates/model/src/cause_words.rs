@@ -7,7 +7,7 @@ use crate::task::TaskId;
 use crate::value::Value;
 
 impl Cause {
-    /// The cause in words, after "because".
+    /// The cause as text, after "because".
     pub fn text(&self) -> String {
         match self {
             Cause::InitialTask => "it is the agent's initial task".into(),

@@ -41,7 +41,7 @@ pub enum EventKind {
     SolverReported(SolveRequestId, SolverReport),
     /// A person answered.
     OperatorAnswered(QuestionId, Value),
-    /// The requested time has come.
+    /// The requested time has arrived.
     Woken,
     /// Another agent of the application says something.
     Told(Symbol, Message),

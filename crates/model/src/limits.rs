@@ -22,8 +22,8 @@ pub const TASKS_MAX: usize = 1_000_000;
 pub const FORALL_ITEMS_MAX: usize = 100_000;
 /// Instances of a `repeating` step that start and end at one instant.
 pub const REPETITIONS_PER_INSTANT_MAX: u32 = 1_000;
-/// Samples kept of one state variable, whatever conditions ask: one hour of 10 Hz attitude, doubled.
-pub const HISTORY_SAMPLES_MAX: usize = 72_000;
+/// Samples kept of one state variable, whatever conditions ask: 20 hours of attitude at 5 Hz.
+pub const HISTORY_SAMPLES_MAX: usize = 360_000;
 /// Samples kept of a variable for which no condition or log clause asks for more.
 pub const HISTORY_SAMPLES_DEFAULT: usize = 2;
 /// Events remembered for monitors created later in the same instant and for short look-backs.

@@ -1,6 +1,6 @@
 //! A plan in the executive's terms: a sequential procedure whose steps are typed.
 //!
-//! Text is for people only. [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] are the one place that knows
+//! Text is for operators only. [`PlannedActivity::goal`] and [`PlannedActivity::from_goal`] are the one place that knows
 //! how an activity is written as a goal of `library/aerial-observation.pdl`.
 
 use crate::problem::{Plan, Position};

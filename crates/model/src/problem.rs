@@ -54,7 +54,7 @@ impl Plan {
         }
     }
 
-    /// One line for people: what is visited, what it is worth, what was left out.
+    /// One line for operators: what is visited, what it is worth, what was left out.
     pub fn summary(&self) -> &str {
         match self {
             Plan::Surveillance(plan) => &plan.summary,

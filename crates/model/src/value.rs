@@ -53,7 +53,7 @@ impl Value {
 
     /// `nil`: the empty list, false.
     pub fn nil() -> Value {
-        // The empty list is shared: no room is taken.
+        // The empty list is shared: no space is taken.
         Value::List(Arc::default())
     }
 

@@ -1,6 +1,6 @@
 //! The solver contract: what a planner is given and what it gives back (paper, sections IV and V).
 //!
-//! A solver runs beside the executive. It gets its powers by name: random numbers, a budget and a channel for its best
+//! A solver runs next to the executive. It gets its powers by name: random numbers, a budget and a channel for its best
 //! plan so far. It answers with a [`Plan`], which an independent checker validates before the executive sees it.
 
 use apex_model::problem::{Plan, Problem};
@@ -91,6 +91,6 @@ pub trait Solver: Send + Sync {
     /// Plans. Returns when done or when the budget is exhausted.
     ///
     /// # Errors
-    /// A sentence for people when there is no feasible plan or the problem makes no sense.
+    /// A sentence for operators when there is no feasible plan or the problem makes no sense.
     fn solve(&self, problem: &Problem, environment: &mut Environment<'_>) -> Result<Plan, String>;
 }

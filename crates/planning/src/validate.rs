@@ -142,7 +142,7 @@ pub fn turn_radius(radius_m: f64) -> Result<(), String> {
     Ok(())
 }
 
-/// Travel times given as numbers: one for each pair, and nothing beside them that a vehicle in the air would need.
+/// Travel times given as numbers: one for each pair, and nothing next to them that a vehicle in the air would need.
 fn given_times(problem: &SingleVisitProblem, travel: &TravelTimes) -> Result<(), String> {
     travel::times(travel, problem.targets.len(), problem.base.is_some())?;
     let flown = [

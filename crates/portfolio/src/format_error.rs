@@ -1,10 +1,10 @@
-//! What is wrong with a benchmark file, for people.
+//! What is wrong with a benchmark file, for operators.
 
 use std::fmt;
 
 /// A mistake in a file: the place, what, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FormatTrouble {
+pub struct FormatError {
     /// From 1; 0 where the file as a whole is meant.
     pub line: usize,
     /// From 1, in characters.
@@ -19,11 +19,11 @@ pub struct FormatTrouble {
     pub help: String,
 }
 
-impl fmt::Display for FormatTrouble {
+impl fmt::Display for FormatError {
     /// `3:7: x is not a number (the profit of vertex 2): write a number`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}: {} ({}): {}", self.line, self.column, self.message, self.reason, self.help)
     }
 }
 
-impl std::error::Error for FormatTrouble {}
+impl std::error::Error for FormatError {}

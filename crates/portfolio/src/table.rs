@@ -1,12 +1,12 @@
 //! The profile table and solver selection (paper, section V.C): from features of a problem and the time for deliberation to the
-//! best planner, with the reason in words.
+//! best planner, with the reason as text.
 //!
 //! The table is data, `data/profile-table.csv`, concluded from measurements ([`crate::profile`]). A mission is looked up in the
 //! cell nearest to its features, at the largest budget of the table that it has the time for.
 //! Bound: O(cells) after classification.
 
 use crate::features::{self, Feature};
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 use crate::profile::conclusion::{self, Conclusion};
 use apex_model::problem::{Problem, SurveillanceProblem};
 use apex_model::time::Duration;
@@ -26,7 +26,7 @@ pub struct Selection {
     pub solver: String,
     /// Why: the features, the cell, and what the table says of it.
     pub reason: String,
-    /// The table says that people plan such missions better; `solver` is the best that is none of them.
+    /// The table says that operators plan such missions better; `solver` is the best that is none of them.
     pub people_plan_better: bool,
 }
 
@@ -43,7 +43,7 @@ impl ProfileTable {
     ///
     /// # Errors
     /// The first place in `text` that is not understood, and why.
-    pub fn read(text: &str) -> Result<ProfileTable, FormatTrouble> {
+    pub fn read(text: &str) -> Result<ProfileTable, FormatError> {
         conclusion::read(text).map(ProfileTable)
     }
 

@@ -1,21 +1,27 @@
-//! Planners (`planners/`, one folder each) and bounds on the value of plans (`bounds/`).
+//! Planners (`planners/`, one folder each) and bounds on the value of plans (`bounds/`); `routing/` lies below both, `prove`
+//! above.
 //!
 //! A planner implements `apex_planning::solver::Solver`: problem in, plan out, within a budget of work units. All are
 //! deterministic in seed and budget. A new planner is a folder and a row in [`solvers`].
 
 pub mod bounds;
 pub mod planners;
+mod prove;
+mod routing;
+
+pub use prove::prove;
 
 use apex_planning::Registry;
 use apex_planning::solver::Solver;
 use planners::{
-    anytime::Anytime, nearest_neighbour::NearestNeighbour, single_visit::SingleVisit, two_opt::TwoOpt, wam::Wam,
+    nearest_neighbour::NearestNeighbour, single_visit::SingleVisit, tour_annealing::TourAnnealing, two_opt::TwoOpt,
+    wam::Wam,
 };
 use std::sync::Arc;
 
 /// Every planner that ships, in the order of their complexity.
 pub fn solvers() -> Vec<Arc<dyn Solver>> {
-    vec![Arc::new(NearestNeighbour), Arc::new(TwoOpt), Arc::new(Wam), Arc::new(Anytime), Arc::new(SingleVisit)]
+    vec![Arc::new(NearestNeighbour), Arc::new(TwoOpt), Arc::new(Wam), Arc::new(TourAnnealing), Arc::new(SingleVisit)]
 }
 
 /// The planner called `name`.

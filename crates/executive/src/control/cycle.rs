@@ -58,7 +58,7 @@ pub(crate) type TaskList = SmallVec<[TaskId; 4]>;
 #[derive(Default)]
 pub(crate) struct Work {
     /// Record: what the agent said to itself.
-    pub(crate) said: Vec<Said>,
+    pub(crate) said: Vec<SelfMessage>,
     /// Notice: what was recorded.
     pub(crate) stimuli: SmallVec<[Stimulus; 1]>,
     /// Notice: monitors to be judged.
@@ -107,7 +107,7 @@ pub(crate) struct Balance {
 }
 
 /// Something the agent said to itself.
-pub(crate) enum Said {
+pub(crate) enum SelfMessage {
     /// A message.
     Occurrence(Value),
     /// A sample.
@@ -135,7 +135,7 @@ pub(crate) struct Firing {
 impl Work {
     /// Did tasks end in the round that is over, while none was made or began again? Then fewer are left, and rounds of
     /// this kind are no more than tasks. The next round begins.
-    pub(crate) fn came_closer(&mut self, next_task: u64) -> bool {
+    pub(crate) fn made_progress(&mut self, next_task: u64) -> bool {
         let Balance { ends, again, next_task: before } = std::mem::take(&mut self.balance);
         self.balance.next_task = next_task;
         ends && !again && before == next_task

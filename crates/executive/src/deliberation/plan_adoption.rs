@@ -7,7 +7,7 @@ use crate::control::cycle::Cycle;
 use crate::control::tasks::{procedure, termination};
 use crate::state::agent::Generated;
 use crate::state::bindings::Bindings;
-use crate::state::controller::{Controller, Way};
+use crate::state::controller::{Controller, MethodBinding};
 use crate::state::index::{Candidate, ProcedureIndex};
 use crate::state::task::ProcedureRef;
 use apex_model::because::{Because, Cause};
@@ -83,7 +83,7 @@ fn adopt(cycle: &mut Cycle<'_>, id: TaskId, request: SolveRequestId, plan: &Plan
     termination::end_children(cycle, id, &because);
     if let Some(task) = cycle.agent.task_mut(id) {
         if let Some(selection) = &mut task.selection {
-            selection.way = Way::Procedure(reference, Bindings::new());
+            selection.way = MethodBinding::Procedure(reference, Bindings::new());
         }
         if let Some(Controller::Planning(controller)) = task.controller.as_deref_mut() {
             controller.arrived = Some(reference);

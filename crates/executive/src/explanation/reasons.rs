@@ -2,7 +2,7 @@
 
 use crate::control::conflicts::competition::in_order;
 use crate::control::conflicts::priority::{defence, priority};
-use crate::control::tasks::plain_episodes;
+use crate::control::tasks::episode_index_tasks;
 use crate::expression::instantiate_partially;
 use crate::expression::view::View;
 use crate::monitoring::combination::monitors;
@@ -54,7 +54,7 @@ pub enum ReasonKind {
 pub struct Reason {
     /// What kind of thing.
     pub kind: ReasonKind,
-    /// What is wanted, for people.
+    /// What is wanted, for operators.
     pub text: String,
     /// What is known about it now.
     pub now: Option<String>,
@@ -131,7 +131,7 @@ fn unmet(agent: &Agent, task: &Task, wanted: impl Fn(Clause) -> bool) -> Vec<Rea
     for id in &task.monitors {
         let Some(watch) = agent.watches.get(id.0).filter(|watch| wanted(watch.clause)) else { continue };
         let view = View { agent, task: task.id, level: watch.level, now: agent.now };
-        for part in monitors::unmet(&plain_episodes::as_told(agent, *id, watch), &view) {
+        for part in monitors::unmet(&episode_index_tasks::as_told(agent, *id, watch), &view) {
             let text = format!("{} {}", watch.clause.word(), part.what);
             reasons.push(Reason {
                 now: Some(part.now),
@@ -185,7 +185,7 @@ fn predecessor(agent: &Agent, task: &Task) -> Option<Reason> {
 }
 
 fn result(agent: &Agent, task: &Task) -> Vec<Reason> {
-    use crate::expression::Surroundings;
+    use crate::expression::EvalContext;
     let Some(step) = task.step() else { return Vec::new() };
     let Some(index) = agent.procedure_index(step.procedure) else { return Vec::new() };
     let view = View { agent, task: task.id, level: Level::Step, now: agent.now };

@@ -2,7 +2,7 @@
 
 use crate::control::conflicts::priority::priority;
 use crate::state::agent::Agent;
-use crate::state::controller::Way;
+use crate::state::controller::MethodBinding;
 use crate::state::task::{Origin, Task};
 use apex_model::effect::Method;
 use apex_model::source::Place;
@@ -96,14 +96,16 @@ fn view(agent: &Agent, task: &Task) -> TaskView {
     }
 }
 
-fn method(agent: &Agent, way: &Way) -> Option<Method> {
+fn method(agent: &Agent, way: &MethodBinding) -> Option<Method> {
     match way {
-        Way::Procedure(reference, _) => agent.procedure(*reference).map(|each| Method::Procedure(each.place)),
-        Way::Primitive(index, _) => {
+        MethodBinding::Procedure(reference, _) => agent.procedure(*reference).map(|each| Method::Procedure(each.place)),
+        MethodBinding::Primitive(index, _) => {
             agent.library.primitives.get(*index as usize).map(|each| Method::Primitive(each.place))
         }
-        Way::Solver(index) => agent.library.solvers.get(*index as usize).map(|each| Method::Solver(each.name.clone())),
-        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate => Some(Method::BuiltIn),
+        MethodBinding::Solver(index) => {
+            agent.library.solvers.get(*index as usize).map(|each| Method::Solver(each.name.clone()))
+        }
+        MethodBinding::Items(_) | MethodBinding::BuiltIn(_) | MethodBinding::Terminate => Some(Method::BuiltIn),
     }
 }
 

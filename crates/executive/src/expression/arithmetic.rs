@@ -3,15 +3,14 @@
 //! Integers stay exact or fail; dimensions are checked: addition needs equal ones, products and quotients combine them.
 
 pub(crate) use super::comparison::{compare, equal};
+use super::result::FunctionResult;
 use super::{comparison, rounding};
 use apex_model::quantity::{Dimension, Quantity, unit_named};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the arithmetic function `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("+", values) => fold(values, Value::Integer(0), add),
         ("*", values) => fold(values, Value::Integer(1), multiply),
@@ -60,7 +59,7 @@ pub(crate) fn described(value: &Value) -> String {
 ///
 /// # Errors
 /// When dimensions differ or an integer overflows.
-pub(crate) fn add(left: &Value, right: &Value) -> Outcome {
+pub(crate) fn add(left: &Value, right: &Value) -> FunctionResult {
     match (left, right) {
         (Value::Integer(a), Value::Integer(b)) => a.checked_add(*b).map(Value::Integer).ok_or_else(overflow("+", a, b)),
         (Value::Duration(a), Value::Duration(b)) => Ok(Value::Duration(*a + *b)),
@@ -75,7 +74,7 @@ pub(crate) fn add(left: &Value, right: &Value) -> Outcome {
 ///
 /// # Errors
 /// When dimensions differ or an integer overflows.
-pub(crate) fn subtract(left: &Value, right: &Value) -> Outcome {
+pub(crate) fn subtract(left: &Value, right: &Value) -> FunctionResult {
     match (left, right) {
         (Value::Integer(a), Value::Integer(b)) => a.checked_sub(*b).map(Value::Integer).ok_or_else(overflow("-", a, b)),
         (Value::Duration(a), Value::Duration(b)) => Ok(Value::Duration(*a - *b)),
@@ -86,7 +85,7 @@ pub(crate) fn subtract(left: &Value, right: &Value) -> Outcome {
     }
 }
 
-fn multiply(left: &Value, right: &Value) -> Outcome {
+fn multiply(left: &Value, right: &Value) -> FunctionResult {
     match (left, right) {
         (Value::Integer(a), Value::Integer(b)) => a.checked_mul(*b).map(Value::Integer).ok_or_else(overflow("*", a, b)),
         (Value::Duration(duration), Value::Integer(factor)) | (Value::Integer(factor), Value::Duration(duration)) => {
@@ -99,7 +98,7 @@ fn multiply(left: &Value, right: &Value) -> Outcome {
     }
 }
 
-pub(super) fn divide(left: &Value, right: &Value) -> Outcome {
+pub(super) fn divide(left: &Value, right: &Value) -> FunctionResult {
     let ((a, dimension_a), (b, dimension_b)) = (number(left)?, number(right)?);
     if b == 0.0 {
         return Err(format!("division of {left} by zero"));
@@ -128,7 +127,7 @@ pub(super) fn in_unit_of(si: f64, dimension: Dimension, left: &Value, right: &Va
     Value::measured(si, dimension)
 }
 
-fn same_dimension(verb: &str, left: &Value, right: &Value, operation: fn(f64, f64) -> f64) -> Outcome {
+fn same_dimension(verb: &str, left: &Value, right: &Value, operation: fn(f64, f64) -> f64) -> FunctionResult {
     match (left.as_number(), right.as_number()) {
         (Some((a, dimension)), Some((b, other))) if dimension == other => {
             Ok(in_unit_of(operation(a, b), dimension, left, right))
@@ -137,7 +136,7 @@ fn same_dimension(verb: &str, left: &Value, right: &Value, operation: fn(f64, f6
     }
 }
 
-fn negate(value: &Value) -> Outcome {
+fn negate(value: &Value) -> FunctionResult {
     match value {
         Value::Integer(integer) => {
             integer.checked_neg().map(Value::Integer).ok_or_else(|| format!("-({integer}) is too large for an integer"))
@@ -149,12 +148,12 @@ fn negate(value: &Value) -> Outcome {
     }
 }
 
-fn absolute(value: &Value) -> Outcome {
+fn absolute(value: &Value) -> FunctionResult {
     let (number, _) = number(value)?;
     if number < 0.0 { negate(value) } else { Ok(value.clone()) }
 }
 
-fn fold(values: &[Value], neutral: Value, operation: fn(&Value, &Value) -> Outcome) -> Outcome {
+fn fold(values: &[Value], neutral: Value, operation: fn(&Value, &Value) -> FunctionResult) -> FunctionResult {
     match values {
         [] => Ok(neutral),
         [Value::Time(time)] => Ok(Value::Time(*time)),
@@ -163,7 +162,7 @@ fn fold(values: &[Value], neutral: Value, operation: fn(&Value, &Value) -> Outco
     }
 }
 
-fn square_root(value: &Value) -> Outcome {
+fn square_root(value: &Value) -> FunctionResult {
     let (number, dimension) = number(value)?;
     if number < 0.0 {
         return Err(format!("square root of {value}, which is negative"));
@@ -184,7 +183,7 @@ fn square_root(value: &Value) -> Outcome {
     Ok(Value::measured(libm::sqrt(number), half))
 }
 
-fn power(base: &Value, exponent: &Value) -> Outcome {
+fn power(base: &Value, exponent: &Value) -> FunctionResult {
     match (base, exponent) {
         (Value::Integer(a), Value::Integer(b)) if *b >= 0 => u32::try_from(*b)
             .ok()
@@ -210,7 +209,7 @@ fn power(base: &Value, exponent: &Value) -> Outcome {
     }
 }
 
-fn logarithm(value: &Value, base: Option<&Value>) -> Outcome {
+fn logarithm(value: &Value, base: Option<&Value>) -> FunctionResult {
     let number = pure_number(value)?;
     if number <= 0.0 {
         return Err(format!("logarithm of {value}, which is not above zero"));
@@ -231,7 +230,7 @@ fn angle(value: &Value) -> Result<f64, String> {
     }
 }
 
-fn arc(value: &Value, function: fn(f64) -> f64) -> Outcome {
+fn arc(value: &Value, function: fn(f64) -> f64) -> FunctionResult {
     let result = function(pure_number(value)?);
     if result.is_nan() {
         return Err(format!("{value} is not the sine or cosine of an angle: it must be between -1 and 1"));
@@ -239,7 +238,7 @@ fn arc(value: &Value, function: fn(f64) -> f64) -> Outcome {
     Ok(Value::measured(result, Dimension::ANGLE))
 }
 
-fn arc_of_two(y: &Value, x: &Value) -> Outcome {
+fn arc_of_two(y: &Value, x: &Value) -> FunctionResult {
     match (number(y)?, number(x)?) {
         ((a, dimension_a), (b, dimension_b)) if dimension_a == dimension_b => {
             Ok(Value::measured(libm::atan2(a, b), Dimension::ANGLE))
@@ -257,7 +256,7 @@ fn unit_of(unit: &Value) -> Result<&'static apex_model::quantity::Unit, String> 
     unit_named(name).ok_or_else(|| format!("{name} is not a known unit"))
 }
 
-fn quantity(number: &Value, unit: &Value) -> Outcome {
+fn quantity(number: &Value, unit: &Value) -> FunctionResult {
     Ok(with_unit(pure_number(number)?, unit_of(unit)?))
 }
 
@@ -269,7 +268,7 @@ pub(crate) fn with_unit(number: f64, unit: &'static apex_model::quantity::Unit) 
     }
 }
 
-fn in_unit(value: &Value, unit: &Value) -> Outcome {
+fn in_unit(value: &Value, unit: &Value) -> FunctionResult {
     let unit = unit_of(unit)?;
     match number(value)? {
         (number, dimension) if dimension == unit.dimension => Ok(Value::Real(number / unit.factor)),

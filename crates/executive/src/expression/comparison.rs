@@ -1,13 +1,12 @@
 //! Comparison of values: `=`, `<` and their kin, the greatest and the least, questions about numbers.
 
 use super::arithmetic::{described, integer, number};
+use super::result::FunctionResult;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the comparing function `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("<" | "<=" | ">" | ">=", values) => chain(name, values),
         ("=", values) => all_pairs_in_row(values),
@@ -18,7 +17,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
     })
 }
 
-fn predicate(name: &str, arguments: &[Value]) -> Option<Outcome> {
+fn predicate(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     let [value] = arguments else { return None };
     let truth = match name {
         "zerop" => number(value).map(|(number, _)| number == 0.0),
@@ -77,7 +76,7 @@ pub(crate) fn equal(left: &Value, right: &Value) -> Result<bool, String> {
     }
 }
 
-fn chain(name: &str, values: &[Value]) -> Outcome {
+fn chain(name: &str, values: &[Value]) -> FunctionResult {
     for pair in values.windows(2) {
         let [left, right] = pair else { continue };
         let holds = match (compare(left, right)?, name) {
@@ -94,7 +93,7 @@ fn chain(name: &str, values: &[Value]) -> Outcome {
     Ok(Value::truth(true))
 }
 
-fn all_pairs_in_row(values: &[Value]) -> Outcome {
+fn all_pairs_in_row(values: &[Value]) -> FunctionResult {
     for pair in values.windows(2) {
         if let [left, right] = pair
             && !equal(left, right)?
@@ -105,7 +104,7 @@ fn all_pairs_in_row(values: &[Value]) -> Outcome {
     Ok(Value::truth(true))
 }
 
-fn all_different(values: &[Value]) -> Outcome {
+fn all_different(values: &[Value]) -> FunctionResult {
     for (index, left) in values.iter().enumerate() {
         for right in values.iter().skip(index + 1) {
             if equal(left, right)? {
@@ -116,7 +115,7 @@ fn all_different(values: &[Value]) -> Outcome {
     Ok(Value::truth(true))
 }
 
-fn extreme(first: &Value, rest: &[Value], wanted: Ordering) -> Outcome {
+fn extreme(first: &Value, rest: &[Value], wanted: Ordering) -> FunctionResult {
     let mut best = first;
     for value in [first].into_iter().chain(rest) {
         if !matches!(value, Value::Time(_)) {

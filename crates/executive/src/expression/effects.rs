@@ -1,13 +1,14 @@
 //! Functions that act: they stand in hooks only and become [`Action`]s.
 
-use super::evaluator::{Evaluator, Outcome, error};
+use super::evaluator::{Evaluator, error};
+use super::result::EvalResult;
 use super::{Action, arithmetic, printed, strings};
 use apex_model::event::StateVariable;
 use apex_model::source::Place;
 use apex_model::value::Value;
 
 /// Calls the acting function `name`; none when there is no such function.
-pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<Outcome> {
+pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<EvalResult> {
     let action = match (name, arguments) {
         ("inform", [form]) => Ok(Action::Inform(form.clone(), None)),
         ("inform", [form, router]) => Ok(Action::Inform(form.clone(), Some(router.clone()))),
@@ -35,7 +36,7 @@ pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value
 }
 
 /// Notes `action`; its value is nil, or what was completed, printed or published.
-pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, place: Place) -> Outcome {
+pub(super) fn act(evaluator: &mut Evaluator<'_>, name: &str, action: Action, place: Place) -> EvalResult {
     let Some(hook) = &mut evaluator.hook else {
         return Err(error(place, format!("({name} ..) acts and can stand in hooks only, not in conditions or values")));
     };

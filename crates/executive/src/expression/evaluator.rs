@@ -1,8 +1,9 @@
 //! The evaluator: forms, local variables, calls, limits.
 
 use super::higher_order;
+use super::result::EvalResult;
 use super::{
-    Action, EvaluationError, Surroundings, arithmetic, effects, history_queries, lists, strings, time_functions,
+    Action, EvalContext, EvaluationError, arithmetic, effects, history_queries, lists, strings, time_functions,
 };
 use crate::state::bindings::Bindings;
 use apex_model::builtins::built_in;
@@ -17,11 +18,9 @@ use smallvec::SmallVec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-pub(super) type Outcome = Result<Value, EvaluationError>;
-
 /// One evaluation: what it sees, its local variables, and what it has used of its limits.
 pub(super) struct Evaluator<'a> {
-    pub(super) surroundings: &'a dyn Surroundings,
+    pub(super) context: &'a dyn EvalContext,
     /// Local variables, innermost last.
     scope: Vec<(Symbol, Value)>,
     /// Where the current function's own variables begin.
@@ -46,8 +45,8 @@ pub(super) fn error(place: Place, message: impl Into<String>) -> EvaluationError
 }
 
 impl<'a> Evaluator<'a> {
-    pub(super) fn new(surroundings: &'a dyn Surroundings, hook: Option<Hook<'a>>) -> Evaluator<'a> {
-        Evaluator { surroundings, scope: Vec::new(), frame: 0, depth: 0, steps: 0, hook }
+    pub(super) fn new(context: &'a dyn EvalContext, hook: Option<Hook<'a>>) -> Evaluator<'a> {
+        Evaluator { context, scope: Vec::new(), frame: 0, depth: 0, steps: 0, hook }
     }
 
     /// Charges `steps` units of work.
@@ -63,7 +62,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The value of `expr`.
-    pub(super) fn value(&mut self, expr: &Expr) -> Outcome {
+    pub(super) fn value(&mut self, expr: &Expr) -> EvalResult {
         match &expr.kind {
             ExprKind::Constant(value) => return Ok(value.clone()),
             ExprKind::Variable { name, .. } => return self.variable(name, expr.place),
@@ -84,7 +83,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The last form's value; nil without forms.
-    pub(super) fn body(&mut self, forms: &[Expr]) -> Outcome {
+    pub(super) fn body(&mut self, forms: &[Expr]) -> EvalResult {
         let mut last = Value::nil();
         for form in forms {
             last = self.value(form)?;
@@ -92,13 +91,13 @@ impl<'a> Evaluator<'a> {
         Ok(last)
     }
 
-    fn form(&mut self, expr: &Expr) -> Outcome {
+    fn form(&mut self, expr: &Expr) -> EvalResult {
         match &expr.kind {
             ExprKind::Constant(value) => Ok(value.clone()),
             ExprKind::Variable { name, .. } => self.variable(name, expr.place),
             ExprKind::Local(name) => self.local(name, expr.place),
             ExprKind::Indexical(name) => self.indexical(name, expr.place),
-            ExprKind::Named(name) => match self.surroundings.library().constants.get(name) {
+            ExprKind::Named(name) => match self.context.library().constants.get(name) {
                 Some(definition) => self.in_frame(Vec::new(), |evaluator| evaluator.value(definition)),
                 None => Err(error(expr.place, format!("the constant {name} is not defined"))),
             },
@@ -157,7 +156,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn cond(&mut self, clauses: &[(Expr, Vec<Expr>)]) -> Outcome {
+    fn cond(&mut self, clauses: &[(Expr, Vec<Expr>)]) -> EvalResult {
         for (test, forms) in clauses {
             let value = self.value(test)?;
             if value.is_true() {
@@ -167,7 +166,7 @@ impl<'a> Evaluator<'a> {
         Ok(Value::nil())
     }
 
-    fn bind(&mut self, sequential: bool, bindings: &[(Symbol, Expr)], body: &[Expr]) -> Outcome {
+    fn bind(&mut self, sequential: bool, bindings: &[(Symbol, Expr)], body: &[Expr]) -> EvalResult {
         let depth = self.scope.len();
         let mut values = Vec::new();
         for (name, initial) in bindings {
@@ -186,22 +185,22 @@ impl<'a> Evaluator<'a> {
         result
     }
 
-    fn variable(&self, name: &Symbol, place: Place) -> Outcome {
+    fn variable(&self, name: &Symbol, place: Place) -> EvalResult {
         let assigned = self.hook.as_ref().and_then(|hook| hook.assigned.get(name)).cloned();
         assigned
-            .or_else(|| self.surroundings.variable(name))
+            .or_else(|| self.context.variable(name))
             .ok_or_else(|| error(place, format!("?{name} has no value here")))
     }
 
-    fn local(&self, name: &Symbol, place: Place) -> Outcome {
+    fn local(&self, name: &Symbol, place: Place) -> EvalResult {
         let own = self.scope.get(self.frame..).unwrap_or_default().iter().rev().find(|(each, _)| each == name);
         own.map(|(_, value)| value.clone())
             .or_else(|| self.hook.as_ref().and_then(|hook| hook.locals.get(name)).cloned())
-            .or_else(|| self.surroundings.local(name))
+            .or_else(|| self.context.local(name))
             .ok_or_else(|| error(place, format!("{name} has no value here")))
     }
 
-    fn assign(&mut self, name: &Symbol, of_task: bool, value: Value, place: Place) -> Outcome {
+    fn assign(&mut self, name: &Symbol, of_task: bool, value: Value, place: Place) -> EvalResult {
         if of_task {
             let Some(hook) = &mut self.hook else {
                 return Err(error(place, format!("(setq ?{name} ..) changes the task and can stand in hooks only")));
@@ -223,31 +222,35 @@ impl<'a> Evaluator<'a> {
         Ok(value)
     }
 
-    fn indexical(&mut self, name: &Symbol, place: Place) -> Outcome {
-        let surroundings = self.surroundings;
+    fn indexical(&mut self, name: &Symbol, place: Place) -> EvalResult {
+        let context = self.context;
         let no_task = || error(place, format!("+{name}+ has no meaning outside of a task"));
         match name.folded() {
-            "now" => return Ok(Value::Time(surroundings.now())),
-            "self" => return Ok(Value::Symbol(surroundings.agent_name().clone())),
-            "this-task" => return surroundings.this_task().map(Value::Task).ok_or_else(no_task),
+            "now" => return Ok(Value::Time(context.now())),
+            "self" => return Ok(Value::Symbol(context.agent_name().clone())),
+            "this-task" => return context.this_task().map(Value::Task).ok_or_else(no_task),
             "tot" => {
-                let task = surroundings.this_task().ok_or_else(no_task)?;
-                return Ok(Value::Duration(surroundings.task_time_ongoing(task).unwrap_or(Duration::ZERO)));
+                let task = context.this_task().ok_or_else(no_task)?;
+                return Ok(Value::Duration(context.task_time_ongoing(task).unwrap_or(Duration::ZERO)));
             }
-            "met" => return Ok(Value::Duration(surroundings.now() - apex_model::time::Time::ZERO)),
+            "met" => return Ok(Value::Duration(context.now() - apex_model::time::Time::ZERO)),
             "beginning-of-time" => return Ok(Value::Time(apex_model::time::Time::BEGINNING)),
             "end-of-time" => return Ok(Value::Time(apex_model::time::Time::END)),
             "pos-infinity" => return Ok(Value::Real(f64::INFINITY)),
             _ => {}
         }
-        let Some(definition) = surroundings.library().indexicals.get(name) else {
+        let Some(definition) = context.library().indexicals.get(name) else {
             return Err(error(place, format!("+{name}+ is not defined; (defindexical +{name}+ EXPR) defines it")));
         };
         self.in_frame(Vec::new(), |evaluator| evaluator.value(definition))
     }
 
     /// Runs `action` with only `variables` as local variables.
-    fn in_frame(&mut self, variables: Vec<(Symbol, Value)>, action: impl FnOnce(&mut Self) -> Outcome) -> Outcome {
+    fn in_frame(
+        &mut self,
+        variables: Vec<(Symbol, Value)>,
+        action: impl FnOnce(&mut Self) -> EvalResult,
+    ) -> EvalResult {
         let (frame, length) = (self.frame, self.scope.len());
         self.frame = length;
         self.scope.extend(variables);
@@ -258,7 +261,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Calls the function named `function`.
-    pub(super) fn call(&mut self, function: &Symbol, arguments: &[Value], place: Place) -> Outcome {
+    pub(super) fn call(&mut self, function: &Symbol, arguments: &[Value], place: Place) -> EvalResult {
         let name = function.folded();
         self.charge(lists::cost(name, arguments), place)?;
         // What acts is mostly called in hooks, and no other family has a function of the same name.
@@ -270,8 +273,8 @@ impl<'a> Evaluator<'a> {
         let built_in = arithmetic::call(name, arguments)
             .or_else(|| lists::call(name, arguments))
             .or_else(|| strings::call(name, arguments))
-            .or_else(|| time_functions::call(name, arguments, self.surroundings))
-            .or_else(|| history_queries::call(name, arguments, self.surroundings));
+            .or_else(|| time_functions::call(name, arguments, self.context))
+            .or_else(|| history_queries::call(name, arguments, self.context));
         if let Some(result) = built_in {
             return result.map_err(|message| error(place, format!("({function} ..): {message}")));
         }
@@ -281,15 +284,15 @@ impl<'a> Evaluator<'a> {
         if let Some(result) = effects::call(self, name, arguments, place) {
             return result;
         }
-        let surroundings = self.surroundings;
-        if let Some(defined) = surroundings.library().functions.get(function) {
+        let context = self.context;
+        if let Some(defined) = context.library().functions.get(function) {
             return self.apply(function.folded(), &defined.parameters, &defined.body, &[], arguments, place);
         }
-        if surroundings.library().host_functions.get(function).is_some_and(|declared| declared.command) {
+        if context.library().host_functions.get(function).is_some_and(|declared| declared.command) {
             let form = Value::list(std::iter::once(Value::Symbol(function.clone())).chain(arguments.iter().cloned()));
             return effects::act(self, name, Action::Command { form, timeout: None, place }, place);
         }
-        match surroundings.host().get(function) {
+        match context.host().get(function) {
             Some(host) => {
                 contained(host, arguments).map_err(|message| error(place, format!("({function} ..): {message}")))
             }
@@ -298,7 +301,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Calls a function value: a closure or a function's name.
-    pub(super) fn call_value(&mut self, function: &Value, arguments: &[Value], place: Place) -> Outcome {
+    pub(super) fn call_value(&mut self, function: &Value, arguments: &[Value], place: Place) -> EvalResult {
         match function {
             Value::Closure(closure) => {
                 self.apply("lambda", &closure.parameters, &closure.body, &closure.captured, arguments, place)
@@ -329,7 +332,7 @@ impl<'a> Evaluator<'a> {
         captured: &[(Symbol, Value)],
         arguments: &[Value],
         place: Place,
-    ) -> Outcome {
+    ) -> EvalResult {
         let (least, most) = (parameters.arguments_min(), parameters.arguments_max());
         if arguments.len() < least || most.is_some_and(|most| arguments.len() > most) {
             let wanted = match most {

@@ -1,14 +1,15 @@
 //! Functions that take functions: mapping, filtering, folding, sorting.
 
-use super::evaluator::{Evaluator, Outcome, error};
+use super::evaluator::{Evaluator, error};
 use super::lists::{bounded, items};
+use super::result::EvalResult;
 use super::{EvaluationError, arithmetic};
 use apex_model::source::Place;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
 /// Calls the function `name` of this family; none when there is no such function.
-pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<Outcome> {
+pub(super) fn call(evaluator: &mut Evaluator<'_>, name: &str, arguments: &[Value], place: Place) -> Option<EvalResult> {
     let result = match (name, arguments) {
         ("mapcar", [function, lists @ ..]) => {
             each(evaluator, function, lists, place, |_, value| Some(value)).and_then(|all| finish(all, place))
@@ -39,7 +40,7 @@ fn at<T>(result: Result<T, String>, place: Place) -> Result<T, EvaluationError> 
     result.map_err(|message| error(place, message))
 }
 
-fn finish(values: Vec<Value>, place: Place) -> Outcome {
+fn finish(values: Vec<Value>, place: Place) -> EvalResult {
     at(bounded(values), place)
 }
 
@@ -66,7 +67,7 @@ fn each(
     Ok(results)
 }
 
-fn every(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place: Place) -> Outcome {
+fn every(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place: Place) -> EvalResult {
     let mut truth = true;
     each(evaluator, function, lists, place, |_, value| {
         truth = value.is_true();
@@ -75,7 +76,7 @@ fn every(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place
     Ok(Value::truth(truth))
 }
 
-fn some(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place: Place) -> Outcome {
+fn some(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place: Place) -> EvalResult {
     let mut found = Value::nil();
     each(evaluator, function, lists, place, |_, value| {
         found = value;
@@ -84,7 +85,7 @@ fn some(evaluator: &mut Evaluator<'_>, function: &Value, lists: &[Value], place:
     Ok(found)
 }
 
-fn filter(evaluator: &mut Evaluator<'_>, function: &Value, list: &Value, wanted: bool, place: Place) -> Outcome {
+fn filter(evaluator: &mut Evaluator<'_>, function: &Value, list: &Value, wanted: bool, place: Place) -> EvalResult {
     let mut kept = Vec::new();
     for item in at(items(list), place)? {
         if evaluator.call_value(function, std::slice::from_ref(item), place)?.is_true() == wanted {
@@ -94,7 +95,7 @@ fn filter(evaluator: &mut Evaluator<'_>, function: &Value, list: &Value, wanted:
     finish(kept, place)
 }
 
-fn find(evaluator: &mut Evaluator<'_>, function: &Value, list: &Value, place: Place) -> Outcome {
+fn find(evaluator: &mut Evaluator<'_>, function: &Value, list: &Value, place: Place) -> EvalResult {
     for item in at(items(list), place)? {
         if evaluator.call_value(function, std::slice::from_ref(item), place)?.is_true() {
             return Ok(item.clone());
@@ -109,7 +110,7 @@ fn reduce(
     list: &Value,
     initial: Option<&Value>,
     place: Place,
-) -> Outcome {
+) -> EvalResult {
     let mut items = at(items(list), place)?.iter();
     let Some(mut result) = initial.or_else(|| items.next()).cloned() else {
         return evaluator.call_value(function, &[], place);
@@ -121,7 +122,13 @@ fn reduce(
 }
 
 /// Stable merge sort whose comparison may fail.
-fn sort(evaluator: &mut Evaluator<'_>, list: &Value, function: &Value, key: Option<&Value>, place: Place) -> Outcome {
+fn sort(
+    evaluator: &mut Evaluator<'_>,
+    list: &Value,
+    function: &Value,
+    key: Option<&Value>,
+    place: Place,
+) -> EvalResult {
     let mut keyed = Vec::new();
     for item in at(items(list), place)? {
         let sort_key = match key {

@@ -2,8 +2,9 @@
 //!
 //! A question about a time whose samples are no longer kept is an error, never a wrong answer.
 
-use super::Surroundings;
+use super::EvalContext;
 use super::arithmetic::{add, compare, described, instant};
+use super::result::FunctionResult;
 use crate::state::histories::history::{History, Occurrence, Sample};
 use apex_model::event::StateVariable;
 use apex_model::limits::LIST_ITEMS_MAX;
@@ -12,12 +13,10 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the history query `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value], surroundings: &dyn Surroundings) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value], context: &dyn EvalContext) -> Option<FunctionResult> {
     if name == "events-over" {
-        return Some(events(arguments, surroundings));
+        return Some(events(arguments, context));
     }
     let known = matches!(
         name,
@@ -31,19 +30,19 @@ pub(super) fn call(name: &str, arguments: &[Value], surroundings: &dyn Surroundi
             | "samples-over"
     );
     let [attribute, object, rest @ ..] = arguments else { return None };
-    known.then(|| query(name, attribute, object, rest, surroundings))
+    known.then(|| query(name, attribute, object, rest, context))
 }
 
 /// The functions of this file whose first argument is an attribute, for deriving how long histories must be.
 pub(crate) const QUERIES: &[&str] =
     &["value-at", "value-before", "most-recent-svvalue", "mean-over", "min-over", "max-over", "samples-over"];
 
-fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surroundings: &dyn Surroundings) -> Outcome {
+fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], context: &dyn EvalContext) -> FunctionResult {
     let Value::Symbol(attribute) = attribute else {
         return Err(format!("{name} needs the attribute as a symbol ('altitude), found {attribute}"));
     };
     let variable = StateVariable::new(attribute.clone(), object.clone());
-    let Some(history) = surroundings.histories().get(&variable) else {
+    let Some(history) = context.histories().get(&variable) else {
         return Ok(Value::nil());
     };
     match (name, rest) {
@@ -61,7 +60,7 @@ fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surround
             found(history.before(at), history, &variable, at)
         }
         ("mean-over" | "min-over" | "max-over" | "samples-over", window @ ([_] | [_, _])) => {
-            let (start, end) = span(window, surroundings.now())?;
+            let (start, end) = span(window, context.now())?;
             if !history.covers(start) && history.samples().next().is_none_or(|oldest| oldest.at > start) {
                 return Err(no_longer_kept(history, &variable, start));
             }
@@ -72,13 +71,13 @@ fn query(name: &str, attribute: &Value, object: &Value, rest: &[Value], surround
 }
 
 /// `(events-over WORD WINDOW)`: messages that begin with the word.
-fn events(arguments: &[Value], surroundings: &dyn Surroundings) -> Outcome {
+fn events(arguments: &[Value], context: &dyn EvalContext) -> FunctionResult {
     let (Some(Value::Symbol(word)), Some(window @ ([_] | [_, _]))) = (arguments.first(), arguments.get(1..)) else {
         let given = super::printed(arguments);
         return Err(format!("events-over needs a word ('arrived) and a window, found {given}"));
     };
-    let (start, end) = span(window, surroundings.now())?;
-    let Some(events) = surroundings.histories().events_of(word, start, end) else {
+    let (start, end) = span(window, context.now())?;
+    let Some(events) = context.histories().events_of(word, start, end) else {
         return Err(format!(
             "messages ({word} ..) of {start} are no longer kept; a (log (:events {word})) clause keeps them longer"
         ));
@@ -91,7 +90,7 @@ fn value_of(sample: Option<&Sample>) -> Value {
     sample.map_or_else(Value::nil, |sample| sample.value.clone())
 }
 
-fn found(sample: Option<&Sample>, history: &History, variable: &StateVariable, at: Time) -> Outcome {
+fn found(sample: Option<&Sample>, history: &History, variable: &StateVariable, at: Time) -> FunctionResult {
     let certain = sample.map_or(history.forgotten_until.is_none(), |sample| history.covers(sample.at));
     if certain { Ok(value_of(sample)) } else { Err(no_longer_kept(history, variable, at)) }
 }
@@ -114,7 +113,7 @@ fn span(window: &[Value], now: Time) -> Result<(Time, Time), String> {
     }
 }
 
-fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Outcome {
+fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> FunctionResult {
     match name {
         "samples-over" => Ok(Value::list(
             samples.take(LIST_ITEMS_MAX).map(|sample| Value::list([Value::Time(sample.at), sample.value.clone()])),
@@ -134,7 +133,7 @@ fn aggregate<'a>(name: &str, samples: impl Iterator<Item = &'a Sample>) -> Outco
 }
 
 /// Mean around the first value as anchor, so that large offsets cost no digits. Infinities do not count.
-fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> Outcome {
+fn mean<'a>(samples: impl Iterator<Item = &'a Sample>) -> FunctionResult {
     let mut anchor: Option<(f64, &Value)> = None;
     let (mut sum, mut count) = (0.0, 0.0);
     for Sample { value, .. } in samples {

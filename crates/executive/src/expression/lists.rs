@@ -1,14 +1,13 @@
 //! List functions without function arguments, and predicates on kinds of values.
 
 use super::arithmetic::{add, compare, integer};
+use super::result::FunctionResult;
 use apex_model::limits::LIST_ITEMS_MAX;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the list function `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("list", items) => Ok(Value::list(items.iter().cloned())),
         ("cons", [item, list]) => items(list).map(|rest| Value::list(std::iter::once(item).chain(rest).cloned())),
@@ -40,7 +39,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
     })
 }
 
-fn search(name: &str, arguments: &[Value]) -> Option<Outcome> {
+fn search(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     let [left, right] = arguments else { return None };
     Some(match name {
         "member" => items(right).map(|items| {
@@ -64,7 +63,7 @@ fn search(name: &str, arguments: &[Value]) -> Option<Outcome> {
     })
 }
 
-fn kind(name: &str, arguments: &[Value]) -> Option<Outcome> {
+fn kind(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     let [value] = arguments else { return None };
     let truth = match name {
         "not" => !value.is_true(),
@@ -103,7 +102,7 @@ pub(super) fn items(value: &Value) -> Result<&[Value], String> {
 ///
 /// # Errors
 /// When there are too many.
-pub(super) fn bounded(mut items: impl AsMut<[Value]>) -> Outcome {
+pub(super) fn bounded(mut items: impl AsMut<[Value]>) -> FunctionResult {
     let items = items.as_mut();
     if items.len() > LIST_ITEMS_MAX {
         return Err(format!(
@@ -118,11 +117,11 @@ fn contains(items: &[Value], wanted: &Value) -> bool {
     items.iter().any(|item| item.equals(wanted))
 }
 
-fn both(left: &Value, right: &Value, operation: fn(&[Value], &[Value]) -> Vec<Value>) -> Outcome {
+fn both(left: &Value, right: &Value, operation: fn(&[Value], &[Value]) -> Vec<Value>) -> FunctionResult {
     bounded(operation(items(left)?, items(right)?))
 }
 
-fn append(lists: &[Value]) -> Outcome {
+fn append(lists: &[Value]) -> FunctionResult {
     let mut all = Vec::new();
     for list in lists {
         let items = items(list)?;
@@ -134,7 +133,7 @@ fn append(lists: &[Value]) -> Outcome {
     Ok(Value::list(all))
 }
 
-fn nth(list: &Value, index: usize) -> Outcome {
+fn nth(list: &Value, index: usize) -> FunctionResult {
     items(list).map(|items| items.get(index).cloned().unwrap_or_else(Value::nil))
 }
 
@@ -147,11 +146,11 @@ pub(super) fn index_of(value: &Value) -> Result<usize, String> {
     usize::try_from(integer).map_err(|_| format!("expected an index from 0 on, found {integer}"))
 }
 
-fn whole(length: usize) -> Outcome {
+fn whole(length: usize) -> FunctionResult {
     i64::try_from(length).map(Value::Integer).map_err(|_| format!("{length} is too large for an integer"))
 }
 
-fn part(list: &[Value], start: &Value, end: Option<&Value>) -> Outcome {
+fn part(list: &[Value], start: &Value, end: Option<&Value>) -> FunctionResult {
     let (start, end) = bounds(start, end, list.len())?;
     Ok(Value::list(list.iter().skip(start).take(end - start).cloned()))
 }
@@ -170,7 +169,7 @@ pub(super) fn bounds(start: &Value, end: Option<&Value>, length: usize) -> Resul
     }
 }
 
-fn range(start: &Value, end: &Value, step: &Value) -> Outcome {
+fn range(start: &Value, end: &Value, step: &Value) -> FunctionResult {
     let zero = super::arithmetic::subtract(step, step)?;
     let direction = match compare(step, &zero)? {
         Some(Ordering::Greater) => Ordering::Less,
@@ -189,7 +188,7 @@ fn range(start: &Value, end: &Value, step: &Value) -> Outcome {
     Ok(Value::list(all))
 }
 
-fn property(list: &Value, key: &Value, default: Value) -> Outcome {
+fn property(list: &Value, key: &Value, default: Value) -> FunctionResult {
     let items = items(list)?;
     Ok(items
         .chunks(2)

@@ -6,6 +6,7 @@
 pub(crate) mod arithmetic;
 pub(crate) mod comparison;
 pub(crate) mod effects;
+pub(crate) mod eval_context;
 pub(crate) mod evaluator;
 pub(crate) mod higher_order;
 pub(crate) mod history_queries;
@@ -13,15 +14,14 @@ pub(crate) mod lists;
 pub(crate) mod result;
 pub(crate) mod rounding;
 pub(crate) mod strings;
-pub(crate) mod surroundings;
 pub(crate) mod templates;
 #[cfg(test)]
 mod tests;
 pub(crate) mod time_functions;
 pub(crate) mod view;
 
+pub(crate) use eval_context::{EvalContext, WithBindings};
 pub(crate) use result::{Action, EvaluationError};
-pub(crate) use surroundings::{Surroundings, WithBindings};
 
 use evaluator::{Evaluator, Hook};
 
@@ -35,26 +35,26 @@ use std::fmt::Write;
 ///
 /// # Errors
 /// An error message when a variable is unbound, an argument is of the wrong kind or dimension, or a limit is reached.
-pub(crate) fn evaluate(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
-    Evaluator::new(surroundings, None).value(expr)
+pub(crate) fn evaluate(expr: &Expr, context: &dyn EvalContext) -> Result<Value, EvaluationError> {
+    Evaluator::new(context, None).value(expr)
 }
 
 /// The value of `template` with its holes filled.
 ///
 /// # Errors
 /// As [`evaluate`]; an unbound variable is an error.
-pub(crate) fn instantiate(template: &Template, surroundings: &dyn Surroundings) -> Result<Value, EvaluationError> {
-    Evaluator::new(surroundings, None).template(template, templates::place_of(template))
+pub(crate) fn instantiate(template: &Template, context: &dyn EvalContext) -> Result<Value, EvaluationError> {
+    Evaluator::new(context, None).template(template, templates::place_of(template))
 }
 
 /// The value of `template` where a hole that has no value yet is shown as it is written (`?x`).
-pub(crate) fn instantiate_partially(template: &Template, surroundings: &dyn Surroundings) -> Value {
-    templates::partially(template, surroundings)
+pub(crate) fn instantiate_partially(template: &Template, context: &dyn EvalContext) -> Value {
+    templates::partially(template, context)
 }
 
 /// `expr` as its author would read it: variables with their values where they have one, calls as they are written.
-pub(crate) fn expression_as_known(expr: &Expr, surroundings: &dyn Surroundings) -> Value {
-    templates::as_known(expr, surroundings)
+pub(crate) fn expression_as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
+    templates::as_known(expr, context)
 }
 
 /// Evaluates the forms of a hook in order; the value is the last form's. `locals` are the primitive's variables, which
@@ -64,12 +64,12 @@ pub(crate) fn expression_as_known(expr: &Expr, surroundings: &dyn Surroundings) 
 /// As [`evaluate`].
 pub(crate) fn run(
     forms: &[Expr],
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     locals: &mut Bindings,
     actions: &mut Vec<Action>,
 ) -> Result<Value, EvaluationError> {
     let hook = Hook { locals, actions, assigned: Bindings::new() };
-    Evaluator::new(surroundings, Some(hook)).body(forms)
+    Evaluator::new(context, Some(hook)).body(forms)
 }
 
 /// `values` as `(print ..)` shows them: strings without quotes, one blank between, also where a string brings its own.

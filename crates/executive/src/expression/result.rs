@@ -1,4 +1,4 @@
-//! What evaluation leads to in addition to a value: errors, and what the forms of a hook want done.
+//! Results of evaluation: values or errors, and the actions that the forms of a hook request.
 
 use apex_model::event::StateVariable;
 use apex_model::source::Place;
@@ -14,6 +14,12 @@ pub(crate) struct EvaluationError {
     /// Where.
     pub(crate) place: Place,
 }
+
+/// Value of an evaluated form, or why it has none.
+pub(super) type EvalResult = Result<Value, EvaluationError>;
+
+/// Value of a built-in function for its arguments, or an error message; the evaluator adds the place of the call.
+pub(super) type FunctionResult = Result<Value, String>;
 
 /// What a hook's forms want done, in order.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,12 @@
 //! Division with whole results: remainders and rounding.
 
 use super::arithmetic::{described, divide, in_unit_of, number, pure_number};
+use super::result::FunctionResult;
 use apex_model::time::Duration;
 use apex_model::value::Value;
 use std::cmp::Ordering;
 
-type Outcome = Result<Value, String>;
-
-pub(super) fn remainder(value: &Value, divisor: &Value, sign_of_divisor: bool) -> Outcome {
+pub(super) fn remainder(value: &Value, divisor: &Value, sign_of_divisor: bool) -> FunctionResult {
     let ((a, dimension_a), (b, dimension_b)) = (number(value)?, number(divisor)?);
     if dimension_a != dimension_b {
         return Err(format!("cannot divide {} by {} with a remainder", described(value), described(divisor)));
@@ -31,7 +30,7 @@ pub(super) fn remainder(value: &Value, divisor: &Value, sign_of_divisor: bool) -
     }
 }
 
-pub(super) fn to_integer(name: &str, value: &Value) -> Outcome {
+pub(super) fn to_integer(name: &str, value: &Value) -> FunctionResult {
     if let Value::Integer(_) = value {
         return Ok(value.clone());
     }
@@ -52,7 +51,7 @@ pub(super) fn to_integer(name: &str, value: &Value) -> Outcome {
     }
 }
 
-pub(super) fn divide_to_integer(name: &str, value: &Value, divisor: &Value) -> Outcome {
+pub(super) fn divide_to_integer(name: &str, value: &Value, divisor: &Value) -> FunctionResult {
     if let (Value::Integer(a), Value::Integer(b)) = (value, divisor)
         && let (Some(quotient), Some(rest)) = (a.checked_div(*b), a.checked_rem(*b))
     {

@@ -3,15 +3,14 @@
 use super::arithmetic::integer;
 use super::display;
 use super::lists::bounds;
+use super::result::FunctionResult;
 use apex_model::limits::TEXT_CHARACTERS_MAX;
 use apex_model::quantity::format_rounded;
 use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the text function `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value]) -> Option<FunctionResult> {
     Some(match (name, arguments) {
         ("format", [Value::Text(control), rest @ ..]) => format(control, rest).and_then(bounded),
         ("format", [_, Value::Text(control), rest @ ..]) => format(control, rest).and_then(bounded),
@@ -34,7 +33,7 @@ pub(super) fn call(name: &str, arguments: &[Value]) -> Option<Outcome> {
 ///
 /// # Errors
 /// When it is too long.
-pub(super) fn bounded(text: String) -> Outcome {
+pub(super) fn bounded(text: String) -> FunctionResult {
     let length = text.chars().count();
     if length > TEXT_CHARACTERS_MAX {
         return Err(format!(
@@ -52,17 +51,17 @@ fn text_of(value: &Value) -> Result<&str, String> {
     }
 }
 
-fn both(left: &Value, right: &Value, test: fn(&str, &str) -> bool) -> Outcome {
+fn both(left: &Value, right: &Value, test: fn(&str, &str) -> bool) -> FunctionResult {
     Ok(Value::truth(test(text_of(left)?, text_of(right)?)))
 }
 
-fn search(part: &Value, text: &Value) -> Outcome {
+fn search(part: &Value, text: &Value) -> FunctionResult {
     let (part, text) = (text_of(part)?, text_of(text)?);
     let index = text.find(part).and_then(|bytes| text.get(..bytes)).map(|before| before.chars().count());
     Ok(index.and_then(|index| i64::try_from(index).ok()).map_or_else(Value::nil, Value::Integer))
 }
 
-fn substring(text: &Value, start: &Value, end: Option<&Value>) -> Outcome {
+fn substring(text: &Value, start: &Value, end: Option<&Value>) -> FunctionResult {
     let text = text_of(text)?;
     let (start, end) = bounds(start, end, text.chars().count())?;
     Ok(Value::text(&text.chars().skip(start).take(end - start).collect::<String>()))

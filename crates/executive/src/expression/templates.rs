@@ -1,8 +1,9 @@
 //! Templates: data with holes.
 
-use super::Surroundings;
-use super::evaluator::{Evaluator, Outcome, error};
+use super::EvalContext;
+use super::evaluator::{Evaluator, error};
 use super::lists::{bounded, items};
+use super::result::EvalResult;
 use apex_model::expression::{Expr, ExprKind, Template};
 use apex_model::print::Style;
 use apex_model::source::Place;
@@ -17,11 +18,11 @@ const DEPTH_MAX: usize = apex_model::limits::READ_DEPTH_MAX;
 
 impl Evaluator<'_> {
     /// The datum that `template` stands for; `place` is used for messages about splices.
-    pub(super) fn template(&mut self, template: &Template, place: Place) -> Outcome {
+    pub(super) fn template(&mut self, template: &Template, place: Place) -> EvalResult {
         self.filled(template, place, DEPTH_MAX)
     }
 
-    fn filled(&mut self, template: &Template, place: Place, depth: usize) -> Outcome {
+    fn filled(&mut self, template: &Template, place: Place, depth: usize) -> EvalResult {
         let Some(depth) = depth.checked_sub(1) else {
             return Err(error(place, "the form is nested too deep"));
         };
@@ -59,26 +60,26 @@ pub(super) fn place_of(template: &Template) -> Place {
 }
 
 /// `template` with holes that have no value yet shown as they are written.
-pub(super) fn partially(template: &Template, surroundings: &dyn Surroundings) -> Value {
-    partially_within(template, surroundings, DEPTH_MAX)
+pub(super) fn partially(template: &Template, context: &dyn EvalContext) -> Value {
+    partially_within(template, context, DEPTH_MAX)
 }
 
-fn partially_within(template: &Template, surroundings: &dyn Surroundings, depth: usize) -> Value {
+fn partially_within(template: &Template, context: &dyn EvalContext, depth: usize) -> Value {
     let Some(depth) = depth.checked_sub(1) else { return Value::symbol("..") };
     match template {
         Template::Constant(value) => value.clone(),
         Template::Hole(expr) | Template::Splice(expr) => {
-            Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
+            Evaluator::new(context, None).value(expr).unwrap_or_else(|_| written(expr))
         }
         Template::List(parts) => {
             let mut values = Few::with_capacity(parts.len());
             for part in parts {
                 match part {
-                    Template::Splice(expr) => match Evaluator::new(surroundings, None).value(expr) {
+                    Template::Splice(expr) => match Evaluator::new(context, None).value(expr) {
                         Ok(Value::List(items)) => values.extend(items.iter().cloned()),
                         _ => values.push(written(expr)),
                     },
-                    other => values.push(partially_within(other, surroundings, depth)),
+                    other => values.push(partially_within(other, context, depth)),
                 }
             }
             Value::list_of(&mut values)
@@ -87,14 +88,14 @@ fn partially_within(template: &Template, surroundings: &dyn Surroundings, depth:
 }
 
 /// An argument before it is evaluated: variables have their values, calls stay as they are written.
-pub(super) fn as_known(expr: &Expr, surroundings: &dyn Surroundings) -> Value {
-    as_known_within(expr, surroundings, DEPTH_MAX)
+pub(super) fn as_known(expr: &Expr, context: &dyn EvalContext) -> Value {
+    as_known_within(expr, context, DEPTH_MAX)
 }
 
-fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -> Value {
+fn as_known_within(expr: &Expr, context: &dyn EvalContext, depth: usize) -> Value {
     let Some(depth) = depth.checked_sub(1) else { return Value::symbol("..") };
     let list = |head: &str, parts: &[Expr]| {
-        let parts = parts.iter().map(|part| as_known_within(part, surroundings, depth));
+        let parts = parts.iter().map(|part| as_known_within(part, context, depth));
         Value::list([Value::symbol(head)].into_iter().chain(parts))
     };
     match &expr.kind {
@@ -103,11 +104,11 @@ fn as_known_within(expr: &Expr, surroundings: &dyn Surroundings, depth: usize) -
         ExprKind::And(parts) => list("and", parts),
         ExprKind::Or(parts) => list("or", parts),
         ExprKind::If(test, ..) => {
-            Value::list([Value::symbol("if"), as_known_within(test, surroundings, depth), Value::symbol("..")])
+            Value::list([Value::symbol("if"), as_known_within(test, context, depth), Value::symbol("..")])
         }
-        ExprKind::Template(template) => partially_within(template, surroundings, depth),
+        ExprKind::Template(template) => partially_within(template, context, depth),
         ExprKind::Variable { .. } | ExprKind::Indexical(_) | ExprKind::Named(_) | ExprKind::Local(_) => {
-            Evaluator::new(surroundings, None).value(expr).unwrap_or_else(|_| written(expr))
+            Evaluator::new(context, None).value(expr).unwrap_or_else(|_| written(expr))
         }
         ExprKind::FunctionName(name) => Value::symbol(&format!("#'{name}")),
         ExprKind::Cond(_)

@@ -1,50 +1,47 @@
 //! Time functions: start, end and duration of tasks, intervals and results.
 
-use super::Surroundings;
+use super::EvalContext;
+use super::result::FunctionResult;
 use apex_model::task::TaskId;
 use apex_model::time::Time;
 use apex_model::value::Value;
 
-type Outcome = Result<Value, String>;
-
 /// Calls the time function `name`; none when there is no such function.
-pub(super) fn call(name: &str, arguments: &[Value], surroundings: &dyn Surroundings) -> Option<Outcome> {
+pub(super) fn call(name: &str, arguments: &[Value], context: &dyn EvalContext) -> Option<FunctionResult> {
     let [value] = arguments else { return None };
-    let now = surroundings.now();
+    let now = context.now();
     Some(match name {
-        "start-of" => start(value, surroundings).map(Value::Time),
-        "end-of" | "time-of" => end(value, surroundings).map(Value::Time),
-        "duration-of" => {
-            start(value, surroundings).map(|start| Value::Duration(end(value, surroundings).unwrap_or(now) - start))
-        }
-        "elapsed" => start(value, surroundings).map(|start| Value::Duration(now - start)),
-        "task-state" => task_state(value, surroundings),
+        "start-of" => start(value, context).map(Value::Time),
+        "end-of" | "time-of" => end(value, context).map(Value::Time),
+        "duration-of" => start(value, context).map(|start| Value::Duration(end(value, context).unwrap_or(now) - start)),
+        "elapsed" => start(value, context).map(|start| Value::Duration(now - start)),
+        "task-state" => task_state(value, context),
         _ => return None,
     })
 }
 
-fn start(value: &Value, surroundings: &dyn Surroundings) -> Result<Time, String> {
+fn start(value: &Value, context: &dyn EvalContext) -> Result<Time, String> {
     match value {
         Value::Time(time) => Ok(*time),
         Value::Interval(start, _) => Ok(*start),
-        Value::Task(task) => surroundings.task_start(*task).ok_or_else(|| unknown(*task)),
+        Value::Task(task) => context.task_start(*task).ok_or_else(|| unknown(*task)),
         other => Err(not_timed(other)),
     }
 }
 
-fn end(value: &Value, surroundings: &dyn Surroundings) -> Result<Time, String> {
+fn end(value: &Value, context: &dyn EvalContext) -> Result<Time, String> {
     match value {
         Value::Time(time) => Ok(*time),
         Value::Interval(_, end) => Ok(*end),
-        Value::Task(task) => surroundings.task_end(*task).ok_or_else(|| format!("{task} has not ended yet")),
+        Value::Task(task) => context.task_end(*task).ok_or_else(|| format!("{task} has not ended yet")),
         other => Err(not_timed(other)),
     }
 }
 
-fn task_state(value: &Value, surroundings: &dyn Surroundings) -> Outcome {
+fn task_state(value: &Value, context: &dyn EvalContext) -> FunctionResult {
     match value {
         Value::Task(task) => {
-            surroundings.task_state(*task).map(|state| Value::symbol(state.word())).ok_or_else(|| unknown(*task))
+            context.task_state(*task).map(|state| Value::symbol(state.word())).ok_or_else(|| unknown(*task))
         }
         other => Err(format!("expected a task, found {other}")),
     }

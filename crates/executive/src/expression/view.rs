@@ -1,9 +1,9 @@
 //! The view that a task has of its agent: what the expressions and conditions of its clauses may see.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
-use crate::state::controller::{Controller, ProcedureController, Way};
+use crate::state::controller::{Controller, MethodBinding, ProcedureController};
 use crate::state::histories::history::Histories;
 use crate::state::task::Task;
 use apex_model::agent_limits::Limits;
@@ -42,8 +42,13 @@ impl View<'_> {
             Some(Controller::Procedure(controller)) => in_procedure(self.agent, controller, name),
             Some(Controller::Primitive(controller)) => controller.context.get(name).cloned(),
             _ => match &task.selection.as_ref()?.way {
-                Way::Procedure(_, bindings) | Way::Primitive(_, bindings) => bindings.get(name).cloned(),
-                Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+                MethodBinding::Procedure(_, bindings) | MethodBinding::Primitive(_, bindings) => {
+                    bindings.get(name).cloned()
+                }
+                MethodBinding::Items(_)
+                | MethodBinding::BuiltIn(_)
+                | MethodBinding::Terminate
+                | MethodBinding::Solver(_) => None,
             },
         }
     }
@@ -65,7 +70,7 @@ impl View<'_> {
     }
 }
 
-impl Surroundings for View<'_> {
+impl EvalContext for View<'_> {
     fn variable(&self, name: &Symbol) -> Option<Value> {
         let task = self.agent.task(self.task)?;
         match self.level {

@@ -1,7 +1,7 @@
 //! Constraints (M&I)
 //! What: judges one value, object, instant or duration against constraints.
 //! Runs: on every sample that is watched, and when results are formed.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: bindings, troubles.
 //! Bound: O(1) per constraint for fixed comparisons; else one bounded evaluation.
 //! PDL: `REL expr +/- e`, `(:range a b)`, predicates.
@@ -9,7 +9,7 @@
 
 use super::pattern_matching::match_pattern;
 use crate::expression::arithmetic::{compare, described, duration, equal, instant, with_unit};
-use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, WithBindings, evaluate};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Test, Tests};
 use apex_model::condition::{Constraint, Relation};
@@ -48,9 +48,9 @@ pub(crate) fn unit_of(attribute: &Symbol, library: &Library) -> Option<&'static 
 pub(crate) fn prepare(
     constraints: &[Constraint],
     unit: Option<&'static Unit>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Tests, EvaluationError> {
-    prepare_as(constraints, Reading::Value(unit), surroundings)
+    prepare_as(constraints, Reading::Value(unit), context)
 }
 
 /// The same, where right sides are read as `reading` says.
@@ -60,16 +60,14 @@ pub(crate) fn prepare(
 pub(crate) fn prepare_as(
     constraints: &[Constraint],
     reading: Reading,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Tests, EvaluationError> {
     constraints
         .iter()
         .zip(0..)
         .map(|(constraint, index)| match constraint {
-            Constraint::Compare { relation, right, tolerance: None }
-                if never_changes(right, surroundings.library(), 8) =>
-            {
-                let right = read(evaluate(right, surroundings)?, reading, right.place)?;
+            Constraint::Compare { relation, right, tolerance: None } if never_changes(right, context.library(), 8) => {
+                let right = read(evaluate(right, context)?, reading, right.place)?;
                 Ok(Test::Fixed { relation: *relation, right })
             }
             _ => Ok(Test::General(index)),
@@ -107,11 +105,11 @@ pub(crate) fn satisfies_all(
     value: &Value,
     attribute: &Symbol,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
-    let reading = || Reading::Value(unit_of(attribute, surroundings.library()));
-    satisfies_all_as(tests, constraints, value, reading, bindings, surroundings, place)
+    let reading = || Reading::Value(unit_of(attribute, context.library()));
+    satisfies_all_as(tests, constraints, value, reading, bindings, context, place)
 }
 
 /// The same, where right sides are read as `reading` says.
@@ -124,7 +122,7 @@ pub(crate) fn satisfies_all_as(
     value: &Value,
     reading: impl Fn() -> Reading,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
     for test in tests {
@@ -135,7 +133,7 @@ pub(crate) fn satisfies_all_as(
             },
             Test::General(index) => {
                 let Some(constraint) = constraints.get(*index as usize) else { continue };
-                satisfies(constraint, value, reading(), bindings, surroundings, place)?
+                satisfies(constraint, value, reading(), bindings, context, place)?
             }
         };
         if !holds {
@@ -166,11 +164,11 @@ pub(crate) fn all(
     value: &Value,
     reading: Reading,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
     for constraint in constraints {
-        if !satisfies(constraint, value, reading, bindings, surroundings, place)? {
+        if !satisfies(constraint, value, reading, bindings, context, place)? {
             return Ok(false);
         }
     }
@@ -182,7 +180,7 @@ fn satisfies(
     value: &Value,
     reading: Reading,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
     match constraint {
@@ -190,13 +188,13 @@ fn satisfies(
             if let (Relation::Equal, None, ExprKind::Variable { name, must_be_bound: false }) =
                 (relation, tolerance, &right.kind)
                 && bindings.get(name).is_none()
-                && surroundings.variable(name).is_none()
+                && context.variable(name).is_none()
             {
                 bindings.set(name.clone(), value.clone());
                 return Ok(true);
             }
             let side = |expr: &Expr| {
-                let value = evaluate(expr, &WithBindings { below: surroundings, bindings })?;
+                let value = evaluate(expr, &WithBindings { below: context, bindings })?;
                 read(value, reading, expr.place)
             };
             let right_value = side(right)?;
@@ -211,17 +209,17 @@ fn satisfies(
         Constraint::Matches(Pattern::Literal(literal)) if literal.as_number().is_some() => {
             related(Relation::Equal, value, &read(literal.clone(), reading, place)?, place)
         }
-        Constraint::Matches(pattern) => match_pattern(pattern, value, bindings, surroundings, place),
+        Constraint::Matches(pattern) => match_pattern(pattern, value, bindings, context, place),
         Constraint::Predicate(predicate, arguments) => {
             let constant = Expr { kind: ExprKind::Constant(value.clone()), place };
             let arguments = std::iter::once(constant).chain(arguments.iter().cloned()).collect();
             let call = Expr { kind: ExprKind::Call { function: predicate.clone(), arguments }, place };
-            evaluate(&call, &WithBindings { below: surroundings, bindings }).map(|value| value.is_true())
+            evaluate(&call, &WithBindings { below: context, bindings }).map(|value| value.is_true())
         }
         Constraint::Range(least, most) => {
             for (bound, relation) in [(least, Relation::GreaterOrEqual), (most, Relation::LessOrEqual)] {
                 let Some(bound) = bound else { continue };
-                let right = evaluate(bound, &WithBindings { below: surroundings, bindings })?;
+                let right = evaluate(bound, &WithBindings { below: context, bindings })?;
                 if !related(relation, value, &read(right, reading, bound.place)?, bound.place)? {
                     return Ok(false);
                 }

@@ -1,24 +1,24 @@
 //! Mismatches (M&I)
 //! What: names the first place where a form does not fit a pattern.
 //! Runs: when a condition or a method is explained.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: nothing.
 //! Bound: O(size of the pattern).
 //! PDL: patterns, section 2.
 //! Paper: section V, explanation of behaviour.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use apex_model::pattern::Pattern;
 use apex_model::print::Style::Brief;
 use apex_model::value::Value;
 
 /// The first place where `value` does not fit `pattern`; none when no single place is to blame.
-pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings) -> Option<String> {
-    find(pattern, value, surroundings, &mut Bindings::new())
+pub(crate) fn first_mismatch(pattern: &Pattern, value: &Value, context: &dyn EvalContext) -> Option<String> {
+    find(pattern, value, context, &mut Bindings::new())
 }
 
-fn find(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings, bound: &mut Bindings) -> Option<String> {
+fn find(pattern: &Pattern, value: &Value, context: &dyn EvalContext, bound: &mut Bindings) -> Option<String> {
     let instead = |wanted: String| Some(format!("it has {value} where {wanted} is wanted"));
     match pattern {
         Pattern::Literal(literal) if literal.matches(value) => None,
@@ -27,7 +27,7 @@ fn find(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings, bound
             _ => instead(literal.to_string()),
         },
         Pattern::Variable(name) | Pattern::BoundVariable(name) => {
-            let known = bound.get(name).cloned().or_else(|| surroundings.variable(name));
+            let known = bound.get(name).cloned().or_else(|| context.variable(name));
             match known {
                 Some(known) if known.matches(value) => None,
                 Some(known) => instead(format!("?{name} = {known}")),
@@ -37,8 +37,8 @@ fn find(pattern: &Pattern, value: &Value, surroundings: &dyn Surroundings, bound
                 }
             }
         }
-        Pattern::List(parts) => of_list(pattern, parts, value, surroundings, bound),
-        Pattern::And(parts) => parts.iter().find_map(|part| find(part, value, surroundings, bound)),
+        Pattern::List(parts) => of_list(pattern, parts, value, context, bound),
+        Pattern::And(parts) => parts.iter().find_map(|part| find(part, value, context, bound)),
         Pattern::Anonymous => None,
         Pattern::Computed(_)
         | Pattern::Segment { .. }
@@ -64,7 +64,7 @@ fn of_list(
     pattern: &Pattern,
     parts: &[Pattern],
     value: &Value,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     bound: &mut Bindings,
 ) -> Option<String> {
     let Some(items) = value.as_list() else {
@@ -74,7 +74,7 @@ fn of_list(
         if let Pattern::Segment { .. } = part {
             return None;
         }
-        if let Some(text) = find(part, item, surroundings, bound) {
+        if let Some(text) = find(part, item, context, bound) {
             return Some(text);
         }
     }

@@ -3,7 +3,6 @@
 //! A monitor is plain data (`crate::state::monitors::monitor`). `combination/monitors.rs` makes it, feeds it and asks it; the kinds of
 //! parts are in `basic/`, `episodes/`, `numbers/` and `combination/`. The files next to these folders serve all of them.
 
-pub(crate) mod asking;
 pub(crate) mod basic;
 pub(crate) mod combination;
 pub(crate) mod constraints;
@@ -13,6 +12,7 @@ pub(crate) mod mismatch;
 pub(crate) mod numbers;
 pub(crate) mod part;
 pub(crate) mod pattern_matching;
+pub(crate) mod reported_results;
 pub(crate) mod sampled;
 pub(crate) mod samples;
 pub(crate) mod specificity;
@@ -20,5 +20,5 @@ pub(crate) mod stimulus;
 #[cfg(test)]
 mod tests;
 pub(crate) mod time_bounds;
-pub(crate) mod told;
+pub(crate) mod verdict_query;
 pub(crate) mod wake;

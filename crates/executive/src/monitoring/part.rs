@@ -7,8 +7,8 @@
 //! PDL: all conditions.
 //! Paper: section III, condition monitoring.
 
-use crate::expression::{EvaluationError, Surroundings};
-use crate::state::monitors::monitor::{Keep, Monitor, Part, Satisfaction, Trouble, Window};
+use crate::expression::{EvalContext, EvaluationError};
+use crate::state::monitors::monitor::{ConditionFault, Keep, Monitor, Part, Satisfaction, Window};
 use apex_model::agent_limits::Limit;
 use apex_model::limits::MONITOR_RESULTS_MAX;
 use apex_model::source::Place;
@@ -41,7 +41,7 @@ impl Truth {
 
 /// What every part's service needs to know of the part.
 #[derive(Clone, Copy)]
-pub(crate) struct Site {
+pub(crate) struct PartContext {
     /// The span of evidence that counts.
     pub(crate) window: Window,
     /// Which results are kept.
@@ -50,24 +50,24 @@ pub(crate) struct Site {
     pub(crate) place: Place,
 }
 
-pub(crate) fn site(part: &Part) -> Site {
-    Site { window: part.window, keep: part.keep, place: part.place }
+pub(crate) fn site(part: &Part) -> PartContext {
+    PartContext { window: part.window, keep: part.keep, place: part.place }
 }
 
 /// Errors met while judging, each once.
 #[derive(Default)]
-pub(crate) struct Troubles(pub(crate) Vec<Trouble>);
+pub(crate) struct ConditionFaults(pub(crate) Vec<ConditionFault>);
 
-impl Troubles {
+impl ConditionFaults {
     pub(crate) fn add(&mut self, error: EvaluationError) {
-        let trouble = Trouble { message: error.message, place: error.place };
+        let trouble = ConditionFault { message: error.message, place: error.place };
         if !self.0.contains(&trouble) {
             self.0.push(trouble);
         }
     }
 
-    pub(crate) fn reached(&mut self, limit: Limit, surroundings: &dyn Surroundings, place: Place) {
-        self.limit(limit.constant(), surroundings.limits().count(limit), place);
+    pub(crate) fn reached(&mut self, limit: Limit, context: &dyn EvalContext, place: Place) {
+        self.limit(limit.constant(), context.limits().count(limit), place);
     }
 
     pub(crate) fn limit(&mut self, name: &str, value: usize, place: Place) {
@@ -91,7 +91,12 @@ impl Troubles {
 }
 
 /// Keeps a result, dropping the oldest when there are too many.
-pub(crate) fn remember(settled: &mut Vec<Satisfaction>, result: Satisfaction, site: Site, troubles: &mut Troubles) {
+pub(crate) fn remember(
+    settled: &mut Vec<Satisfaction>,
+    result: Satisfaction,
+    site: PartContext,
+    troubles: &mut ConditionFaults,
+) {
     if settled.len() >= MONITOR_RESULTS_MAX {
         troubles.too_many_results(site.place);
         settled.drain(..MONITOR_RESULTS_MAX / 4);

@@ -1,13 +1,13 @@
 //! Pattern matching (M&I)
 //! What: matches a value against a pattern with variables, segments and guards.
 //! Runs: on messages and samples, at procedure selection.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: bindings.
 //! Bound: `MATCH_STEPS_MAX` steps; without segments linear in the pattern.
 //! PDL: section 2.
 //! Paper: section III, pattern matching.
 
-use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, WithBindings, evaluate};
 use crate::state::bindings::Bindings;
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::limits::MATCH_STEPS_MAX;
@@ -17,7 +17,7 @@ use apex_model::symbol::Symbol;
 use apex_model::value::Value;
 use std::rc::Rc;
 
-/// Does `value` match `pattern`? Variables already bound, in `bindings` or in `surroundings`, must match what they
+/// Does `value` match `pattern`? Variables already bound, in `bindings` or in `context`, must match what they
 /// are bound to; others are added to `bindings`. Without a match, or on an error, `bindings` is as before. Segments
 /// take as few elements as possible; `place` is where messages point that have no place of their own.
 ///
@@ -27,13 +27,13 @@ pub(crate) fn match_pattern(
     pattern: &Pattern,
     value: &Value,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<bool, EvaluationError> {
     let mut steps = 0;
     let length = bindings.len();
     let straight = is_straight(pattern);
-    let mut matcher = Matcher { bindings, surroundings, place, steps: &mut steps };
+    let mut matcher = Matcher { bindings, context, place, steps: &mut steps };
     let result = if straight { matcher.straight(pattern, value) } else { matcher.solve(Goal::One(pattern, value)) };
     if !matches!(result, Ok(true)) {
         bindings.truncate(length);
@@ -59,12 +59,12 @@ enum Goal<'a> {
 }
 
 /// A goal and those after it. As long as the pattern is deep, never as long as a list.
-struct Node<'a> {
+struct GoalStack<'a> {
     goal: Goal<'a>,
     next: Goals<'a>,
 }
 
-type Goals<'a> = Option<Rc<Node<'a>>>;
+type Goals<'a> = Option<Rc<GoalStack<'a>>>;
 
 /// What to try when the present way fails.
 struct Choice<'a> {
@@ -77,7 +77,7 @@ struct Choice<'a> {
 
 struct Matcher<'a> {
     bindings: &'a mut Bindings,
-    surroundings: &'a dyn Surroundings,
+    context: &'a dyn EvalContext,
     place: Place,
     steps: &'a mut u64,
 }
@@ -125,7 +125,7 @@ impl Matcher<'_> {
     }
 
     fn solve<'p>(&mut self, goal: Goal<'p>) -> Result<bool, EvaluationError> {
-        let mut goals: Goals<'p> = Some(Rc::new(Node { goal, next: None }));
+        let mut goals: Goals<'p> = Some(Rc::new(GoalStack { goal, next: None }));
         let mut choices: Vec<Choice<'p>> = Vec::new();
         loop {
             let Some(node) = goals else { return Ok(true) };
@@ -179,10 +179,9 @@ impl Matcher<'_> {
                 None => false,
             },
             Pattern::And(patterns) => {
-                let all = patterns
-                    .iter()
-                    .rev()
-                    .fold(next.clone(), |next, pattern| Some(Rc::new(Node { goal: Goal::One(pattern, value), next })));
+                let all = patterns.iter().rev().fold(next.clone(), |next, pattern| {
+                    Some(Rc::new(GoalStack { goal: Goal::One(pattern, value), next }))
+                });
                 return Ok(Progress::Continue(all));
             }
             Pattern::Or(patterns) => {
@@ -232,7 +231,7 @@ impl Matcher<'_> {
             }),
             pattern => match values.split_first() {
                 Some((value, left)) => {
-                    let after = Some(Rc::new(Node { goal: Goal::Sequence(rest, left), next: next.clone() }));
+                    let after = Some(Rc::new(GoalStack { goal: Goal::Sequence(rest, left), next: next.clone() }));
                     Ok(push(Goal::One(pattern, value), after))
                 }
                 None => Ok(Progress::Fail),
@@ -241,7 +240,7 @@ impl Matcher<'_> {
     }
 
     fn lookup(&self, name: &Symbol) -> Option<Value> {
-        self.bindings.get(name).cloned().or_else(|| self.surroundings.variable(name))
+        self.bindings.get(name).cloned().or_else(|| self.context.variable(name))
     }
 
     fn bind(&mut self, name: &Symbol, value: &Value) -> bool {
@@ -255,7 +254,7 @@ impl Matcher<'_> {
     }
 
     fn evaluate(&self, expr: &Expr) -> Result<Value, EvaluationError> {
-        evaluate(expr, &WithBindings { below: self.surroundings, bindings: self.bindings })
+        evaluate(expr, &WithBindings { below: self.context, bindings: self.bindings })
     }
 
     fn holds(&self, predicate: &Symbol, value: &Value) -> Result<bool, EvaluationError> {
@@ -270,5 +269,5 @@ impl Matcher<'_> {
 }
 
 fn push<'p>(goal: Goal<'p>, next: Goals<'p>) -> Progress<'p> {
-    Progress::Continue(Some(Rc::new(Node { goal, next })))
+    Progress::Continue(Some(Rc::new(GoalStack { goal, next })))
 }

@@ -1,16 +1,16 @@
 //! Sampled parts (M&I)
 //! What: feeds the parts that watch a state variable: sample by sample, and again from what is remembered.
 //! Runs: when a monitor is created or notices a sample.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the part.
 //! Bound: O(1) besides what the part does; looking back O(samples in the window).
 //! PDL: `(ATTR OBJ)`.
 //! Paper: section III, histories.
 
 use super::constraints::satisfies_all;
-use super::part::{Site, Troubles};
-use super::samples::{Arrival, Seen, arrival, concerns, object_holds, remembered};
-use crate::expression::{EvaluationError, Surroundings};
+use super::part::{ConditionFaults, PartContext};
+use super::samples::{Arrival, SampleView, arrival, concerns, object_holds, remembered};
+use crate::expression::{EvalContext, EvaluationError};
 use crate::planted::{self, Bug};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::Test;
@@ -29,34 +29,40 @@ pub(crate) trait Sampled {
     /// Instant of the newest sample of `object` that the part has taken in.
     fn newest(&self, object: &Value) -> Option<Time>;
     /// The window of samples that count.
-    fn window(&self, site: Site) -> Window {
+    fn window(&self, site: PartContext) -> Window {
         site.window
     }
     /// Forgets what samples have done.
-    fn begin_again(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles);
+    fn begin_again(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults);
     /// Notes whether the window reaches before the oldest sample kept, and the first sample in it.
     fn note_blind(&mut self, blind: bool, first: Option<Time>);
     /// Takes in a sample that is not older than the newest of its object.
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    );
     /// Takes in a sample if that needs no further questions; returns false if it does.
-    fn feed_quickly(&mut self, site: Site, sample: Seen<'_>) -> bool {
+    fn feed_quickly(&mut self, site: PartContext, sample: SampleView<'_>) -> bool {
         let _ = (site, sample);
         false
     }
     /// True if the sample replaces another one that the part cannot take out alone.
-    fn must_look_back(&self, sample: Seen<'_>) -> bool {
+    fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let _ = sample;
         false
     }
     /// Starts again from what is remembered.
-    fn look_back(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        self.begin_again(site, surroundings, troubles);
+    fn backfill(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+        self.begin_again(site, context, troubles);
         let (known, attribute) = (self.variable().cloned(), self.pattern().attribute.clone());
-        let within = Site { window: self.window(site), ..site };
-        let (samples, blind) = remembered(known.as_ref(), &attribute, within, surroundings);
+        let within = PartContext { window: self.window(site), ..site };
+        let (samples, blind) = remembered(known.as_ref(), &attribute, within, context);
         self.note_blind(blind, samples.first().map(|sample| sample.at));
         for sample in samples {
-            self.feed(site, sample, surroundings, troubles);
+            self.feed(site, sample, context, troubles);
         }
     }
 }
@@ -64,19 +70,19 @@ pub(crate) trait Sampled {
 /// A sample has arrived.
 pub(crate) fn notice(
     part: &mut impl Sampled,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if !concerns(part.variable(), &part.pattern().attribute, sample.variable) || part.feed_quickly(site, sample) {
         return;
     }
-    match arrival(part.window(site), sample, part.newest(&sample.variable.object), surroundings) {
+    match arrival(part.window(site), sample, part.newest(&sample.variable.object), context) {
         Arrival::Late if planted::is(Bug::LateSampleIgnored) => {}
-        Arrival::Late => part.look_back(site, surroundings, troubles),
-        Arrival::Next if part.must_look_back(sample) => part.look_back(site, surroundings, troubles),
-        Arrival::Next => part.feed(site, sample, surroundings, troubles),
+        Arrival::Late => part.backfill(site, context, troubles),
+        Arrival::Next if part.must_backfill(sample) => part.backfill(site, context, troubles),
+        Arrival::Next => part.feed(site, sample, context, troubles),
         Arrival::Nothing => {}
     }
 }
@@ -102,14 +108,14 @@ impl SampleConstraints<'_> {
     /// When an expression in them cannot be evaluated.
     pub(crate) fn hold(
         &self,
-        site: Site,
-        sample: Seen<'_>,
+        site: PartContext,
+        sample: SampleView<'_>,
         bindings: &mut Bindings,
-        surroundings: &dyn Surroundings,
+        context: &dyn EvalContext,
     ) -> Result<bool, EvaluationError> {
-        let Seen { variable, value, .. } = sample;
-        Ok(object_holds(self.pattern, self.object, self.known, variable, bindings, site, surroundings)?
-            && satisfies_all(self.tests, self.value, value, &variable.attribute, bindings, surroundings, site.place)?)
+        let SampleView { variable, value, .. } = sample;
+        Ok(object_holds(self.pattern, self.object, self.known, variable, bindings, site, context)?
+            && satisfies_all(self.tests, self.value, value, &variable.attribute, bindings, context, site.place)?)
     }
 }
 
@@ -117,14 +123,14 @@ impl SampleConstraints<'_> {
 pub(crate) fn object_bindings(
     part: &impl Sampled,
     constraints: &[Constraint],
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Option<Bindings> {
     let mut bindings = Bindings::new();
     let known = part.variable().is_some();
-    match object_holds(part.pattern(), constraints, known, sample.variable, &mut bindings, site, surroundings) {
+    match object_holds(part.pattern(), constraints, known, sample.variable, &mut bindings, site, context) {
         Ok(holds) => holds.then_some(bindings),
         Err(error) => {
             troubles.add(error);

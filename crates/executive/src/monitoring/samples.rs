@@ -1,7 +1,7 @@
 //! Samples (M&I)
 //! What: what measurement and episode detection share: which samples concern a part, and looking back for them.
 //! Runs: when a monitor is created, and when a late sample makes one look back again.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: nothing.
 //! Bound: O(log n) per variable plus O(k log k) for the k samples found.
 //! PDL: `(ATTR OBJ)`.
@@ -9,8 +9,8 @@
 
 use super::constraints::{Reading, all};
 use super::pattern_matching::match_pattern;
-use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::part::Site;
+use crate::expression::{EvalContext, EvaluationError, evaluate};
+use crate::monitoring::part::PartContext;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::{History, Sample};
 use crate::state::monitors::monitor::Window;
@@ -23,7 +23,7 @@ use apex_model::value::Value;
 
 /// A sample as a part sees it.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct SampleView<'a> {
     pub(crate) variable: &'a StateVariable,
     pub(crate) value: &'a Value,
     pub(crate) at: Time,
@@ -31,18 +31,18 @@ pub(crate) struct Seen<'a> {
 }
 
 /// The state variable of a pattern whose object is known now.
-pub(crate) fn known_variable(pattern: &VariablePattern, surroundings: &dyn Surroundings) -> Option<StateVariable> {
-    let object = ground(&pattern.object, surroundings)?;
+pub(crate) fn known_variable(pattern: &VariablePattern, context: &dyn EvalContext) -> Option<StateVariable> {
+    let object = ground(&pattern.object, context)?;
     Some(StateVariable::new(pattern.attribute.clone(), object))
 }
 
-fn ground(pattern: &Pattern, surroundings: &dyn Surroundings) -> Option<Value> {
+fn ground(pattern: &Pattern, context: &dyn EvalContext) -> Option<Value> {
     match pattern {
         Pattern::Literal(value) => Some(value.clone()),
-        Pattern::Variable(name) | Pattern::BoundVariable(name) => surroundings.variable(name),
-        Pattern::Computed(expr) => evaluate(expr, surroundings).ok(),
+        Pattern::Variable(name) | Pattern::BoundVariable(name) => context.variable(name),
+        Pattern::Computed(expr) => evaluate(expr, context).ok(),
         Pattern::List(parts) => {
-            parts.iter().map(|part| ground(part, surroundings)).collect::<Option<Vec<_>>>().map(Value::list)
+            parts.iter().map(|part| ground(part, context)).collect::<Option<Vec<_>>>().map(Value::list)
         }
         Pattern::Anonymous
         | Pattern::Segment { .. }
@@ -76,11 +76,11 @@ pub(crate) enum Arrival {
 /// What `sample` is to a part with this window, whose newest sample of the object is at `newest`.
 pub(crate) fn arrival(
     window: Window,
-    sample: Seen<'_>,
+    sample: SampleView<'_>,
     newest: Option<Time>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Arrival {
-    let kept = || surroundings.histories().get(sample.variable).is_some_and(|history| history.covers(window.start));
+    let kept = || context.histories().get(sample.variable).is_some_and(|history| history.covers(window.start));
     match newest.is_some_and(|newest| sample.at < newest) {
         true if sample.at >= window.start && kept() => Arrival::Late,
         false if window.contains(sample.at, sample.sequence) => Arrival::Next,
@@ -98,18 +98,18 @@ pub(crate) fn object_holds(
     known: bool,
     variable: &StateVariable,
     bindings: &mut Bindings,
-    site: Site,
-    surroundings: &dyn Surroundings,
+    site: PartContext,
+    context: &dyn EvalContext,
 ) -> Result<bool, EvaluationError> {
-    if !known && !match_pattern(&pattern.object, &variable.object, bindings, surroundings, site.place)? {
+    if !known && !match_pattern(&pattern.object, &variable.object, bindings, context, site.place)? {
         return Ok(false);
     }
-    all(constraints, &variable.object, Reading::Value(None), bindings, surroundings, site.place)
+    all(constraints, &variable.object, Reading::Value(None), bindings, context, site.place)
 }
 
 /// A remembered sample, heard of when its instant was: one that replaced another has its place.
-pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> Seen<'a> {
-    Seen { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
+pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample: &'a Sample) -> SampleView<'a> {
+    SampleView { variable, value: &sample.value, at: sample.at, sequence: history.first_arrival(sample) }
 }
 
 /// Samples within the window, in order of time and arrival, of all variables that may concern the part; and whether
@@ -117,9 +117,9 @@ pub(crate) fn seen_of<'a>(variable: &'a StateVariable, history: &History, sample
 pub(crate) fn remembered<'a>(
     known: Option<&'a StateVariable>,
     attribute: &Symbol,
-    site: Site,
-    surroundings: &'a dyn Surroundings,
-) -> (Vec<Seen<'a>>, bool) {
+    site: PartContext,
+    context: &'a dyn EvalContext,
+) -> (Vec<SampleView<'a>>, bool) {
     let mut seen = Vec::new();
     let mut blind = false;
     let mut collect = |variable: &'a StateVariable, history: &'a History| {
@@ -133,13 +133,11 @@ pub(crate) fn remembered<'a>(
     };
     match known {
         Some(variable) => {
-            if let Some(history) = surroundings.histories().get(variable) {
+            if let Some(history) = context.histories().get(variable) {
                 collect(variable, history);
             }
         }
-        None => {
-            surroundings.histories().of_attribute(attribute).for_each(|(variable, history)| collect(variable, history))
-        }
+        None => context.histories().of_attribute(attribute).for_each(|(variable, history)| collect(variable, history)),
     }
     // One variable's samples are in order.
     if known.is_none() {

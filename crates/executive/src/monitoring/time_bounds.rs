@@ -1,14 +1,14 @@
 //! Time bounds (M&I)
 //! What: the closed interval of instants that constraints on a time stamp leave, for values that hold between samples.
 //! Runs: when an estimator is asked for a value.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the constraints.
 //! PDL: `:timestamp` under `:estimation`.
 //! Paper: Table 1, rows 5 and 6.
 
 use crate::expression::arithmetic::{duration, instant};
-use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use apex_model::condition::{Constraint, Relation};
 use apex_model::expression::Expr;
 use apex_model::source::Place;
@@ -38,8 +38,8 @@ impl TimeBounds {
 ///
 /// # Errors
 /// When it cannot be evaluated, or is no instant.
-pub(crate) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Time, EvaluationError> {
-    let value = evaluate(expr, surroundings)?;
+pub(crate) fn instant_of(expr: &Expr, context: &dyn EvalContext) -> Result<Time, EvaluationError> {
+    let value = evaluate(expr, context)?;
     instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
@@ -47,8 +47,8 @@ pub(crate) fn instant_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result
 ///
 /// # Errors
 /// When it cannot be evaluated, or is no duration.
-pub(crate) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
-    let value = evaluate(expr, surroundings)?;
+pub(crate) fn duration_of(expr: &Expr, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
+    let value = evaluate(expr, context)?;
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
@@ -58,16 +58,16 @@ pub(crate) fn duration_of(expr: &Expr, surroundings: &dyn Surroundings) -> Resul
 /// When a side cannot be evaluated, or a constraint is no bound (the checker refuses those).
 pub(crate) fn bounds(
     constraints: &[Constraint],
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<TimeBounds, EvaluationError> {
     let mut found = TimeBounds::default();
     for constraint in constraints {
         match constraint {
             Constraint::Compare { relation, right, tolerance } => {
-                let at = instant_of(right, surroundings)?;
+                let at = instant_of(right, context)?;
                 let around = match tolerance {
-                    Some(tolerance) => duration_of(tolerance, surroundings)?,
+                    Some(tolerance) => duration_of(tolerance, context)?,
                     None => Duration::ZERO,
                 };
                 match relation {
@@ -84,10 +84,10 @@ pub(crate) fn bounds(
             }
             Constraint::Range(least, most) => {
                 if let Some(least) = least {
-                    found.from(instant_of(least, surroundings)?);
+                    found.from(instant_of(least, context)?);
                 }
                 if let Some(most) = most {
-                    found.to(instant_of(most, surroundings)?);
+                    found.to(instant_of(most, context)?);
                 }
             }
             Constraint::Matches(_) | Constraint::Predicate(..) => return Err(no_bound(place)),

@@ -6,7 +6,7 @@
 use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;
 use crate::control::tasks::goal::activity_of;
-use crate::control::tasks::{correspondence, interruption, question, repetition, restart, termination};
+use crate::control::tasks::{interruption, messaging, question, repetition, restart, termination};
 use crate::deliberation::planner_invocation;
 use crate::expression::{evaluate, printed};
 use crate::state::clause::Level;
@@ -78,8 +78,8 @@ fn carry_out(
     let first = || values.first().cloned().unwrap_or_else(Value::nil);
     match which {
         BuiltInActivity::Print => cycle.effects.push(Effect::Print { task: id, text: printed(&values) }),
-        BuiltInActivity::Inform => correspondence::inform(cycle, id, first(), values.get(1), place(arguments))?,
-        BuiltInActivity::Cogevent => correspondence::cogevent(cycle, id, first(), values.get(1), place(arguments))?,
+        BuiltInActivity::Inform => messaging::inform(cycle, id, first(), values.get(1), place(arguments))?,
+        BuiltInActivity::Cogevent => messaging::cogevent(cycle, id, first(), values.get(1), place(arguments))?,
         BuiltInActivity::Reset | BuiltInActivity::Suspend | BuiltInActivity::Resume | BuiltInActivity::Reprioritize => {
             let Some(argument) = arguments.first() else { return Ok(Some(Value::nil())) };
             let task = task_argument(&first(), argument)?;

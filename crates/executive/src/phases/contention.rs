@@ -7,7 +7,7 @@ use crate::control::conflicts::arbitration::{Arbitration, Loss, Refusal};
 use crate::control::conflicts::crossing;
 use crate::control::conflicts::crossing::Defender;
 use crate::control::conflicts::curve::Curve;
-use crate::control::conflicts::{competition, conflict, line, priority, resources};
+use crate::control::conflicts::{claim_queue, competition, conflict, priority, resources};
 use crate::control::cycle::{Cycle, in_order};
 use crate::control::tasks::{interruption, termination};
 use crate::control::transition::{Trigger, transition};
@@ -43,7 +43,7 @@ pub(crate) fn contend(cycle: &mut Cycle<'_>) -> Arbitration {
             free.push(id);
             continue;
         }
-        let claim = line::claim_of(cycle, id, &needs);
+        let claim = claim_queue::claim_of(cycle, id, &needs);
         for need in needs {
             if let Some(resource) = cycle.agent.resources.get_mut(need.resource) {
                 resource.waiting.insert(id, claim);
@@ -93,14 +93,14 @@ fn look_again(cycle: &mut Cycle<'_>) {
         let mut holders = resource.holders.iter();
         inherited
             || resource.waiting.is_sensitive()
-            || holders.any(|holding| !line::is_steady(cycle.agent, holding.task))
+            || holders.any(|holding| !claim_queue::is_steady(cycle.agent, holding.task))
     });
     let concerned: Vec<ResourceId> = concerned.map(|(id, _)| id).collect();
     for id in &concerned {
         let Some(resource) = cycle.agent.resources.get(*id) else { continue };
         let waiting: Vec<TaskId> = resource.waiting.tasks().collect();
         for task in waiting {
-            let claim = line::claim_of(cycle, task, &resources::needs_of(cycle, task));
+            let claim = claim_queue::claim_of(cycle, task, &resources::needs_of(cycle, task));
             if let Some(resource) = cycle.agent.resources.get_mut(*id) {
                 resource.waiting.insert(task, claim);
             }
@@ -179,7 +179,7 @@ fn look_behind(cycle: &mut Cycle<'_>, begun: &[TaskId], refused: &[Refusal]) {
     }
 }
 
-/// An amount of a resource for people: whole units of a capacity, a quantity of a depletable.
+/// An amount of a resource for operators: whole units of a capacity, a quantity of a depletable.
 fn amount(number: f64, dimension: Dimension) -> Value {
     if dimension == Dimension::NONE && libm::trunc(number) == number {
         return Value::Integer(number as i64);

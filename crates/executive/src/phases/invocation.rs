@@ -9,7 +9,7 @@ use crate::deliberation::{plan_adoption, planner_invocation};
 use crate::phases::built_in;
 use crate::planted;
 use crate::planted::Bug;
-use crate::state::controller::{Controller, Way};
+use crate::state::controller::{Controller, MethodBinding};
 use apex_model::because::Cause;
 use apex_model::task::{TaskId, TaskState};
 
@@ -51,29 +51,29 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId) {
         return;
     }
     match take_way(cycle, id) {
-        Some(Way::Procedure(reference, context)) => {
+        Some(MethodBinding::Procedure(reference, context)) => {
             procedure::start(cycle, id, reference, context, Cause::ParentStarted { parent: id });
         }
-        Some(Way::Primitive(index, context)) => primitive::start(cycle, id, index, context),
-        Some(Way::Items(items)) => procedure::start_items(cycle, id, &items),
-        Some(Way::BuiltIn(which)) => built_in::start(cycle, id, which),
-        Some(Way::Terminate) => built_in::terminate(cycle, id),
-        Some(Way::Solver(solver)) => planner_invocation::start(cycle, id, solver),
+        Some(MethodBinding::Primitive(index, context)) => primitive::start(cycle, id, index, context),
+        Some(MethodBinding::Items(items)) => procedure::start_items(cycle, id, &items),
+        Some(MethodBinding::BuiltIn(which)) => built_in::start(cycle, id, which),
+        Some(MethodBinding::Terminate) => built_in::terminate(cycle, id),
+        Some(MethodBinding::Solver(solver)) => planner_invocation::start(cycle, id, solver),
         None => {}
     }
 }
 
 /// The chosen way, which begins; what its index bound moves from the selection into the controller.
-fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<Way> {
+fn take_way(cycle: &mut Cycle<'_>, id: TaskId) -> Option<MethodBinding> {
     let selection = cycle.agent.task_mut(id)?.selection.as_mut()?;
     selection.begun = true;
     Some(match &mut selection.way {
-        Way::Procedure(reference, bindings) => Way::Procedure(*reference, std::mem::take(bindings)),
-        Way::Primitive(index, bindings) => Way::Primitive(*index, std::mem::take(bindings)),
-        Way::Items(items) => Way::Items(std::mem::take(items)),
-        Way::BuiltIn(which) => Way::BuiltIn(*which),
-        Way::Terminate => Way::Terminate,
-        Way::Solver(solver) => Way::Solver(*solver),
+        MethodBinding::Procedure(reference, bindings) => MethodBinding::Procedure(*reference, std::mem::take(bindings)),
+        MethodBinding::Primitive(index, bindings) => MethodBinding::Primitive(*index, std::mem::take(bindings)),
+        MethodBinding::Items(items) => MethodBinding::Items(std::mem::take(items)),
+        MethodBinding::BuiltIn(which) => MethodBinding::BuiltIn(*which),
+        MethodBinding::Terminate => MethodBinding::Terminate,
+        MethodBinding::Solver(solver) => MethodBinding::Solver(*solver),
     })
 }
 

@@ -3,7 +3,7 @@
 //! Runs: record phase.  Reads: Batch, WakeQueue.  Writes: Histories, stimuli, controllers.
 //! Bound: O(events of the instant).  PDL: none.  Paper: section III, sources of information for monitors.
 
-use crate::control::cycle::{Cycle, Said};
+use crate::control::cycle::{Cycle, SelfMessage};
 use crate::control::tasks::{monitoring_clauses, primitive, probing, question, repetition, termination};
 use crate::deliberation::plan_adoption;
 use crate::monitoring::memory::histories;
@@ -56,8 +56,8 @@ pub(crate) fn record_said(cycle: &mut Cycle<'_>) {
     let now = cycle.now;
     for said in std::mem::take(&mut cycle.work.said) {
         match said {
-            Said::Occurrence(form) => occurrence(cycle, form, now),
-            Said::Measurement(variable, value) => measurement(cycle, variable, value, now),
+            SelfMessage::Occurrence(form) => occurrence(cycle, form, now),
+            SelfMessage::Measurement(variable, value) => measurement(cycle, variable, value, now),
         }
     }
 }

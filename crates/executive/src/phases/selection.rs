@@ -16,7 +16,7 @@ use crate::expression::{evaluate, instantiate};
 use crate::monitoring::specificity::specificity;
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
-use crate::state::controller::{Selection, Way};
+use crate::state::controller::{MethodBinding, Selection};
 use crate::state::index::Candidate;
 use crate::state::resource::Need;
 use crate::state::step_clauses::StepClauses;
@@ -35,7 +35,7 @@ use smallvec::SmallVec;
 /// What was chosen, and what the decision says about it.
 struct Choice {
     goal: Value,
-    way: Way,
+    way: MethodBinding,
     method: Method,
     alternatives: Vec<Method>,
     cause: Cause,
@@ -118,8 +118,8 @@ fn choice(cycle: &mut Cycle<'_>, id: TaskId) -> Result<Choice, Because> {
         Ok(goal) => method_for(cycle, id, goal),
         Err(goal) => {
             let (way, word) = match step.map(|step| activity_of(origin, step)) {
-                Some(Activity::BuiltIn(which, _)) => (Way::BuiltIn(*which), which.word()),
-                _ => (Way::Terminate, "terminate"),
+                Some(Activity::BuiltIn(which, _)) => (MethodBinding::BuiltIn(*which), which.word()),
+                _ => (MethodBinding::Terminate, "terminate"),
             };
             let cause = Cause::BuiltIn { activity: word.into() };
             Ok(Choice { goal, way, method: Method::BuiltIn, alternatives: Vec::new(), cause })
@@ -148,7 +148,7 @@ fn items(cycle: &Cycle<'_>, id: TaskId, list: &Expr) -> Result<Choice, Because> 
     }
     Ok(Choice {
         goal: goal::goal_as_known(cycle, id),
-        way: Way::Items(items.to_vec()),
+        way: MethodBinding::Items(items.to_vec()),
         method: Method::BuiltIn,
         alternatives: Vec::new(),
         cause: Cause::ForAll { items: items.len() as u64 },
@@ -164,16 +164,16 @@ fn method_for(cycle: &mut Cycle<'_>, id: TaskId, goal: Value) -> Result<Choice, 
         };
         let name = cycle.library.solvers.get(solver as usize).map(|solver| solver.name.clone());
         let method = Method::Solver(name.unwrap_or_else(|| Symbol::new("auto")));
-        let (way, cause) = (Way::Solver(solver), Cause::NoProcedureMatched);
+        let (way, cause) = (MethodBinding::Solver(solver), Cause::NoProcedureMatched);
         return Ok(Choice { goal, way, method, alternatives: Vec::new(), cause });
     }
     let cause = why_first(cycle, &matches);
     let (candidate, bindings) = matches.remove(0);
     let alternatives = matches.iter().filter_map(|(candidate, _)| method_of(cycle, *candidate)).collect();
     let way = match candidate {
-        Candidate::Procedure(index) => Way::Procedure(ProcedureRef::Stored(index), bindings),
-        Candidate::Generated(number) => Way::Procedure(ProcedureRef::Generated(number), bindings),
-        Candidate::Primitive(index) | Candidate::Solver(index) => Way::Primitive(index, bindings),
+        Candidate::Procedure(index) => MethodBinding::Procedure(ProcedureRef::Stored(index), bindings),
+        Candidate::Generated(number) => MethodBinding::Procedure(ProcedureRef::Generated(number), bindings),
+        Candidate::Primitive(index) | Candidate::Solver(index) => MethodBinding::Primitive(index, bindings),
     };
     let method = method_of(cycle, candidate).unwrap_or(Method::BuiltIn);
     Ok(Choice { goal, way, method, alternatives, cause })
@@ -291,10 +291,12 @@ fn of_procedure(
 /// The procedure or primitive that was selected; none for everything else.
 fn chosen<'a>(cycle: &Cycle<'a>, id: TaskId) -> Option<IndexPattern<'a>> {
     let candidate = match &cycle.task(id)?.selection.as_ref()?.way {
-        Way::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
-        Way::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),
-        Way::Primitive(index, _) => Candidate::Primitive(*index),
-        Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => return None,
+        MethodBinding::Procedure(ProcedureRef::Stored(index), _) => Candidate::Procedure(*index),
+        MethodBinding::Procedure(ProcedureRef::Generated(number), _) => Candidate::Generated(*number),
+        MethodBinding::Primitive(index, _) => Candidate::Primitive(*index),
+        MethodBinding::Items(_) | MethodBinding::BuiltIn(_) | MethodBinding::Terminate | MethodBinding::Solver(_) => {
+            return None;
+        }
     };
     index_of(cycle, candidate).map(|(holder, _)| holder)
 }
@@ -331,7 +333,7 @@ fn expected(cycle: &Cycle<'_>, id: TaskId, expr: Option<&Expr>) -> Result<Option
 /// The resources named by `(hold-resource r..)`; none for every other way.
 fn held(cycle: &mut Cycle<'_>, id: TaskId, needs: &mut Vec<Need>) -> Result<(), Because> {
     let way = cycle.task(id).and_then(|task| task.selection.as_ref()).map(|selection| &selection.way);
-    if !matches!(way, Some(Way::BuiltIn(BuiltInActivity::HoldResource))) {
+    if !matches!(way, Some(MethodBinding::BuiltIn(BuiltInActivity::HoldResource))) {
         return Ok(());
     }
     let Some(handle) = cycle.step_of(id) else { return Ok(()) };

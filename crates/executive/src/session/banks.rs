@@ -1,16 +1,16 @@
 //! Plain episodes of a session, and combinations of such: banks watch them between what there is to tell, and samples
 //! that tell nothing pass by.
 
-use super::scene::World;
+use super::scene::SessionState;
 use super::watched::Watched;
-use super::{MonitorResult, MonitorSession, SessionTrouble, Telling};
+use super::{MonitorResult, MonitorSession, ResultEvent, SessionError};
 use crate::expression::arithmetic::with_unit;
 use crate::monitoring::constraints::unit_of;
-use crate::monitoring::episodes::{plain_combination, plain_episode};
+use crate::monitoring::episodes::{threshold_episode, threshold_formula};
 use crate::monitoring::memory::{histories, retention};
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::clause::MonitorId;
-use crate::state::episode_bank::{LeafId, Seen, Taken, What};
+use crate::state::episode_index::{IndexedRun, LeafId, Taken, What};
 use crate::state::histories::history::Sample;
 use crate::state::monitor_set::Found;
 use crate::state::monitors::monitor::Monitor;
@@ -65,7 +65,7 @@ impl MonitorSession {
         self.refresh(variable);
     }
 
-    /// A wake of the condition has come: it begins if it has not yet.
+    /// A wake of the condition has arrived: it begins if it has not yet.
     pub(super) fn begin(&mut self, id: MonitorId) {
         let Some(watched) = self.watches.get_mut(id.0) else { return };
         watched.wake = None;
@@ -78,12 +78,12 @@ impl MonitorSession {
             Err(error) => {
                 let at = self.world.now;
                 self.watches.remove(id.0);
-                self.trouble(SessionTrouble { watch: Some(id), at, message: error.message, place: Some(error.place) });
+                self.trouble(SessionError { watch: Some(id), at, message: error.message, place: Some(error.place) });
             }
         }
     }
 
-    /// Time has come for the first of the episodes that share a bank with `leaf`.
+    /// Time has arrived for the first of the episodes that share a bank with `leaf`.
     pub(super) fn wake_bank(&mut self, leaf: LeafId) {
         let watched = self.watches.get(leaf.monitor.0);
         let Some(variable) = watched.and_then(|watched| watched.variable_in_bank(leaf.leaf)).cloned() else { return };
@@ -110,7 +110,7 @@ impl MonitorSession {
     }
 
     /// Gives a combination its leaves back: those that are `taken` already, and all others from their banks.
-    fn take_out_combination(&mut self, id: MonitorId, watched: &mut Watched, taken: &[(LeafId, Option<Seen>)]) {
+    fn take_out_combination(&mut self, id: MonitorId, watched: &mut Watched, taken: &[(LeafId, Option<IndexedRun>)]) {
         let Some(mut leaves) = watched.leaves.take() else { return };
         let mut seen = Vec::new();
         for (leaf, variable) in (0..).zip(leaves.variables()) {
@@ -123,7 +123,7 @@ impl MonitorSession {
             self.refresh(variable);
         }
         if let Some(monitor) = &mut watched.monitor {
-            plain_combination::stand_up(monitor, &mut leaves, seen);
+            threshold_formula::stand_up(monitor, &mut leaves, seen);
         }
     }
 
@@ -136,13 +136,14 @@ impl MonitorSession {
             let Some(watched) = self.watches.get_mut(id.0) else { continue };
             let Watched { monitor: Some(monitor), leaves, .. } = watched else { continue };
             if let Some(leaves) = leaves {
-                if plain_combination::told(monitor, leaves, told.leaf.leaf, &told) {
+                if threshold_formula::told(monitor, leaves, told.leaf.leaf, &told) {
                     self.touched.push(id);
                 }
                 continue;
             }
-            let Some(mut result) = plain_episode::told_result(monitor, &told) else { continue };
-            let telling = if told.what == What::Over { Telling::Closed } else { Telling::Recognised { open: true } };
+            let Some(mut result) = threshold_episode::told_result(monitor, &told) else { continue };
+            let telling =
+                if told.what == What::Over { ResultEvent::Closed } else { ResultEvent::Recognised { open: true } };
             if told.what == What::Found {
                 result.recognised_at = self.world.now;
                 watched.results += 1;
@@ -162,11 +163,11 @@ impl MonitorSession {
             return false;
         };
         let seen = self.seen_by_banks(id, leaves);
-        plain_combination::stand_up(monitor, leaves, seen);
+        threshold_formula::stand_up(monitor, leaves, seen);
         true
     }
 
-    fn seen_by_banks(&self, id: MonitorId, leaves: &plain_combination::Leaves) -> Vec<Option<Seen>> {
+    fn seen_by_banks(&self, id: MonitorId, leaves: &threshold_formula::Leaves) -> Vec<Option<IndexedRun>> {
         let seen = |(leaf, variable)| self.interests.episodes(variable)?.run_of(LeafId { monitor: id, leaf })?;
         (0..).zip(leaves.variables()).map(seen).collect()
     }
@@ -178,7 +179,7 @@ impl MonitorSession {
             watched.file(&mut self.interests, id);
             return;
         }
-        let variable = watched.monitor.as_ref().and_then(plain_episode::variable).cloned();
+        let variable = watched.monitor.as_ref().and_then(threshold_episode::variable).cloned();
         let Some(variable) = variable else { return };
         let bank = self.interests.episodes_mut(&variable);
         let Some(seen) = bank.and_then(|bank| bank.take(LeafId::whole(id))) else { return };
@@ -194,10 +195,10 @@ impl MonitorSession {
             return false;
         }
         let Some(monitor) = &mut watched.monitor else { return false };
-        let Some(variable) = plain_episode::variable(monitor).cloned() else {
+        let Some(variable) = threshold_episode::variable(monitor).cloned() else {
             return self.put_combination_into_banks(id, watched);
         };
-        let Some((wanted, run)) = plain_episode::bankable(monitor, &self.world) else { return false };
+        let Some((wanted, run)) = threshold_episode::bankable(monitor, &self.world) else { return false };
         // A bank tells the end of every result.
         if wanted.open.is_some() && !watched.told.awaits_end() {
             return false;
@@ -205,23 +206,23 @@ impl MonitorSession {
         if !self.interests.bank(&variable, LeafId::whole(id), &wanted, run) {
             return false;
         }
-        plain_episode::lie_down(monitor);
+        threshold_episode::lie_down(monitor);
         self.refresh(&variable);
         true
     }
 
     fn put_combination_into_banks(&mut self, id: MonitorId, watched: &mut Watched) -> bool {
         let Some(monitor) = &mut watched.monitor else { return false };
-        let Some((leaves, bankables)) = plain_combination::bankable(monitor, &self.world) else { return false };
+        let Some((leaves, bankables)) = threshold_formula::bankable(monitor, &self.world) else { return false };
         let each = (0..).zip(leaves.variables().zip(&bankables));
-        let put_in = |(leaf, (variable, bankable)): (u32, (&StateVariable, &plain_episode::Bankable<'_>))| {
+        let put_in = |(leaf, (variable, bankable)): (u32, (&StateVariable, &threshold_episode::Bankable<'_>))| {
             let leaf = LeafId { monitor: id, leaf };
             self.interests.bank(variable, leaf, &bankable.wanted, bankable.run)
         };
         let inside = each.map(put_in).take_while(|inside| *inside).count();
         let whole = inside == bankables.len();
         if whole {
-            plain_combination::lie_down(monitor);
+            threshold_formula::lie_down(monitor);
         } else {
             // One leaf alone in a bank would not hear of what the others are reported.
             for (leaf, variable) in (0..).zip(leaves.variables()).take(inside) {
@@ -255,12 +256,12 @@ impl MonitorSession {
         let mut monitor = watched.monitor.clone()?;
         if let Some(mut leaves) = watched.leaves.clone() {
             let seen = self.seen_by_banks(id, &leaves);
-            plain_combination::stand_up(&mut monitor, &mut leaves, seen);
+            threshold_formula::stand_up(&mut monitor, &mut leaves, seen);
             return Some(monitor);
         }
-        let bank = plain_episode::variable(&monitor).and_then(|variable| self.interests.episodes(variable));
+        let bank = threshold_episode::variable(&monitor).and_then(|variable| self.interests.episodes(variable));
         if let Some(seen) = bank.and_then(|bank| bank.run_of(LeafId::whole(id))) {
-            plain_episode::stand_up(&mut monitor, seen);
+            threshold_episode::stand_up(&mut monitor, seen);
         }
         Some(monitor)
     }
@@ -272,7 +273,7 @@ impl MonitorSession {
         if !self.stimuli.is_empty() || !self.touched.is_empty() {
             return 0;
         }
-        let World { library, histories, now, .. } = &mut self.world;
+        let SessionState { library, histories, now, .. } = &mut self.world;
         let declaration = library.state_variables.get(&variable.attribute);
         let unit = unit_of(&variable.attribute, library);
         if declaration.and_then(retention::lateness).is_some() {
@@ -312,7 +313,7 @@ impl MonitorSession {
         }
         if let Some(at) = overflowed {
             let message = histories::overflow_of_samples(variable, UNLOWERED);
-            self.trouble(SessionTrouble { watch: None, at, message, place: None });
+            self.trouble(SessionError { watch: None, at, message, place: None });
         }
         self.refresh(variable);
         self.judge_touched();

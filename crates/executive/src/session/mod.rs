@@ -9,16 +9,16 @@ mod tests;
 mod watched;
 
 use crate::constants;
-use crate::monitoring::combination::harvest::{self, TellingKind};
 use crate::monitoring::combination::interest;
 use crate::monitoring::combination::monitors;
+use crate::monitoring::combination::result_report::{self, ResultReportKind};
 use crate::monitoring::memory::histories;
 use crate::monitoring::memory::retention;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::bindings::Bindings;
 use crate::state::clause::MonitorId;
-use crate::state::episode_bank;
-use crate::state::episode_bank::LeafId;
+use crate::state::episode_index;
+use crate::state::episode_index::LeafId;
 use crate::state::histories::history::Histories;
 use crate::state::interests::Interests;
 use crate::state::monitor_set::Found;
@@ -37,8 +37,8 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 pub use gaps::SamplingGap;
 use gaps::Spacings;
-pub use results::{Judgement, MonitorResult, SessionTrouble, Telling};
-use scene::{KnownTask, World};
+pub use results::{Judgement, MonitorResult, ResultEvent, SessionError};
+use scene::{KnownTask, SessionState};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use watched::Watched;
@@ -58,8 +58,8 @@ use watched::Watched;
 ///   measurement, each maximal run that satisfies an episode, each message that matches. With an object variable there
 ///   are such results for each object.
 /// - **An episode** is told when it is recognised, say after its `:duration`. Its run may go on: then the result is marked
-///   [`open`](Telling::Recognised), and it is told once more, with its final interval, when the run is over, which the
-///   next sample shows: [`Telling::Closed`]. Who wants each result once looks at either kind.
+///   [`open`](ResultEvent::Recognised), and it is told once more, with its final interval, when the run is over, which the
+///   next sample shows: [`ResultEvent::Closed`]. Who wants each result once looks at either kind.
 /// - **A combination** (`:and`, `:in-order`, ..) tells a result as soon as its parts make one up, and then begins again: what
 ///   was known of the parts at that instant makes up no further result. Of several results of one instant that bind the
 ///   same variables (tags aside) the first in order is reported.
@@ -72,7 +72,7 @@ use watched::Watched;
 /// Results wait in the session until they are [taken](MonitorSession::take_results).
 #[derive(Clone, Debug)]
 pub struct MonitorSession {
-    world: World,
+    world: SessionState,
     interests: Interests,
     watches: Table<Watched>,
     next_watch: u64,
@@ -85,13 +85,13 @@ pub struct MonitorSession {
     stimuli: Vec<Stimulus>,
     touched: Vec<MonitorId>,
     /// What banks have said of the present instant.
-    heard: Vec<episode_bank::Told>,
+    heard: Vec<episode_index::EpisodeUpdate>,
     /// Instants at which a condition begins or is judged, or at which the bank of its leaf with this number is looked at.
     wakes: BTreeSet<(Time, MonitorId, Option<u32>)>,
     results: Vec<MonitorResult>,
     /// For the gaps of results, if they are asked for.
     spacings: Option<Spacings>,
-    troubles: Vec<SessionTrouble>,
+    troubles: Vec<SessionError>,
 }
 
 impl MonitorSession {
@@ -105,7 +105,7 @@ impl MonitorSession {
         retention::prepare(&mut histories, &library, None);
         let lateness = library.state_variables.values().filter_map(|declared| declared.lateness.as_ref());
         let lateness = lateness.filter_map(|value| crate::expression::arithmetic::duration(value).ok()).max();
-        let mut world = World {
+        let mut world = SessionState {
             library,
             host,
             name: Symbol::new("monitor"),
@@ -149,13 +149,13 @@ impl MonitorSession {
     ///
     /// # Errors
     /// What is wrong and where, when an expression that must be known now (a duration, a gap) has no value.
-    pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionTrouble> {
+    pub fn watch(&mut self, condition: Condition, created_at: Time) -> Result<MonitorId, SessionError> {
         self.end_instant();
-        let World { histories, library, .. } = &mut self.world;
+        let SessionState { histories, library, .. } = &mut self.world;
         retention::prepare_condition(histories, library, &condition);
         let id = MonitorId(self.next_watch);
         let watched = Watched::new(condition, created_at, self.lateness, &self.world).map_err(|error| {
-            SessionTrouble { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
+            SessionError { watch: None, at: self.world.now, message: error.message, place: Some(error.place) }
         })?;
         self.next_watch += 1;
         if watched.monitor.is_some() {
@@ -190,7 +190,7 @@ impl MonitorSession {
     pub fn sample(&mut self, variable: &StateVariable, value: Value, at: Time) -> Option<Recorded> {
         self.come_to(at);
         let sequence = self.arrival();
-        let World { histories, library, .. } = &mut self.world;
+        let SessionState { histories, library, .. } = &mut self.world;
         let recording = histories::record_sample(histories, library, variable.clone(), value, at, sequence);
         if !self.interests.ignore_variable(variable) {
             self.stimuli.extend(recording.stimulus);
@@ -201,7 +201,7 @@ impl MonitorSession {
         }
         let overflow = || histories::overflow_of_samples(variable, UNLOWERED);
         for message in recording.trouble.into_iter().chain(recording.overflows.then(overflow)) {
-            self.trouble(SessionTrouble { watch: None, at, message, place: None });
+            self.trouble(SessionError { watch: None, at, message, place: None });
         }
         recording.recorded
     }
@@ -214,7 +214,7 @@ impl MonitorSession {
         self.stimuli.push(stimulus);
         if overflows {
             let message = histories::overflow_of_messages(UNLOWERED);
-            self.trouble(SessionTrouble { watch: None, at, message, place: None });
+            self.trouble(SessionError { watch: None, at, message, place: None });
         }
     }
 
@@ -231,13 +231,13 @@ impl MonitorSession {
         }
     }
 
-    /// Time has come to `now`, and everything up to and with it was handed over: what it decides is told.
+    /// Time has arrived to `now`, and everything up to and with it was handed over: what it decides is told.
     pub fn advance(&mut self, now: Time) {
         self.come_to(now);
         self.end_instant();
     }
 
-    /// Time has come to `at`, and more of that instant may follow.
+    /// Time has arrived to `at`, and more of that instant may follow.
     pub fn advance_to(&mut self, at: Time) {
         self.come_to(at);
     }
@@ -261,7 +261,7 @@ impl MonitorSession {
     }
 
     /// What went wrong since the last call; at most [`SESSION_TROUBLES_MAX`], the first ones.
-    pub fn take_troubles(&mut self) -> Vec<SessionTrouble> {
+    pub fn take_troubles(&mut self) -> Vec<SessionError> {
         std::mem::take(&mut self.troubles)
     }
 
@@ -305,7 +305,7 @@ impl MonitorSession {
         self.arrivals
     }
 
-    fn trouble(&mut self, trouble: SessionTrouble) {
+    fn trouble(&mut self, trouble: SessionError) {
         if self.troubles.len() < SESSION_TROUBLES_MAX {
             self.troubles.push(trouble);
         }
@@ -394,7 +394,7 @@ impl MonitorSession {
         let in_banks = self.look_into_banks(id, &mut watched);
         let before = watched.results;
         for telling in watched.harvest(&self.world) {
-            if telling.kind != TellingKind::Closed {
+            if telling.kind != ResultReportKind::Closed {
                 watched.results += 1;
                 watched.first.get_or_insert_with(|| telling.result.clone());
             }
@@ -417,14 +417,14 @@ impl MonitorSession {
         self.watches.put(id.0, watched);
         for trouble in troubles {
             let (message, place) = (trouble.message, Some(trouble.place));
-            self.trouble(SessionTrouble { watch: Some(id), at: self.world.now, message, place });
+            self.trouble(SessionError { watch: Some(id), at: self.world.now, message, place });
         }
     }
 
-    fn told(&self, watch: MonitorId, telling: harvest::Telling) -> MonitorResult {
+    fn told(&self, watch: MonitorId, telling: result_report::ResultReport) -> MonitorResult {
         let kind = match telling.kind {
-            TellingKind::Found { open } => Telling::Recognised { open },
-            TellingKind::Closed => Telling::Closed,
+            ResultReportKind::Found { open } => ResultEvent::Recognised { open },
+            ResultReportKind::Closed => ResultEvent::Closed,
         };
         MonitorResult { watch, telling: kind, gaps: self.gaps_of(&telling.result), result: telling.result }
     }

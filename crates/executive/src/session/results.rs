@@ -14,7 +14,7 @@ pub struct MonitorResult {
     /// The condition.
     pub watch: MonitorId,
     /// What is reported of the result.
-    pub telling: Telling,
+    pub telling: ResultEvent,
     /// The result: interval, instant of recognition, bindings, evidence.
     pub result: Satisfaction,
     /// The largest sampling gap of each run that it rests on, as it was known when this was reported; see
@@ -24,7 +24,7 @@ pub struct MonitorResult {
 
 /// What is reported of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Telling {
+pub enum ResultEvent {
     /// It was recognised just now.
     Recognised {
         /// Its interval may still grow; it will be reported once more when it is final.
@@ -47,12 +47,12 @@ pub struct Judgement {
 
 /// Something that went wrong: a sample that was refused, a condition whose expression failed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SessionTrouble {
+pub struct SessionError {
     /// The condition, if it is about one.
     pub watch: Option<MonitorId>,
     /// When.
     pub at: Time,
-    /// A sentence for people.
+    /// A sentence for operators.
     pub message: String,
     /// Where in the condition's or library's text.
     pub place: Option<Place>,

@@ -1,6 +1,6 @@
 //! What the conditions of a session see: its histories, the tasks that it was reported of, the variables that were bound.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Histories;
 use apex_model::agent_limits::{Limits, UNLOWERED};
@@ -39,7 +39,7 @@ impl KnownTask {
 
 /// The world of a session, apart from its monitors.
 #[derive(Clone, Debug)]
-pub(super) struct World {
+pub(super) struct SessionState {
     pub(super) library: Arc<Library>,
     pub(super) host: HostFunctions,
     pub(super) name: Symbol,
@@ -49,7 +49,7 @@ pub(super) struct World {
     pub(super) now: Time,
 }
 
-impl Surroundings for World {
+impl EvalContext for SessionState {
     fn variable(&self, name: &Symbol) -> Option<Value> {
         self.variables.get(name).cloned()
     }

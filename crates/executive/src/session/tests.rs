@@ -42,9 +42,9 @@ fn at(seconds: f64) -> Time {
 fn told(session: &mut MonitorSession) -> Vec<String> {
     let text = |result: MonitorResult| {
         let kind = match result.telling {
-            Telling::Recognised { open: true } => "open",
-            Telling::Recognised { open: false } => "found",
-            Telling::Closed => "closed",
+            ResultEvent::Recognised { open: true } => "open",
+            ResultEvent::Recognised { open: false } => "found",
+            ResultEvent::Closed => "closed",
         };
         let ((start, end), known) = (result.result.interval, result.result.recognised_at);
         let bound = result.result.bindings.iter().map(|(name, value)| format!(" {name}={value}")).collect::<String>();
@@ -396,7 +396,7 @@ proptest! {
         samples.sort_by_key(|(_, _, at)| *at);
         let told = run(&samples, &[]);
         prop_assert_eq!(&told, &run(&samples, &advances));
-        let recognised = |result: &&MonitorResult| result.telling != Telling::Closed;
+        let recognised = |result: &&MonitorResult| result.telling != ResultEvent::Closed;
         let sorted = told.iter().filter(recognised).is_sorted_by_key(|result| result.result.recognised_at);
         prop_assert!(sorted, "out of order: {:?}", told);
         for (index, result) in told.iter().enumerate() {

@@ -1,16 +1,16 @@
 //! One condition of a session: waiting for its beginning, or at work with its monitor.
 
-use super::scene::World;
+use super::scene::SessionState;
 use crate::expression::EvaluationError;
-use crate::monitoring::combination::harvest::{self, Telling};
+use crate::monitoring::combination::result_report::{self, ResultReport};
 use crate::monitoring::combination::{interest, monitors};
-use crate::monitoring::episodes::plain_combination::{self, Leaves};
-use crate::monitoring::episodes::plain_episode;
+use crate::monitoring::episodes::threshold_episode;
+use crate::monitoring::episodes::threshold_formula::{self, Leaves};
 use crate::monitoring::memory::retention;
+use crate::monitoring::reported_results::ReportedResults;
 use crate::monitoring::stimulus::Stimulus;
-use crate::monitoring::told::Told;
 use crate::state::clause::MonitorId;
-use crate::state::episode_bank::Seen;
+use crate::state::episode_index::IndexedRun;
 use crate::state::interests::{Interests, Narrowed};
 use crate::state::monitors::monitor::{Interest, Keep, Monitor, Satisfaction, Unmet, Window};
 use apex_model::condition::Condition;
@@ -23,9 +23,9 @@ use std::sync::Arc;
 pub(super) struct Watched {
     pub(super) condition: Arc<Condition>,
     pub(super) created_at: Time,
-    /// None until `created_at` has come.
+    /// None until `created_at` has arrived.
     pub(super) monitor: Option<Monitor>,
-    pub(super) told: Told,
+    pub(super) told: ReportedResults,
     /// What the monitor must be reported of.
     interests: Vec<Interest>,
     /// Interests may change: they are about tasks that are not known yet.
@@ -46,13 +46,13 @@ impl Watched {
         condition: Condition,
         created_at: Time,
         lateness: Duration,
-        world: &World,
+        world: &SessionState,
     ) -> Result<Watched, EvaluationError> {
         let mut watched = Watched {
             condition: Arc::new(condition),
             created_at,
             monitor: None,
-            told: Told::default(),
+            told: ReportedResults::default(),
             interests: Vec::new(),
             changing: false,
             wake: None,
@@ -69,7 +69,7 @@ impl Watched {
     }
 
     /// Makes the monitor and looks back over what is remembered since the condition's beginning.
-    pub(super) fn begin(&mut self, world: &World) -> Result<(), EvaluationError> {
+    pub(super) fn begin(&mut self, world: &SessionState) -> Result<(), EvaluationError> {
         let window = Window::from(self.created_at);
         let monitor = monitors::create_keeping(&self.condition, window, Keep::Every, world)?;
         self.interests = interest::interests(&monitor);
@@ -79,48 +79,48 @@ impl Watched {
         Ok(())
     }
 
-    pub(super) fn notice(&mut self, stimulus: &Stimulus, world: &World) {
+    pub(super) fn notice(&mut self, stimulus: &Stimulus, world: &SessionState) {
         if let Some(monitor) = &mut self.monitor {
             monitors::notice(monitor, stimulus, world);
         }
     }
 
     /// A bank has watched the condition, and reported of it what there was to tell.
-    pub(super) fn stand_up(&mut self, seen: Option<Seen>) {
+    pub(super) fn stand_up(&mut self, seen: Option<IndexedRun>) {
         let Some(monitor) = &mut self.monitor else { return };
         let open_at = seen.as_ref().and_then(|seen| seen.open_at);
-        plain_episode::stand_up(monitor, seen);
-        self.told = plain_episode::told(monitor, open_at);
+        threshold_episode::stand_up(monitor, seen);
+        self.told = threshold_episode::told(monitor, open_at);
     }
 
     /// Whose samples decide leaf number `leaf`, when a bank may watch it.
     pub(super) fn variable_in_bank(&self, leaf: u32) -> Option<&StateVariable> {
         match &self.leaves {
             Some(leaves) => leaves.variables().nth(leaf as usize),
-            None => plain_episode::variable(self.monitor.as_ref()?),
+            None => threshold_episode::variable(self.monitor.as_ref()?),
         }
     }
 
     /// The combination was harvested while banks went on watching; it has told `any` result.
     pub(super) fn lie_down_again(&mut self, any: bool) {
         if let Watched { monitor: Some(monitor), leaves: Some(leaves), .. } = self {
-            plain_combination::harvested(monitor, leaves, any);
-            plain_combination::lie_down(monitor);
+            threshold_formula::harvested(monitor, leaves, any);
+            threshold_formula::lie_down(monitor);
         }
     }
 
     /// What is new, after everything of the instant was noticed.
-    pub(super) fn harvest(&mut self, world: &World) -> Vec<Telling> {
+    pub(super) fn harvest(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &mut self.monitor {
-            Some(monitor) => harvest::harvest(monitor, &mut self.told, self.lateness, world),
+            Some(monitor) => result_report::report_results(monitor, &mut self.told, self.lateness, world),
             None => Vec::new(),
         }
     }
 
     /// Results whose intervals still grew, as they stand at the end of everything.
-    pub(super) fn finish(&mut self, world: &World) -> Vec<Telling> {
+    pub(super) fn finish(&mut self, world: &SessionState) -> Vec<ResultReport> {
         match &self.monitor {
-            Some(monitor) => harvest::finish(monitor, &mut self.told, world),
+            Some(monitor) => result_report::finish(monitor, &mut self.told, world),
             None => Vec::new(),
         }
     }
@@ -160,8 +160,8 @@ impl Watched {
     }
 }
 
-/// How late samples may come at most, where nothing else is watched.
-fn lateness_of(interests: &[Interest], world: &World) -> Option<Duration> {
+/// How late samples may come at most, if nothing else is watched.
+fn lateness_of(interests: &[Interest], world: &SessionState) -> Option<Duration> {
     let mut most = Duration::ZERO;
     for interest in interests {
         let attribute = match interest {

@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 /// Marks the place of a child that is gone; task numbers never come near.
 const GONE: u64 = 1 << 63;
 
-/// A set of tasks in order of creation. Two numbers take no room of their own.
+/// A set of tasks in order of creation. Two numbers take no space of their own.
 #[derive(Clone, Debug, Default)]
 pub struct Children {
     /// Ascending, except for the mark.
@@ -84,15 +84,16 @@ impl<'de> Deserialize<'de> for Children {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
     use std::collections::BTreeSet;
 
     #[test]
     fn agrees_with_an_ordered_set() {
         let (mut children, mut set) = (Children::default(), BTreeSet::new());
-        let mut number: u64 = 1;
+        let mut generator = ChaCha8Rng::seed_from_u64(1);
         for round in 0..2_000_u64 {
-            number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let child = TaskId((number >> 33) % 64);
+            let child = TaskId(generator.next_u64() % 64);
             if round % 3 == 0 {
                 children.remove(child);
                 set.remove(&child);

@@ -19,7 +19,7 @@ pub struct Selection {
     /// The goal with its variables filled in.
     pub goal: Value,
     /// The way.
-    pub way: Way,
+    pub way: MethodBinding,
     /// The profile: all of it or nothing.
     pub needs: Vec<Need>,
     /// Added to the priority of the task while it is ongoing.
@@ -33,7 +33,7 @@ pub struct Selection {
 
 /// Ways of pursuing a goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Way {
+pub enum MethodBinding {
     /// By a procedure, with what its index bound.
     Procedure(ProcedureRef, Bindings),
     /// By a primitive (its index in the library), with what its index bound.

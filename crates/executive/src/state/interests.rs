@@ -1,7 +1,7 @@
 //! The table of interests: which monitors must be told of what, so that an event touches only those that wait for it.
 
 use crate::state::clause::MonitorId;
-use crate::state::episode_bank::{EpisodeBank, LeafId, PlainEpisode};
+use crate::state::episode_index::{EpisodeIndex, LeafId, ThresholdEpisode};
 use crate::state::histories::variable_map::VariableMap;
 use crate::state::monitor_set::{Found, MonitorSet};
 use crate::state::monitors::monitor::{Interest, ObjectRun};
@@ -35,7 +35,7 @@ struct Watchers {
     /// Must be told of samples on their side of a bound.
     thresholds: Option<Box<Thresholds>>,
     /// Need be told of nothing that leaves their episodes as undecided as they are.
-    episodes: Option<Box<EpisodeBank>>,
+    episodes: Option<Box<EpisodeIndex>>,
 }
 
 /// Monitors of messages that begin with one word, divided further by the second word where it is known.
@@ -220,13 +220,13 @@ impl Interests {
         &mut self,
         variable: &StateVariable,
         leaf: LeafId,
-        wanted: &PlainEpisode,
+        wanted: &ThresholdEpisode,
         run: Option<&ObjectRun>,
     ) -> bool {
         let watchers = self.variables.entry(variable);
         let mut fresh = None;
         let bank =
-            watchers.episodes.as_mut().unwrap_or_else(|| fresh.insert(Box::new(EpisodeBank::new(wanted.dimension))));
+            watchers.episodes.as_mut().unwrap_or_else(|| fresh.insert(Box::new(EpisodeIndex::new(wanted.dimension))));
         let taken = bank.insert(leaf, wanted, run);
         if taken {
             watchers.every.remove(leaf.monitor);
@@ -236,7 +236,7 @@ impl Interests {
     }
 
     /// The undecided plain episodes of a variable.
-    pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeBank> {
+    pub fn episodes(&self, variable: &StateVariable) -> Option<&EpisodeIndex> {
         self.variables.get(variable)?.episodes.as_deref()
     }
 
@@ -246,7 +246,7 @@ impl Interests {
     }
 
     /// The undecided plain episodes of a variable, to feed them.
-    pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeBank> {
+    pub fn episodes_mut(&mut self, variable: &StateVariable) -> Option<&mut EpisodeIndex> {
         self.variables.get_mut(variable)?.episodes.as_deref_mut()
     }
 
@@ -254,7 +254,7 @@ impl Interests {
     pub fn quiet_watchers(
         &mut self,
         variable: &StateVariable,
-    ) -> Option<(Option<&Thresholds>, Option<&mut EpisodeBank>)> {
+    ) -> Option<(Option<&Thresholds>, Option<&mut EpisodeIndex>)> {
         let of_attribute = self.attributes.get(&variable.attribute).is_some_and(|set| !set.is_empty());
         if of_attribute || !self.ignore_steps() {
             return None;

@@ -1,7 +1,7 @@
-//! Who waits for a resource: all claimants, and those of them that can stand in line.
+//! Who waits for a resource: all claimants, and those of them that can stand in queue.
 //!
-//! A claimant stands in line when its place among the others follows from itself alone: it wants just this resource,
-//! all of it, and its priority changes with nothing but variables. The first in line then decides for all behind it.
+//! A claimant stands in queue when its place among the others follows from itself alone: it wants just this resource,
+//! all of it, and its priority changes with nothing but variables. The first in queue then decides for all behind it.
 //! Others stand apart: where there is one of them, everybody must be looked at.
 
 use apex_model::task::TaskId;
@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A place in a line. The first is the greatest priority, then who has begun, then the written order.
+/// A place in a queue. The first is the greatest priority, then who has begun, then the written order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Turn {
+pub struct QueueKey {
     /// Priority at the time of the claim.
     pub priority: f64,
     /// It has begun, and was interrupted.
@@ -20,22 +20,22 @@ pub struct Turn {
     pub order: (TaskId, u32, TaskId),
 }
 
-impl Eq for Turn {}
+impl Eq for QueueKey {}
 
-impl PartialOrd for Turn {
-    fn partial_cmp(&self, other: &Turn) -> Option<Ordering> {
+impl PartialOrd for QueueKey {
+    fn partial_cmp(&self, other: &QueueKey) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Turn {
-    fn cmp(&self, other: &Turn) -> Ordering {
+impl Ord for QueueKey {
+    fn cmp(&self, other: &QueueKey) -> Ordering {
         let by_priority = other.priority.total_cmp(&self.priority);
         by_priority.then(other.begun.cmp(&self.begun)).then(self.order.cmp(&other.order))
     }
 }
 
-impl Turn {
+impl QueueKey {
     /// Who stands here.
     pub fn task(&self) -> TaskId {
         self.order.2
@@ -46,13 +46,13 @@ impl Turn {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Claim {
     /// At this turn.
-    InLine {
+    Queued {
         /// Where.
-        turn: Turn,
+        turn: QueueKey,
         /// Its priority reads variables: its turn must be looked at again when one of them changes.
         varies: bool,
     },
-    /// Not in line.
+    /// Not in queue.
     Apart,
 }
 
@@ -60,7 +60,7 @@ pub enum Claim {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Waiting {
     claims: BTreeMap<TaskId, Claim>,
-    line: BTreeSet<Turn>,
+    queue: BTreeSet<QueueKey>,
     apart: usize,
     varying: usize,
 }
@@ -70,8 +70,8 @@ impl Waiting {
     pub fn insert(&mut self, task: TaskId, claim: Claim) {
         self.remove(task);
         match claim {
-            Claim::InLine { turn, varies } => {
-                self.line.insert(turn);
+            Claim::Queued { turn, varies } => {
+                self.queue.insert(turn);
                 self.varying += usize::from(varies);
             }
             Claim::Apart => self.apart += 1,
@@ -83,8 +83,8 @@ impl Waiting {
     pub fn remove(&mut self, task: TaskId) -> bool {
         let Some(claim) = self.claims.remove(&task) else { return false };
         match claim {
-            Claim::InLine { turn, varies } => {
-                self.line.remove(&turn);
+            Claim::Queued { turn, varies } => {
+                self.queue.remove(&turn);
                 self.varying -= usize::from(varies);
             }
             Claim::Apart => self.apart -= 1,
@@ -107,12 +107,12 @@ impl Waiting {
         self.claims.keys().copied()
     }
 
-    /// Those in line, the first first.
-    pub fn line(&self) -> impl Iterator<Item = &Turn> {
-        self.line.iter()
+    /// Those in queue, the first first.
+    pub fn queue(&self) -> impl Iterator<Item = &QueueKey> {
+        self.queue.iter()
     }
 
-    /// Do all who wait stand in line?
+    /// Do all who wait stand in queue?
     pub fn all_in_line(&self) -> bool {
         self.apart == 0
     }
@@ -127,23 +127,23 @@ impl Waiting {
 mod tests {
     use super::*;
 
-    fn turn(task: u64, priority: f64, begun: bool) -> Turn {
-        Turn { priority, begun, order: (TaskId(0), 0, TaskId(task)) }
+    fn turn(task: u64, priority: f64, begun: bool) -> QueueKey {
+        QueueKey { priority, begun, order: (TaskId(0), 0, TaskId(task)) }
     }
 
     #[test]
     fn the_line_is_in_order_and_counts_are_kept() {
         let mut waiting = Waiting::default();
         for (task, priority, begun) in [(1, 1.0, false), (2, 3.0, false), (3, 3.0, true), (4, 3.0, false)] {
-            waiting.insert(TaskId(task), Claim::InLine { turn: turn(task, priority, begun), varies: task == 1 });
+            waiting.insert(TaskId(task), Claim::Queued { turn: turn(task, priority, begun), varies: task == 1 });
         }
         waiting.insert(TaskId(9), Claim::Apart);
-        let line = |waiting: &Waiting| waiting.line().map(|each| each.task().0).collect::<Vec<_>>();
-        assert_eq!(line(&waiting), [3, 2, 4, 1]);
+        let queue = |waiting: &Waiting| waiting.queue().map(|each| each.task().0).collect::<Vec<_>>();
+        assert_eq!(queue(&waiting), [3, 2, 4, 1]);
         assert!(waiting.is_sensitive() && !waiting.all_in_line());
-        waiting.insert(TaskId(1), Claim::InLine { turn: turn(1, 5.0, false), varies: false });
+        waiting.insert(TaskId(1), Claim::Queued { turn: turn(1, 5.0, false), varies: false });
         assert!(waiting.remove(TaskId(9)) && !waiting.remove(TaskId(9)));
-        assert_eq!(line(&waiting), [1, 3, 2, 4]);
+        assert_eq!(queue(&waiting), [1, 3, 2, 4]);
         assert!(!waiting.is_sensitive() && waiting.all_in_line());
     }
 }

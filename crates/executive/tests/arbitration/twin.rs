@@ -46,7 +46,7 @@ pub struct Twin {
     pub totals: [f64; 4],
     now: u32,
     births: u32,
-    /// What has come at this instant: tasks created now see it too.
+    /// What has arrived at this instant: tasks created now see it too.
     present: Option<Moment>,
 }
 

@@ -140,7 +140,7 @@ impl Rounds {
     }
 
     /// The quickest flight from a point of a circle, which may be flown on along first; with the opposite turn too where there
-    /// is room for it. None where the end lies inside the turns.
+    /// is space for it. None where the end lies inside the turns.
     pub(super) fn passage(&self, on: On, end: End, opposite: bool) -> Option<Passage> {
         let share = on.sense * on.track_rad / TAU;
         let first = (share - libm::floor(share)) * POINTS as f64;

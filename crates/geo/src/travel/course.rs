@@ -84,7 +84,7 @@ impl Course {
         self.length / self.steps.len().max(1) as f64
     }
 
-    /// When the vehicle that leaves at `depart_s` has come as far as `share` of the leg.
+    /// When the vehicle that leaves at `depart_s` has arrived as far as `share` of the leg.
     pub(crate) fn advance(&self, air: &Air, backwards: bool, depart_s: f64, share: f64) -> f64 {
         let (mut now_s, mut span) = (depart_s, air.span_at(depart_s));
         self.walk(share, |index, whole| {
@@ -223,9 +223,9 @@ mod tests {
     use proptest::prelude::*;
 
     pub(super) fn layer(from_s: f64, until_s: f64, east: f64, north: f64, area: Option<Area>) -> WindLayer {
-        let (wind_east_mps, wind_north_mps, turbulence) = (east, north, 0.0);
+        let (wind_east_mps, wind_north_mps, edr) = (east, north, 0.0);
         let (altitude_m_min, altitude_m_max) = (0.0, 9000.0);
-        WindLayer { area, altitude_m_min, altitude_m_max, from_s, until_s, wind_east_mps, wind_north_mps, turbulence }
+        WindLayer { area, altitude_m_min, altitude_m_max, from_s, until_s, wind_east_mps, wind_north_mps, edr }
     }
 
     fn course(from: Position, to: Position) -> Course {

@@ -134,16 +134,21 @@ impl Flyer {
     /// The first instant found at which a path of this word and just that duration is at its end. Nobody is there before who
     /// flies straight; from then on instants are tried one after the other, and where the length jumps between two of them,
     /// because a turn shrinks to none or has become a full circle, both sides of the jump.
-    fn path(&self, word: Word, (from, start): (Pose, Option<f64>), (to, end): (Pose, Option<f64>)) -> Option<TurnPath> {
+    fn path(
+        &self,
+        word: PathType,
+        (from, start): (Pose, Option<f64>),
+        (to, end): (Pose, Option<f64>),
+    ) -> Option<TurnPath> {
         let circle_s = TAU * self.turn_radius_m / self.true_airspeed_mps;
         let look = |time_s: f64| {
             let point = to.point.plus(-time_s, self.wind_mps);
             let (heading_rad, parts) = word.parts(self.turn_radius_m, (from.point, start), (point, end))?;
             let length_m: f64 = parts.iter().map(|part| part.length_m).sum();
             let missed_s = length_m / self.true_airspeed_mps - time_s;
-            Some(Look { time_s, missed_s, heading_rad, parts })
+            Some(PathCandidate { time_s, missed_s, heading_rad, parts })
         };
-        let path = |look: Look| TurnPath {
+        let path = |look: PathCandidate| TurnPath {
             from: from.point,
             heading_rad: look.heading_rad,
             flyer: *self,
@@ -204,7 +209,7 @@ impl Flyer {
 
 /// A word for an end as it is at some instant.
 #[derive(Clone, Copy, Debug)]
-struct Look {
+struct PathCandidate {
     time_s: f64,
     /// How much longer than that the path takes.
     missed_s: f64,
@@ -212,16 +217,16 @@ struct Look {
     parts: [Part; 3],
 }
 
-impl Look {
+impl PathCandidate {
     /// Has a turn become a full circle, or none, on the way to the other?
-    fn jumps_to(&self, other: &Look, radius: f64) -> bool {
+    fn jumps_to(&self, other: &PathCandidate, radius: f64) -> bool {
         let pairs = self.parts.iter().zip(&other.parts);
         pairs.into_iter().any(|(a, b)| a.turn != 0.0 && (a.length_m - b.length_m).abs() > PI * radius)
     }
 }
 
 /// The look farthest from `known` towards `until_s`, at which there is none.
-fn outermost(mut known: Look, mut until_s: f64, look: &dyn Fn(f64) -> Option<Look>) -> Look {
+fn outermost(mut known: PathCandidate, mut until_s: f64, look: &dyn Fn(f64) -> Option<PathCandidate>) -> PathCandidate {
     for _ in 0..HALVINGS {
         let middle_s = 0.5 * (known.time_s + until_s);
         match look(middle_s) {
@@ -234,11 +239,11 @@ fn outermost(mut known: Look, mut until_s: f64, look: &dyn Fn(f64) -> Option<Loo
 
 /// The last instant at which something holds, and the first at which it does not, of two between which that changes.
 fn narrowed(
-    mut low: Look,
-    mut high: Look,
-    look: &dyn Fn(f64) -> Option<Look>,
-    holds: impl Fn(&Look) -> bool,
-) -> (Look, Look) {
+    mut low: PathCandidate,
+    mut high: PathCandidate,
+    look: &dyn Fn(f64) -> Option<PathCandidate>,
+    holds: impl Fn(&PathCandidate) -> bool,
+) -> (PathCandidate, PathCandidate) {
     for _ in 0..HALVINGS {
         let Some(middle) = look(0.5 * (low.time_s + high.time_s)) else { break };
         if holds(&middle) {
@@ -252,25 +257,25 @@ fn narrowed(
 
 /// Senses of the turns at both ends and of one between; which of the two places the turn between has.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Word {
+struct PathType {
     first: f64,
     between: f64,
     last: f64,
     side: f64,
 }
 
-fn words(turn_first: bool, turn_last: bool) -> impl Iterator<Item = Word> {
+fn words(turn_first: bool, turn_last: bool) -> impl Iterator<Item = PathType> {
     let senses = |turns: bool| if turns { vec![1.0, -1.0] } else { vec![0.0] };
     let straight = senses(turn_first).into_iter().flat_map(move |first| {
-        senses(turn_last).into_iter().map(move |last| Word { first, between: 0.0, last, side: 0.0 })
+        senses(turn_last).into_iter().map(move |last| PathType { first, between: 0.0, last, side: 0.0 })
     });
-    let turning = [1.0, -1.0]
-        .into_iter()
-        .flat_map(|first| [1.0, -1.0].into_iter().map(move |side| Word { first, between: -first, last: first, side }));
+    let turning = [1.0, -1.0].into_iter().flat_map(|first| {
+        [1.0, -1.0].into_iter().map(move |side| PathType { first, between: -first, last: first, side })
+    });
     straight.chain(turning.filter(move |_| turn_first && turn_last))
 }
 
-impl Word {
+impl PathType {
     /// The parts from one pose of the air to another, with the heading at the beginning.
     fn parts(
         self,
@@ -292,7 +297,7 @@ impl Word {
             parts
         };
         if self.between == 0.0 {
-            // The line touches both circles: it lies beside their centres by the difference of the senses.
+            // The line touches both circles: it lies next to their centres by the difference of the senses.
             let beside = radius * (self.first - self.last);
             let squared = distance * distance - beside * beside;
             if squared < 0.0 {

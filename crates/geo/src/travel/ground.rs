@@ -2,12 +2,12 @@
 //!
 //! Bound: a leg asks the zones whose boxes it meets, O(corners) each.
 
-use super::bends::{Bend, bends};
 use super::boxes::Boxes;
 use super::course::Block;
+use super::error::TravelError;
+use super::path_vertices::{PathVertex, path_vertices};
 use super::solid::Solid;
 use super::spans::{Span, gaps, merged};
-use super::trouble::Trouble;
 use crate::direction::Direction;
 use crate::landing::{self, Reach};
 use crate::plane::{Plane, Point};
@@ -43,19 +43,19 @@ impl Zone {
 
 /// A place made ready for questions about legs.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Spot {
+pub(crate) struct PreparedPoint {
     pub(crate) position: Position,
     pub(crate) direction: Direction,
     pub(crate) point: Point,
     /// Zones closer than their margin, with their distance: a leg from here need not keep more.
     close: Vec<(usize, f64)>,
     /// How ways bend here; none where they may come and go in every direction.
-    bend: Option<Bend>,
+    bend: Option<PathVertex>,
     /// A place to go to, not only to pass.
     is_place: bool,
 }
 
-impl Spot {
+impl PreparedPoint {
     /// Is a leg in direction `along`, to or from here, of use to a shortest way?
     pub(crate) fn takes(&self, along: Point) -> bool {
         self.bend.is_none_or(|bend| bend.takes(along))
@@ -117,7 +117,7 @@ impl Ground {
     }
 
     /// `position` made ready.
-    pub(crate) fn spot(&self, position: Position) -> Result<Spot, Trouble> {
+    pub(crate) fn spot(&self, position: Position) -> Result<PreparedPoint, TravelError> {
         let direction = Direction::of(position);
         let point = match &self.plane {
             Some(plane) => plane.project(position).filter(|point| point.x.is_finite() && point.y.is_finite()),
@@ -127,20 +127,20 @@ impl Ground {
         let point = match point {
             Some(point) => point,
             None if self.zones.is_empty() && direction.dot(direction).is_finite() => Point::default(),
-            None => return Err(Trouble::TooFar),
+            None => return Err(TravelError::TooFar),
         };
         Ok(self.spot_at(position, direction, point))
     }
 
     /// A point of the plane made ready.
-    pub(crate) fn spot_on_plane(&self, point: Point) -> Result<Spot, Trouble> {
+    pub(crate) fn spot_on_plane(&self, point: Point) -> Result<PreparedPoint, TravelError> {
         if !(point.x.is_finite() && point.y.is_finite()) {
-            return Err(Trouble::TooFar);
+            return Err(TravelError::TooFar);
         }
         Ok(self.spot_at(Position::default(), Direction::default(), point))
     }
 
-    fn spot_at(&self, position: Position, direction: Direction, point: Point) -> Spot {
+    fn spot_at(&self, position: Position, direction: Direction, point: Point) -> PreparedPoint {
         let mut close = Vec::new();
         self.tree.any(point, point, |number| {
             if let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in && zone.margin > 0.0) {
@@ -151,17 +151,17 @@ impl Ground {
             }
             false
         });
-        Spot { position, direction, point, close, bend: None, is_place: true }
+        PreparedPoint { position, direction, point, close, bend: None, is_place: true }
     }
 
     /// Places where ways may bend: around zones' corners and where the reaches of two landing places meet.
-    pub(crate) fn bends(&self) -> Vec<Spot> {
+    pub(crate) fn path_vertices(&self) -> Vec<PreparedPoint> {
         let mut found = Vec::new();
         for zone in &self.zones {
-            for bend in bends(&zone.solid, zone.keep_in, zone.bend_radius) {
+            for bend in path_vertices(&zone.solid, zone.keep_in, zone.bend_radius) {
                 let position = self.plane.map_or(Position::default(), |plane| plane.position(bend.point));
                 let direction = self.plane.map_or(Direction::default(), |_| Direction::of(position));
-                let spot = Spot {
+                let spot = PreparedPoint {
                     position,
                     direction,
                     point: bend.point,
@@ -176,7 +176,7 @@ impl Ground {
         }
         for position in self.reach.as_ref().map(Reach::crossings).unwrap_or_default() {
             if let Ok(spot) = self.spot(position) {
-                let spot = Spot { close: Vec::new(), is_place: false, ..spot };
+                let spot = PreparedPoint { close: Vec::new(), is_place: false, ..spot };
                 if !self.is_shut_for_ever(&spot) {
                     found.push(spot);
                 }
@@ -185,13 +185,13 @@ impl Ground {
         found
     }
 
-    fn is_shut_for_ever(&self, spot: &Spot) -> bool {
+    fn is_shut_for_ever(&self, spot: &PreparedPoint) -> bool {
         let reach = self.reach.as_ref();
         self.open_s(spot).is_empty() || reach.is_some_and(|reach| !reach.holds(spot.position, spot.direction))
     }
 
     /// When it is allowed to be at `spot`.
-    pub(crate) fn open_s(&self, spot: &Spot) -> Vec<Span> {
+    pub(crate) fn open_s(&self, spot: &PreparedPoint) -> Vec<Span> {
         let mut shut = Vec::new();
         self.tree.any(spot.point, spot.point, |number| {
             if let Some(zone) = self.zones.get(number).filter(|zone| !zone.keep_in) {
@@ -207,7 +207,12 @@ impl Ground {
     }
 
     /// A point of a leg's turns made ready: near zones it need not keep more than the leg's ends do.
-    pub(crate) fn between(&self, (from, to): (&Spot, &Spot), position: Position, point: Point) -> Option<Spot> {
+    pub(crate) fn between(
+        &self,
+        (from, to): (&PreparedPoint, &PreparedPoint),
+        position: Position,
+        point: Point,
+    ) -> Option<PreparedPoint> {
         let direction = Direction::of(position);
         let point = match &self.plane {
             Some(plane) => plane.project(position).or(self.zones.is_empty().then(Point::default))?,
@@ -220,16 +225,17 @@ impl Ground {
                 None => close.push((*number, *distance)),
             }
         }
-        Some(Spot { position, direction, point, close, bend: None, is_place: false })
+        Some(PreparedPoint { position, direction, point, close, bend: None, is_place: false })
     }
 
     /// Why it is not allowed to be at `spot` at some time of `time_s`; none where it is at all times of it.
-    pub(crate) fn place_trouble(&self, spot: &Spot, (from_s, until_s): Span) -> Option<Trouble> {
+    pub(crate) fn place_trouble(&self, spot: &PreparedPoint, (from_s, until_s): Span) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut inside = None;
         self.tree.any(spot.point, spot.point, |number| {
             let zone = self.zones.get(number).filter(|zone| !zone.keep_in && zone.active_s.iter().any(meets));
-            inside = zone.filter(|zone| zone.solid.holds(spot.point)).map(|zone| Trouble::Inside(zone.name.clone()));
+            inside =
+                zone.filter(|zone| zone.solid.holds(spot.point)).map(|zone| TravelError::Inside(zone.name.clone()));
             inside.is_some()
         });
         if inside.is_some() {
@@ -237,21 +243,21 @@ impl Ground {
         }
         let mut outside = self.corridors.iter().filter(|(span, _)| meets(span));
         if outside.any(|(_, among)| !self.permits(spot.point, among)) {
-            return Some(Trouble::Outside);
+            return Some(TravelError::Outside);
         }
         let reach = self.reach.as_ref()?;
         if reach.holds(spot.position, spot.direction) {
             return None;
         }
         let nearest = landing::nearest(reach.places(), spot.position);
-        Some(Trouble::NoLandingPlace(nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m)))
+        Some(TravelError::NoLandingPlace(nearest.map_or(f64::INFINITY, |(_, distance_m)| distance_m)))
     }
 
     /// Which parts of the leg are shut at which times; empty where none is.
     ///
     /// # Errors
     /// Some part is shut for ever: what shuts it.
-    pub(crate) fn blocks(&self, from: &Spot, to: &Spot) -> Result<Vec<Block>, Trouble> {
+    pub(crate) fn blocks(&self, from: &PreparedPoint, to: &PreparedPoint) -> Result<Vec<Block>, TravelError> {
         self.blocks_wider(from, to, 0.0)
     }
 
@@ -259,7 +265,12 @@ impl Ground {
     ///
     /// # Errors
     /// As there.
-    pub(crate) fn blocks_wider(&self, from: &Spot, to: &Spot, more: f64) -> Result<Vec<Block>, Trouble> {
+    pub(crate) fn blocks_wider(
+        &self,
+        from: &PreparedPoint,
+        to: &PreparedPoint,
+        more: f64,
+    ) -> Result<Vec<Block>, TravelError> {
         let mut blocks = Vec::new();
         let mut trouble = None;
         let (a, b) = (from.point, to.point);
@@ -269,7 +280,7 @@ impl Ground {
             let margin = if kept >= zone.margin * (1.0 - TOUCH) { kept + more } else { kept };
             if zone.is_always_active() {
                 if zone.solid.meets(a, b, margin) {
-                    trouble = Some(Trouble::Crosses(zone.name.clone()));
+                    trouble = Some(TravelError::Crosses(zone.name.clone()));
                 }
             } else {
                 for part in zone.solid.near(a, b, margin) {
@@ -284,7 +295,7 @@ impl Ground {
         for (time_s, among) in &self.corridors {
             let outside = self.outside(a, b, among);
             if *time_s == ALWAYS && !outside.is_empty() {
-                return Err(Trouble::LeavesPermitted);
+                return Err(TravelError::LeavesPermitted);
             }
             blocks.extend(outside.into_iter().map(|part| Block { part, time_s: *time_s }));
         }
@@ -292,13 +303,13 @@ impl Ground {
             let exact = from.is_place && to.is_place;
             !reach.holds_leg((from.position, from.direction), (to.position, to.direction), exact)
         });
-        reach.map_or(Ok(blocks), |reach| Err(Trouble::LeavesReach(reach.distance_m_max())))
+        reach.map_or(Ok(blocks), |reach| Err(TravelError::LeavesReach(reach.distance_m_max())))
     }
 
     /// Does everything within `width` of a leg keep every zone's margin but for `room` of it, at all times, however close its
     /// ends are? Said no where permitted zones share the leg, and where landing places limit it: these are asked about
     /// lines only.
-    pub(crate) fn is_clear(&self, from: &Spot, to: &Spot, (width, room): (f64, f64)) -> bool {
+    pub(crate) fn is_clear(&self, from: &PreparedPoint, to: &PreparedPoint, (width, room): (f64, f64)) -> bool {
         let (a, b) = (from.point, to.point);
         let wide = |zone: &Zone| width * zone.stretch * (1.0 + super::turns::TOLERANCE_SHARE);
         let kept = |zone: &Zone| (zone.margin - room * zone.stretch).max(0.0) * (1.0 - TOUCH);
@@ -315,14 +326,19 @@ impl Ground {
     }
 
     /// Why a leg itself is not allowed at some time of `time_s`, whatever ways lead around; none where it is.
-    pub(crate) fn leg_trouble(&self, from: &Spot, to: &Spot, (from_s, until_s): Span) -> Option<Trouble> {
+    pub(crate) fn leg_trouble(
+        &self,
+        from: &PreparedPoint,
+        to: &PreparedPoint,
+        (from_s, until_s): Span,
+    ) -> Option<TravelError> {
         let meets = |(begin_s, end_s): &Span| *begin_s <= until_s && from_s < *end_s;
         let mut crossed = None;
         self.tree.any(from.point, to.point, |number| {
             let zone = self.zones.get(number).filter(|zone| !zone.keep_in && zone.active_s.iter().any(meets));
             crossed = zone
                 .filter(|zone| zone.solid.meets(from.point, to.point, self.margin(number, zone, from, to)))
-                .map(|zone| Trouble::LegCrosses(zone.name.clone()));
+                .map(|zone| TravelError::LegCrosses(zone.name.clone()));
             crossed.is_some()
         });
         if crossed.is_some() {
@@ -330,16 +346,18 @@ impl Ground {
         }
         let mut corridors = self.corridors.iter().filter(|(span, _)| meets(span));
         if corridors.any(|(_, among)| !self.outside(from.point, to.point, among).is_empty()) {
-            return Some(Trouble::LegLeavesPermitted);
+            return Some(TravelError::LegLeavesPermitted);
         }
         let reach = self.reach.as_ref()?;
         let held = reach.holds_leg((from.position, from.direction), (to.position, to.direction), true);
-        (!held).then(|| Trouble::LeavesReach(reach.distance_m_max()))
+        (!held).then(|| TravelError::LeavesReach(reach.distance_m_max()))
     }
 
     /// Margin of a zone for a leg: no more than its ends keep.
-    fn margin(&self, number: usize, zone: &Zone, from: &Spot, to: &Spot) -> f64 {
-        let kept = |spot: &Spot| spot.close.iter().find(|(close, _)| *close == number).map_or(zone.margin, |(_, d)| *d);
+    fn margin(&self, number: usize, zone: &Zone, from: &PreparedPoint, to: &PreparedPoint) -> f64 {
+        let kept = |spot: &PreparedPoint| {
+            spot.close.iter().find(|(close, _)| *close == number).map_or(zone.margin, |(_, d)| *d)
+        };
         kept(from).min(kept(to)) * (1.0 - TOUCH)
     }
 

@@ -8,28 +8,28 @@
 //! ways without wind and margins are the shortest there are (decision 0036 says what is not exact).
 
 mod air;
-mod bends;
 mod boxes;
 mod circles;
 mod course;
 mod dubins;
+mod error;
 mod ground;
 mod network;
+mod path_vertices;
 mod search;
 mod setting;
 mod solid;
 mod spans;
 #[cfg(test)]
 mod tests;
-mod trouble;
 mod turns;
 mod ways;
 
 pub use air::Air;
-pub use bends::crossing;
 pub use dubins::{Flyer, Part, Pose, TurnPath, turn_radius_m};
-pub use network::{BENDS_MAX, Network, PlaceId};
+pub use error::TravelError;
+pub use network::{BENDS_MAX, EndpointId, Network};
+pub use path_vertices::crossing;
 pub use setting::{PlaneZone, Setting};
-pub use trouble::Trouble;
 pub use turns::{Circling, TOLERANCE_SHARE};
-pub use ways::{Trip, WayId};
+pub use ways::{PathId, Trip};

@@ -7,10 +7,10 @@
 use super::air::Air;
 use super::circles;
 use super::course::{Block, Course, Timing, first_open};
-use super::ground::{Ground, Spot};
+use super::error::TravelError;
+use super::ground::{Ground, PreparedPoint};
 use super::setting::{self, PlaneZone, Setting};
 use super::spans::Span;
-use super::trouble::Trouble;
 use crate::plane::Point;
 use apex_model::problem::Position;
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ pub const BENDS_MAX: usize = 2_000;
 
 /// The number of a place of a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct PlaceId(pub(crate) usize);
+pub struct EndpointId(pub(crate) usize);
 
 /// A straight leg that is not shut for ever.
 #[derive(Clone, Debug)]
@@ -34,14 +34,14 @@ struct Leg {
 
 /// A leg in one of its directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Ride {
+pub(crate) struct DirectedLeg {
     leg: usize,
     backwards: bool,
 }
 
-impl Ride {
-    fn reversed(self) -> Ride {
-        Ride { backwards: !self.backwards, ..self }
+impl DirectedLeg {
+    fn reversed(self) -> DirectedLeg {
+        DirectedLeg { backwards: !self.backwards, ..self }
     }
 }
 
@@ -49,12 +49,12 @@ impl Ride {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Join {
     pub(crate) bend: usize,
-    pub(crate) ride: Ride,
+    pub(crate) ride: DirectedLeg,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub(super) spot: Spot,
+pub(super) struct Endpoint {
+    pub(super) spot: PreparedPoint,
     /// When it is allowed to be there.
     pub(super) open_s: Vec<Span>,
     /// In which direction it is left and reached, clockwise from north; none is any.
@@ -68,7 +68,7 @@ pub(super) struct Place {
 /// How the vehicle turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turns {
-    /// Turns are no tighter than this; 0 where they take no time and no room.
+    /// Turns are no tighter than this; 0 where they take no time and no space.
     pub(super) radius: f64,
     /// Radius of the circles over ground around places; 0 where none is circled around.
     pub(super) circle_radius: f64,
@@ -96,14 +96,14 @@ pub struct Network {
     pub(super) changes_s: Vec<f64>,
     pub(super) on_plane: bool,
     pub(super) turns: Turns,
-    bends: Vec<Spot>,
+    path_vertices: Vec<PreparedPoint>,
     /// For each bend when it is allowed to be there.
     pub(super) bends_open_s: Vec<Vec<Span>>,
     /// For each bend the rides to other bends.
     joins: Vec<Vec<Join>>,
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<Endpoint>,
     /// Between places, the one of the lower number first; no leg where it is shut for ever.
-    direct: BTreeMap<(usize, usize), Result<usize, Trouble>>,
+    direct: BTreeMap<(usize, usize), Result<usize, TravelError>>,
     legs: Vec<Leg>,
     pub(super) found: super::ways::Found,
     pub(super) work: u64,
@@ -146,10 +146,10 @@ impl Network {
     }
 
     fn over(ground: Ground, air: Air, time_s: Span, (on_plane, turns): (bool, Turns)) -> Network {
-        let mut bends = ground.bends();
-        bends.truncate(BENDS_MAX);
-        let bends_open_s = bends.iter().map(|bend| ground.open_s(bend)).collect();
-        let joins = bends.iter().map(|_| Vec::new()).collect();
+        let mut path_vertices = ground.path_vertices();
+        path_vertices.truncate(BENDS_MAX);
+        let bends_open_s = path_vertices.iter().map(|bend| ground.open_s(bend)).collect();
+        let joins = path_vertices.iter().map(|_| Vec::new()).collect();
         let changes_s = ground.changes_s();
         let mut network = Network {
             changes_s,
@@ -158,7 +158,7 @@ impl Network {
             time_s,
             on_plane,
             turns,
-            bends: Vec::new(),
+            path_vertices: Vec::new(),
             bends_open_s,
             joins,
             places: Vec::new(),
@@ -167,8 +167,8 @@ impl Network {
             found: super::ways::Found::default(),
             work: 0,
         };
-        for (number, bend) in bends.iter().enumerate() {
-            for (other, there) in bends.iter().enumerate().skip(number + 1) {
+        for (number, bend) in path_vertices.iter().enumerate() {
+            for (other, there) in path_vertices.iter().enumerate().skip(number + 1) {
                 let Some(ride) = network.tangent(bend, there) else { continue };
                 if let Some(joins) = network.joins.get_mut(number) {
                     joins.push(Join { bend: other, ride });
@@ -178,13 +178,13 @@ impl Network {
                 }
             }
         }
-        network.bends = bends;
+        network.path_vertices = path_vertices;
         network
     }
 
-    /// The number of bends, for people and tests.
-    pub fn bends(&self) -> usize {
-        self.bends.len()
+    /// The number of bends, for operators and tests.
+    pub fn path_vertices(&self) -> usize {
+        self.path_vertices.len()
     }
 
     /// Legs looked at and labels set since the last call, for budgets.
@@ -196,8 +196,8 @@ impl Network {
     ///
     /// # Errors
     /// It is not on the map.
-    pub fn add(&mut self, position: Position) -> Result<PlaceId, Trouble> {
-        let spot = if self.on_plane { Err(Trouble::TooFar) } else { self.ground.spot(position) };
+    pub fn add(&mut self, position: Position) -> Result<EndpointId, TravelError> {
+        let spot = if self.on_plane { Err(TravelError::TooFar) } else { self.ground.spot(position) };
         spot.map(|spot| self.admit(spot))
     }
 
@@ -205,19 +205,19 @@ impl Network {
     ///
     /// # Errors
     /// It is not finite.
-    pub fn add_point(&mut self, point: Point) -> Result<PlaceId, Trouble> {
+    pub fn add_point(&mut self, point: Point) -> Result<EndpointId, TravelError> {
         self.ground.spot_on_plane(point).map(|spot| self.admit(spot))
     }
 
-    fn admit(&mut self, spot: Spot) -> PlaceId {
+    fn admit(&mut self, spot: PreparedPoint) -> EndpointId {
         let open_s = self.ground.open_s(&spot);
-        self.places.push(Place { spot, open_s, track_rad: None, is_circled: false, joins: None });
-        PlaceId(self.places.len() - 1)
+        self.places.push(Endpoint { spot, open_s, track_rad: None, is_circled: false, joins: None });
+        EndpointId(self.places.len() - 1)
     }
 
     /// Says in which direction a place is left and reached, clockwise from north. Only counts where turns are limited, and only
     /// for ways that are asked for later.
-    pub fn head(&mut self, place: PlaceId, track_rad: Option<f64>) {
+    pub fn head(&mut self, place: EndpointId, track_rad: Option<f64>) {
         if let Some(place) = self.places.get_mut(place.0) {
             place.track_rad = track_rad.filter(|track_rad| track_rad.is_finite());
         }
@@ -231,14 +231,14 @@ impl Network {
     /// Says that a place is circled around: a way to it ends on the circle, and one from it begins anywhere on the circle, so that
     /// it takes what it takes from the worst point. Only counts in a [`Setting::circling`] with a turn radius, and only for ways
     /// that are asked for later.
-    pub fn circle(&mut self, place: PlaceId) {
+    pub fn circle(&mut self, place: EndpointId) {
         if let Some(place) = self.places.get_mut(place.0) {
             place.is_circled = self.turns.circle_radius > 0.0;
         }
     }
 
     /// Why it is not allowed to be at `place` at some time of `time_s`; none where it is at all times of it.
-    pub fn place_trouble(&self, place: PlaceId, time_s: Span) -> Option<Trouble> {
+    pub fn place_trouble(&self, place: EndpointId, time_s: Span) -> Option<TravelError> {
         self.places.get(place.0).and_then(|place| self.ground.place_trouble(&place.spot, time_s))
     }
 
@@ -248,7 +248,7 @@ impl Network {
     }
 
     /// Why the straight leg between two positions is not allowed at some time of `time_s`.
-    pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<Trouble> {
+    pub fn leg_trouble(&self, from: Position, to: Position, (from_s, until_s): Span) -> Option<TravelError> {
         let spots = self.ground.spot(from).and_then(|from| Ok((from, self.ground.spot(to)?)));
         match spots {
             Ok((from, to)) => self.ground.leg_trouble(&from, &to, (from_s, until_s)),
@@ -257,16 +257,16 @@ impl Network {
     }
 
     /// The ride between two bends or a place and a bend, if it is of use to a shortest way.
-    fn tangent(&mut self, from: &Spot, to: &Spot) -> Option<Ride> {
+    fn tangent(&mut self, from: &PreparedPoint, to: &PreparedPoint) -> Option<DirectedLeg> {
         let along = to.point.minus(from.point);
         if !from.takes(along) || !to.takes(along) {
             return None;
         }
         let leg = self.straight(from, to).ok()?;
-        Some(Ride { leg, backwards: false })
+        Some(DirectedLeg { leg, backwards: false })
     }
 
-    fn straight(&mut self, from: &Spot, to: &Spot) -> Result<usize, Trouble> {
+    fn straight(&mut self, from: &PreparedPoint, to: &PreparedPoint) -> Result<usize, TravelError> {
         self.work += 1;
         let blocks = self.ground.blocks(from, to)?;
         let course = if self.on_plane {
@@ -274,7 +274,7 @@ impl Network {
         } else {
             Course::on_earth(from.direction, to.direction)
         };
-        let course = course.ok_or(Trouble::TooFar)?;
+        let course = course.ok_or(TravelError::TooFar)?;
         self.legs.push(Leg { course, blocks, timings: Default::default() });
         Ok(self.legs.len() - 1)
     }
@@ -283,31 +283,31 @@ impl Network {
     ///
     /// # Errors
     /// What shuts it for ever.
-    pub(super) fn direct(&mut self, from: PlaceId, to: PlaceId) -> Result<Ride, Trouble> {
+    pub(super) fn direct(&mut self, from: EndpointId, to: EndpointId) -> Result<DirectedLeg, TravelError> {
         let key = (from.0.min(to.0), from.0.max(to.0));
         let backwards = from.0 > to.0;
         if let Some(known) = self.direct.get(&key) {
-            return known.clone().map(|leg| Ride { leg, backwards });
+            return known.clone().map(|leg| DirectedLeg { leg, backwards });
         }
         let spots = self.places.get(key.0).zip(self.places.get(key.1));
-        let (a, b) = spots.map(|(a, b)| (a.spot.clone(), b.spot.clone())).ok_or(Trouble::TooFar)?;
+        let (a, b) = spots.map(|(a, b)| (a.spot.clone(), b.spot.clone())).ok_or(TravelError::TooFar)?;
         let leg = self.straight(&a, &b);
         self.direct.insert(key, leg.clone());
-        leg.map(|leg| Ride { leg, backwards })
+        leg.map(|leg| DirectedLeg { leg, backwards })
     }
 
     /// Rides from a place to bends.
-    pub(super) fn joins_of_place(&mut self, place: PlaceId) -> Vec<Join> {
+    pub(super) fn joins_of_place(&mut self, place: EndpointId) -> Vec<Join> {
         let Some(found) = self.places.get(place.0) else { return Vec::new() };
         if let Some(joins) = &found.joins {
             return joins.clone();
         }
         let spot = found.spot.clone();
-        let bends = std::mem::take(&mut self.bends);
-        let tangents = bends.iter().enumerate();
+        let path_vertices = std::mem::take(&mut self.path_vertices);
+        let tangents = path_vertices.iter().enumerate();
         let joins: Vec<Join> =
             tangents.filter_map(|(bend, there)| Some(Join { bend, ride: self.tangent(&spot, there)? })).collect();
-        self.bends = bends;
+        self.path_vertices = path_vertices;
         if let Some(place) = self.places.get_mut(place.0) {
             place.joins = Some(joins.clone());
         }
@@ -320,42 +320,42 @@ impl Network {
     }
 
     /// When a ride that begins at `depart_s` ends.
-    pub(super) fn arrive(&mut self, ride: Ride, depart_s: f64) -> f64 {
+    pub(super) fn arrive(&mut self, ride: DirectedLeg, depart_s: f64) -> f64 {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return f64::INFINITY };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
         timing.map_or(f64::INFINITY, |timing| leg.course.arrive(&self.air, ride.backwards, timing, depart_s))
     }
 
     /// When to begin a ride so as to end it at `arrive_s`.
-    pub(super) fn retreat(&self, ride: Ride, arrive_s: f64) -> f64 {
+    pub(super) fn retreat(&self, ride: DirectedLeg, arrive_s: f64) -> f64 {
         let leg = self.legs.get(ride.leg);
         leg.map_or(f64::NEG_INFINITY, |leg| leg.course.retreat(&self.air, ride.backwards, arrive_s, 1.0))
     }
 
     /// Departures at which a ride is shut.
-    pub(super) fn closed(&mut self, ride: Ride) -> &[Span] {
+    pub(super) fn closed(&mut self, ride: DirectedLeg) -> &[Span] {
         let Some(leg) = self.legs.get_mut(ride.leg) else { return &[] };
         let timing = leg.timings.get_mut(usize::from(ride.backwards));
         timing.map_or(&[], |timing| leg.course.closed(&self.air, ride.backwards, &leg.blocks, timing))
     }
 
     /// The first departure from `ready_s` on at which the ride is not shut.
-    pub(super) fn first_open(&mut self, ride: Ride, ready_s: f64) -> f64 {
+    pub(super) fn first_open(&mut self, ride: DirectedLeg, ready_s: f64) -> f64 {
         first_open(self.closed(ride), ready_s)
     }
 
     /// Length of a ride.
-    pub(super) fn length(&self, ride: Ride) -> f64 {
+    pub(super) fn length(&self, ride: DirectedLeg) -> f64 {
         self.legs.get(ride.leg).map_or(f64::INFINITY, |leg| leg.course.length())
     }
 
     /// Where a bend is.
-    pub(super) fn bend(&self, bend: usize) -> Option<&Spot> {
-        self.bends.get(bend)
+    pub(super) fn bend(&self, bend: usize) -> Option<&PreparedPoint> {
+        self.path_vertices.get(bend)
     }
 }
 
 /// The ride the other way.
-pub(super) fn reversed(join: &Join) -> Ride {
+pub(super) fn reversed(join: &Join) -> DirectedLeg {
     join.ride.reversed()
 }

@@ -3,7 +3,7 @@
 //! A label is a bend in one of the spans in which it is allowed to be there; arriving earlier in a span is never worse,
 //! because one can hold there. Bound: O(legs log bends) for each search, times the spans of a bend.
 
-use super::network::{Join, Network, PlaceId, Ride, reversed};
+use super::network::{DirectedLeg, EndpointId, Join, Network, reversed};
 use super::spans::Span;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -37,7 +37,7 @@ impl Ord for Order {
 struct Label {
     arrive_s: f64,
     /// The label before, none at the first bend, and the ride from there.
-    before: Option<(Option<usize>, Ride)>,
+    before: Option<(Option<usize>, DirectedLeg)>,
 }
 
 /// The earliest arrivals at all bends after leaving one place at one time.
@@ -50,7 +50,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// The rides that lead to a label.
-    fn rides(&self, label: usize) -> (Vec<Ride>, Vec<usize>) {
+    fn rides(&self, label: usize) -> (Vec<DirectedLeg>, Vec<usize>) {
         let (mut rides, mut labels, mut here) = (Vec::new(), Vec::new(), Some(label));
         while let Some(number) = here {
             labels.push(number);
@@ -70,16 +70,16 @@ impl Tree {
 
 /// A way that a search has found.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct FoundWay {
+pub(super) struct FoundPath {
     pub(super) arrive_s: f64,
-    pub(super) rides: Vec<Ride>,
+    pub(super) rides: Vec<DirectedLeg>,
     /// The bends between.
-    pub(super) bends: Vec<usize>,
+    pub(super) path_vertices: Vec<usize>,
 }
 
 impl Network {
     /// The earliest arrivals at bends after leaving `from` at `depart_s` or holding there first.
-    pub(super) fn tree(&mut self, from: PlaceId, depart_s: f64) -> Tree {
+    pub(super) fn tree(&mut self, from: EndpointId, depart_s: f64) -> Tree {
         let mut tree = Tree::default();
         for open_s in &self.bends_open_s {
             tree.firsts.push(tree.labels.len());
@@ -107,7 +107,7 @@ impl Network {
     }
 
     /// Until when one who is at a place may stay; none where it is not allowed to be there now.
-    pub(super) fn may_hold_until_s(&self, place: PlaceId, now_s: f64) -> Option<f64> {
+    pub(super) fn may_hold_until_s(&self, place: EndpointId, now_s: f64) -> Option<f64> {
         let open_s = &self.places.get(place.0)?.open_s;
         open_s.iter().find(|(from_s, until_s)| *from_s <= now_s && now_s <= *until_s).map(|(_, until_s)| *until_s)
     }
@@ -145,8 +145,8 @@ impl Network {
     }
 
     /// The first way to a place over the bends of a tree.
-    pub(super) fn way_over(&mut self, tree: &Tree, to: PlaceId) -> Option<FoundWay> {
-        let mut best: Option<(f64, usize, Ride)> = None;
+    pub(super) fn way_over(&mut self, tree: &Tree, to: EndpointId) -> Option<FoundPath> {
+        let mut best: Option<(f64, usize, DirectedLeg)> = None;
         for join in self.joins_of_place(to) {
             let ride = reversed(&join);
             let Some(first) = tree.firsts.get(join.bend).copied() else { continue };
@@ -170,7 +170,7 @@ impl Network {
         let (arrive_s, label, last) = best?;
         let (mut rides, labels) = tree.rides(label);
         rides.push(last);
-        let bends = labels.into_iter().map(|label| tree.bend_of(label)).collect();
-        Some(FoundWay { arrive_s, rides, bends })
+        let path_vertices = labels.into_iter().map(|label| tree.bend_of(label)).collect();
+        Some(FoundPath { arrive_s, rides, path_vertices })
     }
 }

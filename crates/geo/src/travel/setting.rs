@@ -1,7 +1,7 @@
 //! What ways must obey, as data: from a mission on the Earth, or drawn on a plane.
 
-use super::bends::crossing;
 use super::ground::{Ground, Zone};
+use super::path_vertices::crossing;
 use super::solid::Solid;
 use super::spans::{Span, merged};
 use crate::landing::Reach;
@@ -17,7 +17,7 @@ pub struct Setting<'a> {
     pub margin_m: f64,
     /// The vehicle cannot turn more tightly than this: ways bend around corners of zones on arcs of at least this radius.
     pub turn_radius_m: f64,
-    /// Are places circled around ([`super::Network::circle`])? Ways then keep room for circles beside the margin.
+    /// Are places circled around ([`super::Network::circle`])? Ways then keep space for circles next to the margin.
     pub circling: bool,
     /// Emergency landing places.
     pub landing_places: &'a [LandingPlace],
@@ -44,7 +44,7 @@ pub struct PlaneZone {
     pub active_s: Vec<(f64, f64)>,
 }
 
-/// A projection around the setting's positions on which all zones lie, kept away from by `room_m` beside the margin.
+/// A projection around the setting's positions on which all zones lie, kept away from by `room_m` next to the margin.
 pub(crate) fn ground(setting: &Setting<'_>, room_m: f64) -> Result<Ground, String> {
     let plane = Plane::around(setting.around);
     let (low_m, high_m) = setting.altitudes_m;

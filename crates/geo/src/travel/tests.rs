@@ -70,7 +70,7 @@ mod golden {
         let mut compared = 0;
         for (number, world) in worlds().iter().enumerate() {
             let mut network = still(&world.zones, 0.0);
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             for (from, to, length) in &world.ways {
                 for (from, to) in [(*from, *to), (*to, *from)] {
                     let ours = network.trip(places[from], places[to], 0.0).ok().map(|trip| trip.arrive_s);
@@ -219,7 +219,7 @@ mod random {
             let world = Worlds { zones: zones.clone(), ..world };
             let lengths = brute(&world);
             let mut network = still(&zones, 0.0);
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             for (number, to) in places.iter().enumerate().skip(1) {
                 let ours = network.trip(places[0], *to, 0.0).map_or(f64::INFINITY, |trip| trip.arrive_s);
                 let close = (ours - lengths[number]).abs() <= 1e-6 || ours == lengths[number];
@@ -231,7 +231,7 @@ mod random {
         fn no_way_enters_a_zone_or_its_margin(world in worlds(9), margin in 0.0..3.0f64, depart_s in 0.0..150.0f64) {
             let margin = if margin < 1.0 { 0.0 } else { margin };
             let mut network = still(&world.zones, margin);
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             for from in &places {
                 for to in &places {
                     let Ok(trip) = network.trip(*from, *to, depart_s) else { continue };
@@ -257,7 +257,7 @@ mod random {
             let margin = if margin < 1.0 { 0.0 } else { margin };
             let air = super::gust(wind.0, wind.1, wind.2);
             let mut network = Network::on_plane(&world.zones, (margin, radius), air, ALL_DAY).unwrap();
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             for (place, track) in places.iter().zip(&tracks) {
                 network.head(*place, *track);
             }
@@ -267,7 +267,7 @@ mod random {
                     let points = network.path_points(trip.way, trip.depart_s);
                     prop_assert!(points.first() == Some(&world.places[from.0]) && points.last() == Some(&world.places[to.0]));
                     // Where it begins and ends in its direction, as far as a chord of a turn shows it.
-                    let off = |along: Point, place: &PlaceId| {
+                    let off = |along: Point, place: &EndpointId| {
                         let bearing = libm::atan2(along.x, along.y);
                         tracks[place.0].filter(|_| along.length() > 0.0).map_or(0.0, |track| {
                             let apart = (bearing - track).rem_euclid(std::f64::consts::TAU);
@@ -309,7 +309,7 @@ mod random {
         ) {
             let air = super::gust(wind.0, wind.1, wind.2);
             let mut network = Network::on_plane(&world.zones, (0.0, radius), air, ALL_DAY).unwrap();
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             places.iter().for_each(|place| network.head(*place, track));
             let outside = |place: &Point| world.zones.iter().all(|zone| !plane::inside(*place, &zone.corners));
             if !outside(&world.places[0]) {
@@ -334,7 +334,7 @@ mod random {
         ) {
             let air = super::gust(wind.0, wind.1, wind.2);
             let mut network = Network::on_plane(&world.zones, (0.0, 0.0), air, ALL_DAY).unwrap();
-            let places: Vec<PlaceId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+            let places: Vec<EndpointId> = world.places.iter().map(|place| network.add_point(*place).unwrap()).collect();
             let mut departs = departs;
             departs.sort_by(f64::total_cmp);
             // A place that is shut at some time cannot be held at: who leaves later may come from elsewhere.
@@ -364,7 +364,7 @@ fn gust(east_mps: f64, north_mps: f64, until_s: f64) -> Air {
         until_s,
         wind_east_mps: east_mps,
         wind_north_mps: north_mps,
-        turbulence: 0.0,
+        edr: 0.0,
     };
     let field = apex_model::problem::WindField { layers: vec![layer], blend: false };
     Air::new(&field, 100.0, 10.0, 0.0, ALL_DAY.1)
@@ -427,8 +427,8 @@ fn who_turns_wide_bends_farther_out_and_can_fly_every_bend() {
 fn who_is_inside_a_zone_is_told_so() {
     let mut network = still(&[square(0.0, 0.0, 10.0)], 0.0);
     let (inside, outside) = (network.add_point(p(5.0, 5.0)).unwrap(), network.add_point(p(50.0, 5.0)).unwrap());
-    assert_eq!(network.trip(outside, inside, 0.0), Err(Trouble::Inside("square".into())));
-    assert_eq!(network.trip(inside, outside, 0.0), Err(Trouble::Inside("square".into())));
+    assert_eq!(network.trip(outside, inside, 0.0), Err(TravelError::Inside("square".into())));
+    assert_eq!(network.trip(inside, outside, 0.0), Err(TravelError::Inside("square".into())));
     let ring = [
         zone("n", &[(-20.0, 20.0), (30.0, 20.0), (30.0, 30.0), (-20.0, 30.0)]),
         zone("s", &[(-20.0, -20.0), (30.0, -20.0), (30.0, -10.0), (-20.0, -10.0)]),
@@ -436,7 +436,7 @@ fn who_is_inside_a_zone_is_told_so() {
         zone("e", &[(20.0, -15.0), (30.0, -15.0), (30.0, 25.0), (20.0, 25.0)]),
     ];
     assert_eq!(time_s(&mut still(&ring, 0.0), p(0.0, 0.0), p(100.0, 0.0), 0.0), None);
-    assert_eq!(still(&ring, 0.0).add_point(p(f64::NAN, 0.0)), Err(Trouble::TooFar));
+    assert_eq!(still(&ring, 0.0).add_point(p(f64::NAN, 0.0)), Err(TravelError::TooFar));
     let line = Network::on_plane(&[zone("R-9", &[(0.0, 0.0), (1.0, 1.0)])], (0.0, 0.0), Air::still(1.0), ALL_DAY);
     assert!(line.unwrap_err().contains("R-9"));
 }

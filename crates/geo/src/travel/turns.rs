@@ -11,10 +11,10 @@
 
 use super::circles::{End, On, Passage, Rounds};
 use super::dubins::{Flyer, Pose, TurnPath};
-use super::ground::Spot;
-use super::network::{Network, PlaceId};
+use super::ground::PreparedPoint;
+use super::network::{EndpointId, Network};
 use super::spans::Span;
-use super::ways::WayId;
+use super::ways::PathId;
 use crate::direction::Direction;
 use crate::geodesy::{self, EARTH_RADIUS_M_MEAN, Position};
 use crate::plane::Point;
@@ -57,7 +57,7 @@ pub struct Circling {
 pub(super) struct Turned {
     /// What it takes more than the straight legs.
     pub(super) extra_s: f64,
-    /// Departures at which something is shut beside the legs.
+    /// Departures at which something is shut next to the legs.
     pub(super) closed_s: Vec<Span>,
     /// For each span of the air the path over ground.
     spots: Vec<Drawn>,
@@ -65,8 +65,8 @@ pub(super) struct Turned {
 
 /// From one bend to the next: along the x axis of a local plane.
 struct Piece<'a> {
-    from: &'a Spot,
-    to: &'a Spot,
+    from: &'a PreparedPoint,
+    to: &'a PreparedPoint,
     length: f64,
     frame: Frame,
     /// Bearings of the straight line at both ends, clockwise from north.
@@ -82,7 +82,7 @@ enum Frame {
 }
 
 impl Piece<'_> {
-    fn of<'a>(from: &'a Spot, to: &'a Spot, on_plane: bool) -> Piece<'a> {
+    fn of<'a>(from: &'a PreparedPoint, to: &'a PreparedPoint, on_plane: bool) -> Piece<'a> {
         let bearing = |(east, north): (f64, f64)| libm::atan2(east, north);
         if on_plane {
             let apart = to.point.minus(from.point);
@@ -194,8 +194,8 @@ fn turn_rad(angle_rad: f64) -> f64 {
 }
 
 impl Network {
-    /// What turning makes of a way; none where there is no room for it. Only asked where turns are limited.
-    pub(super) fn turn(&mut self, way: WayId) -> Option<Turned> {
+    /// What turning makes of a way; none where there is no space for it. Only asked where turns are limited.
+    pub(super) fn turn(&mut self, way: PathId) -> Option<Turned> {
         let (spots, ends) = self.ends_and_bends(way)?;
         let (pieces, at) = self.pieces(&spots, ends);
         let circled = at.contains(&At::Circle);
@@ -255,7 +255,7 @@ impl Network {
         let end = Pose { point: piece.end(), track_rad: piece.track_rad(to, true) };
         let tolerance = TOLERANCE_SHARE * self.turns.radius;
         flyer.paths(begin, end).into_iter().find_map(|path| {
-            let mut spots: Vec<Spot> = vec![piece.from.clone()];
+            let mut spots: Vec<PreparedPoint> = vec![piece.from.clone()];
             let inner = path.points(tolerance);
             let between = inner.len().saturating_sub(2);
             for point in inner.into_iter().skip(1).take(between) {
@@ -273,7 +273,7 @@ impl Network {
     }
 
     /// The pieces of a way, and how the places between them are flown over: in the direction halfway between two legs.
-    fn pieces<'a>(&self, spots: &'a [Spot], ends: (At, At)) -> (Vec<Piece<'a>>, Vec<At>) {
+    fn pieces<'a>(&self, spots: &'a [PreparedPoint], ends: (At, At)) -> (Vec<Piece<'a>>, Vec<At>) {
         let pairs = spots.iter().zip(spots.iter().skip(1));
         let pieces: Vec<Piece<'a>> = pairs.map(|(from, to)| Piece::of(from, to, self.on_plane)).collect();
         let mut at = vec![ends.0];
@@ -285,7 +285,7 @@ impl Network {
         (pieces, at)
     }
 
-    /// What a piece takes at the most that begins on a circle, ends on one, or both; none where there is no room for it.
+    /// What a piece takes at the most that begins on a circle, ends on one, or both; none where there is no space for it.
     fn circled_s(&self, piece: &Piece<'_>, wind_mps: Point, ends: (At, At)) -> Option<f64> {
         let rounds = self.rounds(wind_mps)?;
         if ends.0 != At::Circle {
@@ -343,10 +343,10 @@ impl Network {
 
     /// What is flown on a way with a circle at one end or both, by who leaves the first from where `from` says (none: from
     /// where it suits best), as points never farther than [`TOLERANCE_SHARE`] of the radius from it; and where one is then on
-    /// the circle at its end. Empty where there is no room.
+    /// the circle at its end. Empty where there is no space.
     pub fn circling_path(
         &mut self,
-        way: WayId,
+        way: PathId,
         depart_s: f64,
         from: Option<Circling>,
     ) -> (Vec<Position>, Option<Circling>) {
@@ -356,7 +356,7 @@ impl Network {
 
     pub(super) fn circling_spots(
         &self,
-        way: WayId,
+        way: PathId,
         depart_s: f64,
         from: Option<Circling>,
     ) -> Option<(Drawn, Option<Circling>)> {
@@ -385,7 +385,7 @@ impl Network {
     /// Some time on the circle around a place, as points, and where one is afterwards.
     pub fn circling_arc(
         &self,
-        place: PlaceId,
+        place: EndpointId,
         from: Circling,
         (begin_s, lasts_s): (f64, f64),
     ) -> (Vec<Position>, Circling) {
@@ -395,7 +395,7 @@ impl Network {
 
     pub(super) fn circling_arc_spots(
         &self,
-        place: PlaceId,
+        place: EndpointId,
         from: Circling,
         (begin_s, lasts_s): (f64, f64),
     ) -> Option<(Drawn, Circling)> {
@@ -411,29 +411,29 @@ impl Network {
     }
 
     /// Is there room to circle around a place?
-    pub fn has_room_to_circle(&self, place: PlaceId) -> bool {
+    pub fn has_room_to_circle(&self, place: EndpointId) -> bool {
         let Some(spot) = self.places.get(place.0).map(|place| &place.spot) else { return false };
         let wide = (self.turns.circle_radius, self.turns.room());
         self.turns.circle_radius <= 0.0 || self.ground.is_clear(spot, spot, wide)
     }
 
     /// What its turns make a way take more than straight legs; 0 where turns are not limited.
-    pub fn turns_s(&mut self, way: WayId) -> f64 {
+    pub fn turns_s(&mut self, way: PathId) -> f64 {
         self.turned(way).map_or(0.0, |turned| turned.extra_s)
     }
 
     /// The path over ground of a trip, turns included: points never farther than [`TOLERANCE_SHARE`] of the radius from it.
     /// Without limits of turns, the ends and bends.
-    pub fn path(&mut self, way: WayId, depart_s: f64) -> Vec<Position> {
+    pub fn path(&mut self, way: PathId, depart_s: f64) -> Vec<Position> {
         self.path_spots(way, depart_s).into_iter().map(|(position, _)| position).collect()
     }
 
     /// The same on the plane.
-    pub fn path_points(&mut self, way: WayId, depart_s: f64) -> Vec<Point> {
+    pub fn path_points(&mut self, way: PathId, depart_s: f64) -> Vec<Point> {
         self.path_spots(way, depart_s).into_iter().map(|(_, point)| point).collect()
     }
 
-    fn path_spots(&mut self, way: WayId, depart_s: f64) -> Drawn {
+    fn path_spots(&mut self, way: PathId, depart_s: f64) -> Drawn {
         let span = self.air.span_at(depart_s);
         let turned = self.turned(way).and_then(|turned| turned.spots.get(span)).filter(|spots| !spots.is_empty());
         let mut spots = turned.cloned().unwrap_or_else(|| self.spots(way));

@@ -6,11 +6,11 @@
 //! later never means arriving earlier. Bound of a question: O(ways x legs), mostly O(1).
 
 use super::course::first_open;
-use super::ground::Spot;
-use super::network::{Network, Place, PlaceId, Ride};
-use super::search::{FoundWay, Tree};
+use super::error::TravelError;
+use super::ground::PreparedPoint;
+use super::network::{DirectedLeg, Endpoint, EndpointId, Network};
+use super::search::{FoundPath, Tree};
 use super::spans::{Span, merged};
-use super::trouble::Trouble;
 use super::turns::{At, Turned};
 use crate::plane::Point;
 use apex_model::problem::Position;
@@ -21,7 +21,7 @@ const INSTANTS_MAX: usize = 16;
 
 /// The number of a way of a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WayId(usize);
+pub struct PathId(usize);
 
 /// When to leave and when one is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,30 +31,30 @@ pub struct Trip {
     /// At the end.
     pub arrive_s: f64,
     /// By which way.
-    pub way: WayId,
+    pub way: PathId,
 }
 
 #[derive(Clone, Debug)]
-struct Way {
-    from: PlaceId,
-    to: PlaceId,
-    bends: Vec<usize>,
-    rides: Vec<Ride>,
+struct TravelPath {
+    from: EndpointId,
+    to: EndpointId,
+    path_vertices: Vec<usize>,
+    rides: Vec<DirectedLeg>,
     /// Departures at which some part is shut: open spans, sorted.
     closed_s: Vec<Span>,
-    /// What turns make of it, once that was asked for; none where there is no room for them.
+    /// What turns make of it, once that was asked for; none where there is no space for them.
     turned: Option<Option<Turned>>,
 }
 
 /// The ways found so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Found {
-    ways: Vec<Way>,
+    ways: Vec<TravelPath>,
     /// Numbers of sets of ways.
-    between: BTreeMap<(usize, usize), Result<usize, Trouble>>,
-    sets: Vec<Vec<WayId>>,
+    between: BTreeMap<(usize, usize), Result<usize, TravelError>>,
+    sets: Vec<Vec<PathId>>,
     /// Straight ways, and whether they are never shut.
-    straight: BTreeMap<(usize, usize), Result<(WayId, bool), Trouble>>,
+    straight: BTreeMap<(usize, usize), Result<(PathId, bool), TravelError>>,
     trees: BTreeMap<usize, Vec<Tree>>,
     instants_s: Option<Vec<f64>>,
 }
@@ -64,7 +64,7 @@ impl Network {
     ///
     /// # Errors
     /// What blocks the way.
-    pub fn trip(&mut self, from: PlaceId, to: PlaceId, ready_s: f64) -> Result<Trip, Trouble> {
+    pub fn trip(&mut self, from: EndpointId, to: EndpointId, ready_s: f64) -> Result<Trip, TravelError> {
         let key = (from.0, to.0);
         let set = match self.found.between.get(&key) {
             Some(Ok(set)) => *set,
@@ -89,14 +89,14 @@ impl Network {
         if best.is_none() && self.turns.radius > 0.0 {
             let ways = self.found.sets.get(set).cloned().unwrap_or_default();
             if !ways.into_iter().any(|way| self.has_room(way)) {
-                return Err(Trouble::NoRoomToTurn);
+                return Err(TravelError::NoRoomToTurn);
             }
         }
-        best.ok_or(Trouble::Shut)
+        best.ok_or(TravelError::Shut)
     }
 
     /// The first arrival by one way; none where it is shut or `from` must not be held at for so long.
-    fn trip_by(&mut self, number: WayId, ready_s: f64) -> Option<Trip> {
+    fn trip_by(&mut self, number: PathId, ready_s: f64) -> Option<Trip> {
         let extra_s = if self.turns.radius > 0.0 { self.turned(number)?.extra_s } else { 0.0 };
         let way = self.found.ways.get(number.0)?;
         let depart_s = first_open(&way.closed_s, ready_s);
@@ -112,8 +112,8 @@ impl Network {
         now_s.is_finite().then_some(Trip { depart_s, arrive_s: now_s + extra_s, way: number })
     }
 
-    /// What turns make of a way, and its closed departures with theirs; none where there is no room for them.
-    pub(super) fn turned(&mut self, number: WayId) -> Option<&Turned> {
+    /// What turns make of a way, and its closed departures with theirs; none where there is no space for them.
+    pub(super) fn turned(&mut self, number: PathId) -> Option<&Turned> {
         if self.turns.radius <= 0.0 {
             return None;
         }
@@ -129,18 +129,18 @@ impl Network {
         self.found.ways.get(number.0)?.turned.as_ref()?.as_ref()
     }
 
-    /// Has a way room for its turns?
-    fn has_room(&mut self, number: WayId) -> bool {
+    /// Has a way space for its turns?
+    fn has_room(&mut self, number: PathId) -> bool {
         self.turns.radius <= 0.0 || self.turned(number).is_some()
     }
 
     /// A way's ends and bends, and how its ends are left and reached.
-    pub(super) fn ends_and_bends(&self, number: WayId) -> Option<(Vec<Spot>, (At, At))> {
+    pub(super) fn ends_and_bends(&self, number: PathId) -> Option<(Vec<PreparedPoint>, (At, At))> {
         let way = self.found.ways.get(number.0)?;
         let (from, to) = (self.places.get(way.from.0)?, self.places.get(way.to.0)?);
-        let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
+        let between = way.path_vertices.iter().filter_map(|bend| self.bend(*bend));
         let spots = [&from.spot].into_iter().chain(between).chain([&to.spot]).cloned().collect();
-        let at = |place: &Place| match place.track_rad {
+        let at = |place: &Endpoint| match place.track_rad {
             _ if place.is_circled => At::Circle,
             Some(track_rad) => At::Track(track_rad),
             None => At::Free,
@@ -149,32 +149,32 @@ impl Network {
     }
 
     /// Both ends of a way and the bends between, on the Earth.
-    pub fn positions(&self, way: WayId) -> Vec<Position> {
+    pub fn positions(&self, way: PathId) -> Vec<Position> {
         self.spots(way).into_iter().map(|(position, _)| position).collect()
     }
 
     /// The same on the plane.
-    pub fn points(&self, way: WayId) -> Vec<Point> {
+    pub fn points(&self, way: PathId) -> Vec<Point> {
         self.spots(way).into_iter().map(|(_, point)| point).collect()
     }
 
-    pub(super) fn spots(&self, way: WayId) -> Vec<(Position, Point)> {
+    pub(super) fn spots(&self, way: PathId) -> Vec<(Position, Point)> {
         let Some(way) = self.found.ways.get(way.0) else { return Vec::new() };
-        let ends = |place: PlaceId| self.places.get(place.0).map(|place| &place.spot);
-        let between = way.bends.iter().filter_map(|bend| self.bend(*bend));
+        let ends = |place: EndpointId| self.places.get(place.0).map(|place| &place.spot);
+        let between = way.path_vertices.iter().filter_map(|bend| self.bend(*bend));
         let spots = ends(way.from).into_iter().chain(between).chain(ends(way.to));
         spots.map(|spot| (spot.position, spot.point)).collect()
     }
 
     /// Length of a way over ground.
-    pub fn length_of(&self, way: WayId) -> f64 {
+    pub fn length_of(&self, way: PathId) -> f64 {
         self.found.ways.get(way.0).map_or(f64::INFINITY, |way| way.rides.iter().map(|ride| self.length(*ride)).sum())
     }
 
     /// Trips from every place to every place for who is ready at `ready_s`: a row for each place of departure. A place to
     /// itself takes no time.
-    pub fn matrix(&mut self, from: &[PlaceId], to: &[PlaceId], ready_s: f64) -> Vec<Vec<Option<Trip>>> {
-        let row = |here: &PlaceId| {
+    pub fn matrix(&mut self, from: &[EndpointId], to: &[EndpointId], ready_s: f64) -> Vec<Vec<Option<Trip>>> {
+        let row = |here: &EndpointId| {
             let mut tree = None;
             to.iter().map(|there| self.trip_now(*here, *there, ready_s, &mut tree)).collect()
         };
@@ -182,7 +182,7 @@ impl Network {
     }
 
     /// As [`Network::trip`], by the way that is best for leaving at `ready_s`.
-    fn trip_now(&mut self, from: PlaceId, to: PlaceId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
+    fn trip_now(&mut self, from: EndpointId, to: EndpointId, ready_s: f64, tree: &mut Option<Tree>) -> Option<Trip> {
         let straight = self.straight_way(from, to).ok();
         let direct = straight.and_then(|(way, _)| self.trip_by(way, ready_s));
         if straight.is_some_and(|(way, free)| free && self.has_room(way)) {
@@ -203,20 +203,20 @@ impl Network {
     }
 
     /// The straight way, and whether it is never shut.
-    fn straight_way(&mut self, from: PlaceId, to: PlaceId) -> Result<(WayId, bool), Trouble> {
+    fn straight_way(&mut self, from: EndpointId, to: EndpointId) -> Result<(PathId, bool), TravelError> {
         if let Some(known) = self.found.straight.get(&(from.0, to.0)) {
             return known.clone();
         }
         let straight = self.direct(from, to).map(|ride| {
             let free = self.closed(ride).is_empty();
-            let found = FoundWay { arrive_s: 0.0, rides: vec![ride], bends: Vec::new() };
+            let found = FoundPath { arrive_s: 0.0, rides: vec![ride], path_vertices: Vec::new() };
             (self.keep(from, to, found), free)
         });
         self.found.straight.insert((from.0, to.0), straight.clone());
         straight
     }
 
-    fn find(&mut self, from: PlaceId, to: PlaceId) -> Result<Vec<WayId>, Trouble> {
+    fn find(&mut self, from: EndpointId, to: EndpointId) -> Result<Vec<PathId>, TravelError> {
         let straight = self.straight_way(from, to);
         if let Ok((way, true)) = straight
             && self.has_room(way)
@@ -229,7 +229,7 @@ impl Network {
                 return Err(trouble);
             }
         }
-        let mut ways: Vec<WayId> = straight.iter().map(|(way, _)| *way).collect();
+        let mut ways: Vec<PathId> = straight.iter().map(|(way, _)| *way).collect();
         if !self.found.trees.contains_key(&from.0) {
             let instants_s = self.instants_s();
             let trees = instants_s.into_iter().map(|instant_s| self.tree(from, instant_s)).collect();
@@ -238,17 +238,17 @@ impl Network {
         let trees = self.found.trees.remove(&from.0).unwrap_or_default();
         for tree in &trees {
             let Some(found) = self.way_over(tree, to) else { continue };
-            let known = |way: &WayId| self.found.ways.get(way.0).is_some_and(|way| way.rides == found.rides);
+            let known = |way: &PathId| self.found.ways.get(way.0).is_some_and(|way| way.rides == found.rides);
             if !ways.iter().any(known) {
                 ways.push(self.keep(from, to, found));
             }
         }
         self.found.trees.insert(from.0, trees);
-        if ways.is_empty() { Err(straight.err().unwrap_or(Trouble::Shut)) } else { Ok(ways) }
+        if ways.is_empty() { Err(straight.err().unwrap_or(TravelError::Shut)) } else { Ok(ways) }
     }
 
     /// May one ever be at `place`, as far as zones and landing places go?
-    fn is_ever_open(&self, place: PlaceId) -> bool {
+    fn is_ever_open(&self, place: EndpointId) -> bool {
         let Some(open_s) = self.places.get(place.0).map(|place| &place.open_s) else { return false };
         open_s.iter().any(|(from_s, until_s)| self.place_trouble(place, (*from_s, until_s.next_down())).is_none())
     }
@@ -271,7 +271,7 @@ impl Network {
     }
 
     /// Remembers a way, with the departures at which some part of it is shut.
-    fn keep(&mut self, from: PlaceId, to: PlaceId, found: FoundWay) -> WayId {
+    fn keep(&mut self, from: EndpointId, to: EndpointId, found: FoundPath) -> PathId {
         let mut closed_s: Vec<Span> = Vec::new();
         for (number, ride) in found.rides.iter().enumerate() {
             for (mut first_s, mut second_s) in self.closed(*ride).to_vec() {
@@ -283,7 +283,14 @@ impl Network {
             }
         }
         let closed_s = merged(closed_s, 0.0);
-        self.found.ways.push(Way { from, to, bends: found.bends, rides: found.rides, closed_s, turned: None });
-        WayId(self.found.ways.len() - 1)
+        self.found.ways.push(TravelPath {
+            from,
+            to,
+            path_vertices: found.path_vertices,
+            rides: found.rides,
+            closed_s,
+            turned: None,
+        });
+        PathId(self.found.ways.len() - 1)
     }
 }

@@ -92,8 +92,9 @@ pub struct WindLayer {
     pub wind_east_mps: f64,
     /// Air moves north at this speed.
     pub wind_north_mps: f64,
-    /// 0 smooth .. 1 severe.
-    pub turbulence: f64,
+    /// Turbulence: cube root of the eddy dissipation rate (EDR), m^(2/3)/s. Classes of ICAO Annex 3 for large aircraft: below 0.10
+    /// none, 0.10 to 0.20 light, 0.20 to 0.45 moderate, above severe.
+    pub edr: f64,
 }
 
 /// A wind forecast, or the wind that truly blows. Where layers overlap the later one in the list wins; where none

@@ -205,6 +205,17 @@ pub struct FailureTerm {
     pub mission_cost: f64,
 }
 
+impl FailureTerm {
+    /// The same failure where one point represents `money_per_point`, and the costs here are money.
+    pub fn in_points(self, money_per_point: f64) -> FailureTerm {
+        FailureTerm {
+            vehicle_cost: self.vehicle_cost / money_per_point,
+            mission_cost: self.mission_cost / money_per_point,
+            ..self
+        }
+    }
+}
+
 /// One observation, with the way to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedVisit {
@@ -230,6 +241,9 @@ pub struct PlannedVisit {
     pub timing: f64,
     /// Value times all factors.
     pub worth: f64,
+    /// Predicted coverage, resolution and clarity, as the manoeuvre has them; none where the planner did not repeat them.
+    #[serde(default)]
+    pub quality: Option<QualityFactors>,
 }
 
 /// A subset of targets in order, with times.
@@ -260,7 +274,7 @@ pub struct SingleVisitPlan {
     pub benefits_bound: Option<f64>,
     /// Targets not visited, with reasons.
     pub left_out: Vec<LeftOut>,
-    /// One line for people.
+    /// One line for operators.
     pub summary: String,
 }
 

@@ -132,7 +132,7 @@ pub struct SurveillancePlan {
     pub expected_cost_bound: Option<f64>,
     /// Targets never visited, with reasons.
     pub left_out: Vec<LeftOut>,
-    /// One line for people.
+    /// One line for operators.
     pub summary: String,
 }
 

@@ -5,7 +5,7 @@ use super::{Callable, Lowering, NameKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::read::{Datum, DatumKind};
-use crate::suggest::{renames, renames_marked};
+use crate::suggest::{nearest, renames, renames_marked};
 use apex_model::builtins::{SPECIAL_FORMS, built_in};
 use apex_model::expression::{Expr, ExprKind};
 use apex_model::quantity::Dimension;
@@ -30,10 +30,13 @@ impl Lowering {
         }
         let function = self.resolve_call(name, at, datum.span, arguments.len());
         let canonical = function.clone().unwrap_or_else(|| name.clone());
+        // Of a misspelt `command` the form is still a form: one mistake has one message.
+        let is_unknown = self.names.function(name).is_none();
+        let meant = is_unknown.then(|| nearest(name.printed(), FORM_FIRST.iter().copied())).flatten().map(Symbol::new);
         let mut lowered = Vec::with_capacity(arguments.len());
         let mut complete = function.is_some();
         for (position, argument) in arguments.iter().enumerate() {
-            match self.argument(&canonical, position, arguments, argument) {
+            match self.argument(meant.as_ref().unwrap_or(&canonical), position, arguments, argument) {
                 Some(expr) => lowered.push(expr),
                 None => complete = false,
             }

@@ -19,7 +19,7 @@ const TIME_TOLERANCE_S: f64 = 30.0;
 const SPHERE_TOLERANCE: f64 = 0.01;
 const WORTH_TOLERANCE: f64 = 1e-6;
 
-/// What is wrong with `plan`; empty where nothing is.
+/// What is wrong with `plan`; empty if nothing is.
 pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Vec<String> {
     let mut found = Vec::new();
     let mut here = problem.start;
@@ -51,7 +51,7 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
         }
         observe(problem, target, manoeuvre, visit, &mut found);
         benefits += visit.worth;
-        // Who passes over a place leaves it as it came.
+        // Who skips a place leaves it as it came.
         let came = || turns::end_track_rad(turns::flown(problem, &visit.route, &visit.path));
         exit = turns::track_rad(manoeuvre.lines.last(), true).or_else(came);
         here = manoeuvre.lines.last().map_or(target.position, |(_, to)| *to);
@@ -97,8 +97,6 @@ fn fly(
     found: &mut Vec<String>,
 ) {
     let vehicle = &problem.vehicle;
-    let cruise_m = vehicle.cruise_altitude_m;
-    let heights = (leg.from_m.min(leg.to_m).min(cruise_m), leg.from_m.max(leg.to_m).max(cruise_m));
     let mut time_s = depart_s;
     for (from, to) in route.iter().zip(route.iter().skip(1)) {
         let (length_m, track_deg) = geodesy::inverse(*from, *to);
@@ -110,19 +108,30 @@ fn fly(
             let (middle, end) = (at(0.5), at(1.0));
             let speed_mps = ground_speed_mps(problem, begin, end, middle, time_s);
             begin = end;
+            let heights = heights_m(problem, leg, time_s - depart_s);
             time_s += length_m / steps as f64 / speed_mps;
             inside_rules(problem, middle, heights, time_s, leg.to, found);
         }
     }
-    let change_s = |from_m: f64, to_m: f64| {
-        let rate = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
-        if rate > 0.0 { (to_m - from_m).abs() / rate } else { 0.0 }
-    };
-    let needed_s = (time_s - depart_s).max(change_s(leg.from_m, cruise_m) + change_s(cruise_m, leg.to_m));
+    let rate = if leg.to_m > leg.from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
+    let change_s = if rate > 0.0 { (leg.to_m - leg.from_m).abs() / rate } else { 0.0 };
+    let needed_s = (time_s - depart_s).max(change_s);
     let given_s = arrive_s - depart_s;
     if given_s.is_nan() || given_s < needed_s * (1.0 - TIME_TOLERANCE) - TIME_TOLERANCE_S {
         found.push(format!("allows {given_s:.0} s for the way to {}, which takes {needed_s:.0} s", leg.to));
     }
+}
+
+/// The altitudes that the vehicle may have `flown_s` after it left: it climbs or descends at once, and may be there already.
+fn heights_m(problem: &SingleVisitProblem, leg: &Leg<'_>, flown_s: f64) -> (f64, f64) {
+    let vehicle = &problem.vehicle;
+    let (climb, descent) = (vehicle.climb_rate_mps, vehicle.descent_rate_mps);
+    let now_m = match leg.to_m > leg.from_m {
+        true if climb > 0.0 => (leg.from_m + climb * flown_s).min(leg.to_m),
+        false if descent > 0.0 => (leg.from_m - descent * flown_s).max(leg.to_m),
+        _ => leg.to_m,
+    };
+    (now_m.min(leg.to_m), now_m.max(leg.to_m))
 }
 
 /// Speed over ground from vectors: the air velocity of given length whose sum with the wind points along the step.

@@ -9,7 +9,7 @@ const TIME_TOLERANCE_S: f64 = 1e-6;
 /// Share by which costs may differ.
 const COST_TOLERANCE: f64 = 1e-8;
 
-/// What is wrong with `plan`; empty where nothing is.
+/// What is wrong with `plan`; empty if nothing is.
 pub(super) fn violations(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> Vec<String> {
     let mut found = Vec::new();
     let index = |name: &str| problem.targets.iter().position(|target| target.name == name);

@@ -94,7 +94,7 @@ pub fn western_states(endurance_s: f64) -> SingleVisitProblem {
                 until_s: FOREVER_S,
                 wind_east_mps: 18.0,
                 wind_north_mps: 4.0,
-                turbulence: 0.1,
+                edr: 0.1,
             }],
             blend: false,
         },

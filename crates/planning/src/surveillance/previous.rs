@@ -8,7 +8,7 @@ use apex_model::problem::Plan;
 use std::collections::BTreeMap;
 
 /// What is left of a plan: its visits as far as their targets are still there and time reaches; a plan that repeats a cycle goes on
-/// with it. None where nothing is left.
+/// with it. None if nothing is left.
 pub fn word(scenario: &Scenario<'_>, plan: Option<&Plan>) -> Option<Vec<usize>> {
     let Plan::Surveillance(plan) = plan? else { return None };
     let targets = &scenario.problem().targets;

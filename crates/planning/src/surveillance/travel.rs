@@ -1,7 +1,7 @@
 //! Travel times for surveillance problems from positions, speed, wind and zones.
 
 use apex_geo::geodesy::Position;
-use apex_geo::travel::{Air, Circling, Network, PlaceId, Setting, Trip, Trouble};
+use apex_geo::travel::{Air, Circling, EndpointId, Network, Setting, TravelError, Trip};
 use apex_geo::wind::WindField;
 use apex_model::problem::{AirspaceZone, LaterTimes, TravelTimes, UNREACHABLE_S};
 
@@ -31,22 +31,22 @@ pub struct Transit<'a> {
 
 /// The ways between start, targets and base.
 #[derive(Clone, Debug)]
-pub struct Ways {
+pub struct SurveillanceTravel {
     /// Their times, counted from the beginning of the plan; [`UNREACHABLE_S`] where there is no way. Not symmetric under
     /// wind, and different by departure where the wind changes.
     pub times: TravelTimes,
     network: Network,
     begin_s: f64,
     ends: Ends,
-    troubles: Vec<Option<Trouble>>,
+    troubles: Vec<Option<TravelError>>,
 }
 
 /// The numbers of places in the network.
 #[derive(Clone, Debug)]
 struct Ends {
-    start: PlaceId,
-    base: PlaceId,
-    targets: Vec<PlaceId>,
+    start: EndpointId,
+    base: EndpointId,
+    targets: Vec<EndpointId>,
 }
 
 /// Times may be read off straight lines with an error of this share of the longest way, and of [`ERROR_S_MAX`].
@@ -56,12 +56,17 @@ const ERROR_S_MAX: f64 = 1.0;
 const DEPARTURES_MAX: usize = 128;
 const NUMBERS_MAX: usize = 2_000_000;
 
-impl Ways {
+impl SurveillanceTravel {
     /// The ways between `targets`, from `start` and to `base`.
     ///
     /// # Errors
     /// A sentence that names a zone that makes no sense, or the start or base that is not on the map or inside a zone.
-    pub fn new(start: Position, targets: &[Position], base: Position, transit: &Transit<'_>) -> Result<Ways, String> {
+    pub fn new(
+        start: Position,
+        targets: &[Position],
+        base: Position,
+        transit: &Transit<'_>,
+    ) -> Result<SurveillanceTravel, String> {
         let mut around = vec![start, base];
         around.extend_from_slice(targets);
         // The plan repeats its cycle, so a zone that is active at some time of it is kept out of at all times.
@@ -96,19 +101,20 @@ impl Ways {
         let (start, base) = (end(start, "start")?, end(base, "base")?);
         network.circle(start);
         if !network.has_room_to_circle(start) {
-            return Err(format!("The start cannot be used: {}.", Trouble::NoRoomToTurn));
+            return Err(format!("The start cannot be used: {}.", TravelError::NoRoomToTurn));
         }
         let mut troubles = Vec::with_capacity(targets.len());
-        let mut places: Vec<PlaceId> = Vec::with_capacity(targets.len());
+        let mut places: Vec<EndpointId> = Vec::with_capacity(targets.len());
         for position in targets {
             let place = network.add(*position).map_err(|trouble| format!("A target cannot be used: {trouble}."))?;
             network.circle(place);
             let trouble = network.place_trouble(place, (begin_s, begin_s));
-            troubles.push(trouble.or_else(|| (!network.has_room_to_circle(place)).then_some(Trouble::NoRoomToTurn)));
+            troubles
+                .push(trouble.or_else(|| (!network.has_room_to_circle(place)).then_some(TravelError::NoRoomToTurn)));
             places.push(place);
         }
         let ends = Ends { start, base, targets: places };
-        let mut ways = Ways { times: TravelTimes::default(), network, begin_s, ends, troubles };
+        let mut ways = SurveillanceTravel { times: TravelTimes::default(), network, begin_s, ends, troubles };
         ways.times = ways.at_departures(&changes_s);
         Ok(ways)
     }
@@ -118,7 +124,7 @@ impl Ways {
     fn at_departures(&mut self, changes_s: &[f64]) -> TravelTimes {
         let first = self.leaving_at(0.0);
         let mut known = vec![first];
-        // Times are constant but for who is on the way when the wind changes.
+        // Times are constant except for who is on the way when the wind changes.
         for change_s in changes_s {
             let longest_s = |times: &LaterTimes| {
                 let all = times.from_start_s.iter().chain(&times.to_base_s).chain(times.between_s.iter().flatten());
@@ -206,7 +212,7 @@ impl Ways {
         self.turns_between_s(self.ends.targets.get(from).map(|from| (*from, self.ends.base)), depart_s)
     }
 
-    fn turns_between_s(&mut self, ends: Option<(PlaceId, PlaceId)>, depart_s: f64) -> f64 {
+    fn turns_between_s(&mut self, ends: Option<(EndpointId, EndpointId)>, depart_s: f64) -> f64 {
         let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
         trip.map_or(0.0, |trip| self.network.turns_s(trip.way))
     }
@@ -227,7 +233,7 @@ impl Ways {
         left: Option<Circling>,
         depart_s: f64,
     ) -> (Vec<Position>, Option<Circling>) {
-        let place = |number: Option<usize>, other: PlaceId| match number {
+        let place = |number: Option<usize>, other: EndpointId| match number {
             Some(number) => self.ends.targets.get(number).copied(),
             None => Some(other),
         };
@@ -241,11 +247,11 @@ impl Ways {
     }
 
     /// Why a target cannot be visited at all: what it lies in.
-    pub fn trouble(&self, target: usize) -> Option<&Trouble> {
+    pub fn trouble(&self, target: usize) -> Option<&TravelError> {
         self.troubles.get(target).and_then(Option::as_ref)
     }
 
-    fn positions(&mut self, ends: Option<(PlaceId, PlaceId)>, depart_s: f64) -> Vec<Position> {
+    fn positions(&mut self, ends: Option<(EndpointId, EndpointId)>, depart_s: f64) -> Vec<Position> {
         let trip = ends.and_then(|(from, to)| self.network.trip(from, to, self.begin_s + depart_s).ok());
         trip.map_or_else(Vec::new, |trip| self.network.positions(trip.way))
     }
@@ -288,7 +294,7 @@ mod tests {
             until_s: 1e9,
             wind_east_mps: 5.0,
             wind_north_mps: 0.0,
-            turbulence: 0.0,
+            edr: 0.0,
         };
         let wind = WindField { layers: vec![layer], blend: false };
         let targets = [Position::new(37.41, -121.12), Position::new(37.41, -121.08), Position::new(37.41, -121.10)];
@@ -304,14 +310,14 @@ mod tests {
             margin_m: 50.0,
             altitudes_m: (high_m, high_m),
         };
-        let mut low = Ways::new(home, &targets, home, &transit(100.0)).unwrap();
-        let mut high = Ways::new(home, &targets, home, &transit(300.0)).unwrap();
+        let mut low = SurveillanceTravel::new(home, &targets, home, &transit(100.0)).unwrap();
+        let mut high = SurveillanceTravel::new(home, &targets, home, &transit(300.0)).unwrap();
         let (low_s, high_s) = (low.times.between_s.clone(), high.times.between_s.clone());
         assert!(low.times.is_constant(), "the wind does not change");
         assert!(low_s[0][1] > high_s[0][1] * 1.1 && low.route(Some(0), 1, 0.0).len() > 2, "{low_s:?} {high_s:?}");
         assert!(low_s[1][0] > 1.5 * low_s[0][1], "against the wind");
         assert_eq!((low_s[0][2], low_s[0][0]), (UNREACHABLE_S, 0.0), "the third lies inside the wall");
-        assert_eq!(low.trouble(2), Some(&Trouble::Inside("wall".into())));
+        assert_eq!(low.trouble(2), Some(&TravelError::Inside("wall".into())));
         assert!(high_s[0][2] < 200.0 && high.trouble(2).is_none() && high.route(None, 2, 0.0).len() == 2);
     }
 }

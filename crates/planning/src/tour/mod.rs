@@ -17,7 +17,7 @@ pub const EXACT_MAX: usize = 9;
 pub const STARTS_MAX: usize = 8;
 /// Improvements of one descent: far more than any tour needs, so that rounding cannot loop.
 const IMPROVEMENTS_MAX: usize = 100_000;
-/// What a row of turns or moves takes beside them, in nanoseconds.
+/// What a row of turns or moves takes next to them, in nanoseconds.
 const ROW_NS: u64 = 100;
 
 /// How many times as long a look at the travel times takes where they do not lie in the processor's own memory any more.

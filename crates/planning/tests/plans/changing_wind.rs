@@ -4,7 +4,7 @@ use apex_model::problem::{Plan, Position, Problem, UNREACHABLE_S, WindField, Win
 use apex_planning::checker;
 use apex_planning::examples::surveillance as examples;
 use apex_planning::solver::{Environment, WorkBudget};
-use apex_planning::surveillance::travel::{Transit, Ways};
+use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 use apex_solvers::solvers;
 use proptest::prelude::*;
 
@@ -17,11 +17,11 @@ fn layer(from_s: f64, until_s: f64, east: f64, north: f64) -> WindLayer {
         until_s,
         wind_east_mps: east,
         wind_north_mps: north,
-        turbulence: 0.0,
+        edr: 0.0,
     }
 }
 
-fn ways(wind: &WindField, begin_s: f64) -> (Ways, usize) {
+fn ways(wind: &WindField, begin_s: f64) -> (SurveillanceTravel, usize) {
     let home = Position::new(37.39, -121.12);
     let targets = [(37.41, -121.12), (37.43, -121.02), (37.35, -121.10), (37.39, -121.20)];
     let targets = targets.map(|(latitude, longitude)| Position::new(latitude, longitude));
@@ -36,7 +36,7 @@ fn ways(wind: &WindField, begin_s: f64) -> (Ways, usize) {
         margin_m: 0.0,
         altitudes_m: (100.0, 100.0),
     };
-    (Ways::new(home, &targets, home, &transit).unwrap(), targets.len())
+    (SurveillanceTravel::new(home, &targets, home, &transit).unwrap(), targets.len())
 }
 
 proptest! {

@@ -7,7 +7,7 @@ use apex_model::problem::{Plan, Position, Problem, TimeWindow, UNREACHABLE_S, Wi
 use apex_planning::checker;
 use apex_planning::examples::surveillance as examples;
 use apex_planning::solver::{Environment, WorkBudget};
-use apex_planning::surveillance::travel::{Transit, Ways};
+use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 use apex_solvers::solvers;
 use std::f64::consts::PI;
 
@@ -32,9 +32,9 @@ fn transit<'a>(turn_radius_m: f64, wind: &'a WindField, zones: &'a [AirspaceZone
     }
 }
 
-fn ways(turn_radius_m: f64, wind: &WindField) -> Ways {
+fn ways(turn_radius_m: f64, wind: &WindField) -> SurveillanceTravel {
     let (start, targets) = places();
-    Ways::new(start, &targets, start, &transit(turn_radius_m, wind, &[])).unwrap()
+    SurveillanceTravel::new(start, &targets, start, &transit(turn_radius_m, wind, &[])).unwrap()
 }
 
 fn blowing(east: f64, north: f64) -> WindField {
@@ -46,7 +46,7 @@ fn blowing(east: f64, north: f64) -> WindField {
         until_s: 1e9,
         wind_east_mps: east,
         wind_north_mps: north,
-        turbulence: 0.0,
+        edr: 0.0,
     };
     WindField { layers: vec![layer], blend: false }
 }
@@ -66,7 +66,7 @@ fn in_calm_air_a_way_takes_half_a_circle_more() {
     }
     assert!(wide.times.is_constant() && wide.circle_radius_m() == 4_000.0);
     assert_eq!((at_once.circle_radius_m(), at_once.times.clone()), (0.0, ways(0.0, &calm).times));
-    // To the base, which is flown over, one turns a little farther: it lies beside the line along the circles.
+    // To the base, which is flown over, one turns a little farther: it lies next to the line along the circles.
     let home_s = wide.times.to_base_s[0] - at_once.times.to_base_s[0];
     assert!(home_s > half_s && home_s < 1.1 * half_s, "{home_s} of {half_s}");
     let strong = ways(4_000.0, &blowing(0.0, 20.0)).circle_radius_m();
@@ -134,17 +134,17 @@ fn who_has_no_room_to_circle_is_told_so_and_so_is_who_turns_too_wide() {
         active: TimeWindow::ALWAYS,
     };
     let calm = WindField::default();
-    // 3.3 km north of the saddle: room for who hovers, and for circles of 3 km.
+    // 3.3 km north of the saddle: space for who hovers, and for circles of 3 km.
     let zones = [beside(39.63)];
     let reach = |turn_radius_m: f64| {
-        let ways = Ways::new(start, &targets, start, &transit(turn_radius_m, &calm, &zones)).unwrap();
+        let ways = SurveillanceTravel::new(start, &targets, start, &transit(turn_radius_m, &calm, &zones)).unwrap();
         (ways.trouble(1).map(ToString::to_string), ways.times.from_start_s[1] < UNREACHABLE_S)
     };
     assert_eq!((reach(0.0), reach(3_000.0)), ((None, true), (None, true)));
     let trouble = "there is no room beside restricted areas for turns of the vehicle";
     assert_eq!(reach(4_000.0), (Some(trouble.to_string()), false));
     for radius_m in [-1.0, f64::NAN, 1e7] {
-        let told = Ways::new(start, &targets, start, &transit(radius_m, &calm, &[])).unwrap_err();
+        let told = SurveillanceTravel::new(start, &targets, start, &transit(radius_m, &calm, &[])).unwrap_err();
         let why = if radius_m > 0.0 { "wider than the 200000 m" } else { "must not be negative" };
         assert!(told.contains("The turn radius is") && told.contains(why), "{told}");
     }

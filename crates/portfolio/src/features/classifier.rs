@@ -13,24 +13,24 @@ const SPEED_PAIRS_MAX: usize = 1_000;
 
 /// A mission with what classifiers ask of it.
 #[derive(Debug)]
-pub struct Given<'a> {
+pub struct ClassifierInput<'a> {
     pub(super) scenario: Scenario<'a>,
     points: Vec<Point>,
     reach_m: f64,
 }
 
-impl<'a> Given<'a> {
+impl<'a> ClassifierInput<'a> {
     /// Looks at `problem`.
     ///
     /// # Errors
     /// A sentence where the problem makes no sense or no target can be observed at all.
-    pub fn new(problem: &'a SurveillanceProblem) -> Result<Given<'a>, String> {
+    pub fn new(problem: &'a SurveillanceProblem) -> Result<ClassifierInput<'a>, String> {
         let scenario = Scenario::new(problem)?;
         let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
         let plane = Plane::around(&positions);
         let points: Vec<Point> = positions.iter().filter_map(|position| plane.project(*position)).collect();
         let reach_m = speed_mps(problem, &points) * problem.horizon_s;
-        Ok(Given { scenario, points, reach_m })
+        Ok(ClassifierInput { scenario, points, reach_m })
     }
 
     /// The problem.
@@ -87,5 +87,5 @@ pub trait Classifier: Sync {
     /// Words of its bins.
     fn bins(&self) -> &'static [&'static str];
     /// Reads the feature.
-    fn read(&self, given: &Given<'_>) -> Reading;
+    fn read(&self, given: &ClassifierInput<'_>) -> Reading;
 }

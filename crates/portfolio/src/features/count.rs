@@ -1,6 +1,6 @@
 //! How many targets there are.
 
-use super::classifier::{Classifier, Given, Reading};
+use super::classifier::{Classifier, ClassifierInput, Reading};
 use crate::cell::COUNTS;
 
 /// The classifier. Counts are compared by their ratio: 6 is as far from 4 as 12 from 8.
@@ -16,7 +16,7 @@ impl Classifier for Count {
         &["4", "8", "16"]
     }
 
-    fn read(&self, given: &Given<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
         let count = given.problem().targets.len() as f64;
         let distance = |bin: usize| libm::log2(count / bin as f64).abs();
         Reading { numbers: vec![("targets", count)], distances: COUNTS.into_iter().map(distance).collect() }

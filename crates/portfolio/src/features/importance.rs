@@ -1,6 +1,6 @@
 //! How the importance of targets differs: what an event that is never found costs, times how likely it is.
 
-use super::classifier::{Classifier, Given, Reading};
+use super::classifier::{Classifier, ClassifierInput, Reading};
 use super::variability;
 use apex_metrics::eci;
 use apex_model::problem::CostFunction;
@@ -18,7 +18,7 @@ impl Classifier for Importance {
         variability::BINS
     }
 
-    fn read(&self, given: &Given<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
         let problem = given.problem();
         let importance = |target: &apex_model::problem::SurveillanceTarget| {
             target.rate.at(0.0) * never_found(&target.cost, problem.horizon_s)

@@ -13,7 +13,7 @@ mod scale;
 mod spread;
 mod variability;
 
-pub use classifier::{Classifier, Given, Reading};
+pub use classifier::{Classifier, ClassifierInput, Reading};
 pub use count::Count;
 pub use importance::Importance;
 pub use rate::Rate;
@@ -58,7 +58,7 @@ pub fn classify(problem: &SurveillanceProblem) -> Result<Vec<Feature>, String> {
 /// # Errors
 /// A sentence where the problem makes no sense.
 pub fn classify_with(classifiers: &[&dyn Classifier], problem: &SurveillanceProblem) -> Result<Vec<Feature>, String> {
-    let given = Given::new(problem)?;
+    let given = ClassifierInput::new(problem)?;
     let read = |classifier: &&dyn Classifier| {
         let (reading, bins) = (classifier.read(&given), classifier.bins());
         let bin = bins.get(reading.bin()).copied().unwrap_or_default();
@@ -67,7 +67,7 @@ pub fn classify_with(classifiers: &[&dyn Classifier], problem: &SurveillanceProb
     Ok(classifiers.iter().map(read).collect())
 }
 
-/// The features in words, for reasons.
+/// The features as text, for reasons.
 pub fn described(features: &[Feature]) -> String {
     let one = |feature: &Feature| {
         let numbers: Vec<String> =

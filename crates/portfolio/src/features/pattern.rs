@@ -4,7 +4,7 @@
 //! Size and kind are asked together because they are mixed up else: four targets in one crowd on a large map are as far apart
 //! as four anywhere on a medium one, and only their sizes given the kind tell more than their shape.
 
-use super::classifier::Given;
+use super::classifier::ClassifierInput;
 use crate::cell::{Scale, Space};
 use apex_geo::plane::Point;
 use std::f64::consts::PI;
@@ -18,7 +18,7 @@ const EDGE: f64 = 0.05;
 const CLUSTER_ROUNDS_MAX: usize = 50;
 
 /// Minus the logarithm of the likelihood of each scale (row) and space (column), per target, above the least.
-pub(super) fn unlikelihoods(given: &Given<'_>) -> [[f64; 3]; 3] {
+pub(super) fn unlikelihoods(given: &ClassifierInput<'_>) -> [[f64; 3]; 3] {
     let points: Vec<Point> = given
         .points()
         .iter()

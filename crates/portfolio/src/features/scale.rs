@@ -3,7 +3,7 @@
 //! The number is kappa, the time of the shortest tour over all targets with their dwells over the time available: at 1 a
 //! single lap fits. The bin is that of the likeliest pattern of the table.
 
-use super::classifier::{Classifier, Given, Reading};
+use super::classifier::{Classifier, ClassifierInput, Reading};
 use super::pattern;
 use apex_planning::solver::{Budget, WorkBudget};
 use apex_planning::tour;
@@ -24,7 +24,7 @@ impl Classifier for Scale {
         &["large", "medium", "small"]
     }
 
-    fn read(&self, given: &Given<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
         let unlikelihoods = pattern::unlikelihoods(given);
         let best = |row: &[f64; 3]| row.iter().copied().fold(f64::INFINITY, f64::min);
         Reading { numbers: vec![("kappa", kappa(given))], distances: unlikelihoods.iter().map(best).collect() }
@@ -32,7 +32,7 @@ impl Classifier for Scale {
 }
 
 /// Time of the shortest tour found over the time available.
-fn kappa(given: &Given<'_>) -> f64 {
+fn kappa(given: &ClassifierInput<'_>) -> f64 {
     let (scenario, problem) = (&given.scenario, given.problem());
     let mut budget = WorkBudget::new(TOUR_UNITS);
     let cycle = tour::shortest(scenario, scenario.usable(), &mut budget as &mut dyn Budget);

@@ -1,9 +1,9 @@
 //! How targets lie: in two crowds, in one, or everywhere.
 //!
-//! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for people and for
+//! The bin is that of the likeliest pattern of the table; silhouette and nearest-neighbour index are for operators and for
 //! classifiers to come.
 
-use super::classifier::{Classifier, Given, Reading};
+use super::classifier::{Classifier, ClassifierInput, Reading};
 use super::pattern;
 use crate::cell::Space;
 use apex_geo::plane::Point;
@@ -21,7 +21,7 @@ impl Classifier for Spread {
         &["two-cluster", "globular", "uniform"]
     }
 
-    fn read(&self, given: &Given<'_>) -> Reading {
+    fn read(&self, given: &ClassifierInput<'_>) -> Reading {
         let unlikelihoods = pattern::unlikelihoods(given);
         let best =
             |space: usize| unlikelihoods.iter().filter_map(|row| row.get(space)).copied().fold(f64::INFINITY, f64::min);

@@ -4,7 +4,7 @@ use apex_model::problem::SingleVisitProblem;
 
 /// What a file asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
+pub enum ProblemKind {
     /// The most value within time windows and a closing time.
     OrienteeringWithWindows,
     /// The most value within a length.
@@ -18,10 +18,10 @@ pub enum Question {
 pub struct Instance {
     /// Its name: the file's own, or that of the file.
     pub name: String,
-    /// The format, in words.
+    /// The format, as text.
     pub format: &'static str,
     /// What is asked.
-    pub question: Question,
+    pub question: ProblemKind,
     /// Vehicles (paths) that the file names; the problem is that of one.
     pub vehicles: Option<usize>,
     /// The problem.

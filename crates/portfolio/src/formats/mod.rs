@@ -13,9 +13,9 @@ mod toptw;
 mod tsplib;
 mod words;
 
-pub use instance::{Instance, Question};
+pub use instance::{Instance, ProblemKind};
 
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 
 /// Is `text` meant to be one of these formats? Looks at its first words only.
 pub fn is_one(text: &str) -> bool {
@@ -26,7 +26,7 @@ pub fn is_one(text: &str) -> bool {
 ///
 /// # Errors
 /// The place, what is wrong there, and what to do.
-pub fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
+pub fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     if tsplib::is_one(text) {
         tsplib::read(name, text)
     } else if solomon::is_one(text) {

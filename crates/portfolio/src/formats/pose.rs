@@ -1,8 +1,8 @@
 //! Places on a plane, times and profits as a single-visit problem with given travel times.
 
-use super::instance::Question;
-use super::words::Word;
-use crate::format_error::FormatTrouble;
+use super::instance::ProblemKind;
+use super::words::TextToken;
+use crate::format_error::FormatError;
 use apex_model::problem::{
     CrewMember, Manoeuvre, Position, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, TimeWindow, TravelTimes,
 };
@@ -22,10 +22,10 @@ pub(super) struct Vertex {
     pub(super) closes: f64,
 }
 
-/// What limits a problem besides its targets.
+/// What limits a problem in addition its targets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
-    pub(super) question: Question,
+    pub(super) question: ProblemKind,
     /// When the vehicle may leave and must be back.
     pub(super) opens: f64,
     pub(super) closes: f64,
@@ -76,7 +76,7 @@ pub(super) fn problem(vertices: &[Vertex], frame: Frame, time: &dyn Fn(usize, us
         travel: Some(travel),
         ..SingleVisitProblem::default()
     };
-    if frame.question == Question::Tour {
+    if frame.question == ProblemKind::Tour {
         tour(&mut problem);
     }
     problem
@@ -111,7 +111,7 @@ fn shown(vertices: &[Vertex]) -> impl Fn(&Vertex) -> Position + use<> {
 }
 
 /// Refuses a window that closes before it opens.
-pub(super) fn check_window(vertex: &Vertex, closes: &Word<'_>) -> Result<(), FormatTrouble> {
+pub(super) fn check_window(vertex: &Vertex, closes: &TextToken<'_>) -> Result<(), FormatError> {
     if vertex.closes < vertex.opens {
         return Err(closes.trouble(
             format!("the window of {} closes at {} before it opens at {}", vertex.name, vertex.closes, vertex.opens),
@@ -123,7 +123,7 @@ pub(super) fn check_window(vertex: &Vertex, closes: &Word<'_>) -> Result<(), For
 }
 
 /// The file has no target or more than are planned for.
-pub(super) fn check_count(count: usize, at: &Word<'_>) -> Result<(), FormatTrouble> {
+pub(super) fn check_count(count: usize, at: &TextToken<'_>) -> Result<(), FormatError> {
     let most = apex_planning::validate::TARGETS_MAX;
     if count == 0 || count > most {
         return Err(at.trouble(

@@ -9,11 +9,11 @@
 //! Distances are cut to 1 decimal; capacity plays no part.
 
 use super::distance::Metric;
-use super::instance::{Instance, Question};
+use super::instance::{Instance, ProblemKind};
 use super::pose::{self, Frame, Vertex};
 use super::toptw::{resolution, way};
-use super::words::{self, Word, ends_early};
-use crate::format_error::FormatTrouble;
+use super::words::{self, TextToken, ends_early};
+use crate::format_error::FormatError;
 
 const HELP: &str = "docs/reference/planning-problems.md shows the format";
 const FORM: &str = "a customer is `number x y demand ready due service`";
@@ -25,7 +25,7 @@ pub(super) fn is_one(text: &str) -> bool {
 }
 
 /// Reads a file.
-pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
+pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     let mut own_name = None;
     let mut vehicles = None;
     let mut vertices: Vec<Vertex> = Vec::new();
@@ -56,7 +56,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
     let Some(last) = last else { return Err(ends_early(text, "there is no customer", FORM)) };
     pose::check_count(vertices.len() - 1, &last)?;
     let frame = Frame {
-        question: Question::OrienteeringWithWindows,
+        question: ProblemKind::OrienteeringWithWindows,
         opens: vertices.first().map_or(0.0, |depot| depot.opens),
         closes: vertices.first().map_or(0.0, |depot| depot.closes),
         resolution: resolution(decimals),
@@ -68,7 +68,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
     Ok(Instance { name, format, question: frame.question, vehicles, problem })
 }
 
-fn customer(line: &[Word<'_>], number: usize) -> Result<(Vertex, usize), FormatTrouble> {
+fn customer(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, usize), FormatError> {
     let [id, x, y, demand, ready, due, service] = line else {
         let last = line.last().map(|last| last.trouble(format!("the line has {} numbers", line.len()), FORM, HELP));
         return Err(last.unwrap_or_else(|| ends_early("", "a customer is missing", FORM)));

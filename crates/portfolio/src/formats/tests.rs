@@ -16,7 +16,7 @@ fn trouble(text: &str) -> String {
 fn toptw_is_read_as_its_users_mean_it() {
     let instance = read("small", SMALL).unwrap();
     assert_eq!((instance.name.as_str(), instance.vehicles), ("small", Some(4)));
-    assert_eq!(instance.question, Question::OrienteeringWithWindows);
+    assert_eq!(instance.question, ProblemKind::OrienteeringWithWindows);
     let problem = &instance.problem;
     let travel = problem.travel.as_ref().unwrap();
     assert_eq!(travel.from_start_s, [4.2, 1.0], "cut to one decimal");
@@ -41,7 +41,7 @@ fn solomons_own_text_is_read_with_the_demand_as_profit() {
 fn oplib_and_tsplib_are_read() {
     let op = "NAME : t\nTYPE : OP\nDIMENSION : 3\nCOST_LIMIT : 14\nEDGE_WEIGHT_TYPE : EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 3 4\n3 0 9\nNODE_SCORE_SECTION\n1 0\n2 5\n3 8\nDEPOT_SECTION\n 1\n -1\nEOF\n";
     let instance = read("file", op).unwrap();
-    assert_eq!((instance.name.as_str(), instance.question), ("t", Question::Orienteering));
+    assert_eq!((instance.name.as_str(), instance.question), ("t", ProblemKind::Orienteering));
     assert_eq!(instance.problem.end_s, Some(14.5));
     assert_eq!(instance.problem.travel.as_ref().unwrap().from_start_s, [5.0, 9.0]);
     let names: Vec<&str> = instance.problem.targets.iter().map(|target| target.name.as_str()).collect();

@@ -1,7 +1,7 @@
 //! TOPTW text: the format in which the team orienteering problem with time windows is exchanged.
 //!
 //! ```text
-//! k v N t          v paths would do for all; N vertices besides the depot
+//! k v N t          v paths would do for all; N vertices in addition the depot
 //! D Q              not relevant
 //! i x y d S f a list O C      N + 1 lines; i = 0 is the depot; d service time, S profit, O opening, C closing
 //! ```
@@ -9,10 +9,10 @@
 //! coordinate has decimals (Cordeau), else to 1 (Solomon).
 
 use super::distance::Metric;
-use super::instance::{Instance, Question};
+use super::instance::{Instance, ProblemKind};
 use super::pose::{self, Frame, Vertex};
-use super::words::{self, Word, ends_early};
-use crate::format_error::FormatTrouble;
+use super::words::{self, TextToken, ends_early};
+use crate::format_error::FormatError;
 
 /// Paths that a file may name.
 const VEHICLES_MAX: usize = 100_000;
@@ -25,12 +25,12 @@ pub(super) fn is_one(text: &str) -> bool {
     first.is_some_and(|line| line.len() >= 3 && line.iter().take(3).all(|word| word.text.parse::<f64>().is_ok()))
 }
 
-fn content(text: &str) -> impl Iterator<Item = Vec<Word<'_>>> {
+fn content(text: &str) -> impl Iterator<Item = Vec<TextToken<'_>>> {
     words::lines(text).filter(|line| line.first().is_some_and(|word| !word.text.starts_with('*')))
 }
 
 /// Reads a file.
-pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
+pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     let mut lines = content(text);
     let head = lines.next().ok_or_else(|| ends_early(text, "the file is empty", "its first line is `k v N t`"))?;
     let (Some(first), Some(vehicles), Some(count)) = (head.first(), head.get(1), head.get(2)) else {
@@ -66,7 +66,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
     let cut: u8 = if of_places > 0 { 2 } else { 1 };
     let format = if cut == 2 { "TOPTW, distances cut to 2 decimals" } else { "TOPTW, distances cut to 1 decimal" };
     let frame = Frame {
-        question: Question::OrienteeringWithWindows,
+        question: ProblemKind::OrienteeringWithWindows,
         opens: vertices.first().map_or(0.0, |depot| depot.opens),
         closes: vertices.first().map_or(0.0, |depot| depot.closes),
         resolution: resolution(of_times.max(usize::from(cut))),
@@ -94,8 +94,8 @@ pub(super) fn resolution(decimals: usize) -> f64 {
 }
 
 /// A vertex, with the decimals of its coordinates and of its times.
-fn vertex(line: &[Word<'_>], number: usize) -> Result<(Vertex, (usize, usize)), FormatTrouble> {
-    let short = |last: &Word<'_>| {
+fn vertex(line: &[TextToken<'_>], number: usize) -> Result<(Vertex, (usize, usize)), FormatError> {
+    let short = |last: &TextToken<'_>| {
         let form = "a vertex is `i x y d S f a list O C` with `a` numbers in the list";
         last.trouble(format!("the line has {} numbers", line.len()), form, HELP)
     };
@@ -127,6 +127,6 @@ fn vertex(line: &[Word<'_>], number: usize) -> Result<(Vertex, (usize, usize)), 
         closes: closes.amount("C, the closing time")?,
     };
     pose::check_window(&vertex, closes)?;
-    let decimals = |words: &[&Word<'_>]| words.iter().map(|word| word.decimals()).max().unwrap_or(0);
+    let decimals = |words: &[&TextToken<'_>]| words.iter().map(|word| word.decimals()).max().unwrap_or(0);
     Ok((vertex, (decimals(&[x, y]), decimals(&[service, opens, closes]))))
 }

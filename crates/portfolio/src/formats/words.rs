@@ -1,6 +1,6 @@
 //! Words of a text with their places, and numbers made of them.
 
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 
 /// Longer lines and words are cut in messages.
 const SHOWN_MAX: usize = 80;
@@ -11,22 +11,22 @@ const DECIMALS_MAX: usize = 6;
 
 /// A word and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Word<'a> {
+pub(super) struct TextToken<'a> {
     pub(super) text: &'a str,
     pub(super) whole_line: &'a str,
     pub(super) line: usize,
     pub(super) column: usize,
 }
 
-impl<'a> Word<'a> {
+impl<'a> TextToken<'a> {
     /// A mistake at this word.
     pub(super) fn trouble(
         &self,
         message: impl Into<String>,
         reason: impl Into<String>,
         help: impl Into<String>,
-    ) -> FormatTrouble {
-        FormatTrouble {
+    ) -> FormatError {
+        FormatError {
             line: self.line,
             column: self.column,
             text: cut(self.whole_line),
@@ -37,7 +37,7 @@ impl<'a> Word<'a> {
     }
 
     /// The number that it is; `what` says which, for the message.
-    pub(super) fn number(&self, what: &str) -> Result<f64, FormatTrouble> {
+    pub(super) fn number(&self, what: &str) -> Result<f64, FormatError> {
         let number: Option<f64> = self.text.parse().ok();
         match number.filter(|number| number.is_finite()) {
             Some(number) if number.abs() <= NUMBER_MAX => Ok(number),
@@ -55,7 +55,7 @@ impl<'a> Word<'a> {
     }
 
     /// The number, where it must not be negative.
-    pub(super) fn amount(&self, what: &str) -> Result<f64, FormatTrouble> {
+    pub(super) fn amount(&self, what: &str) -> Result<f64, FormatError> {
         let number = self.number(what)?;
         if number < 0.0 {
             return Err(self.trouble(
@@ -68,7 +68,7 @@ impl<'a> Word<'a> {
     }
 
     /// The whole number from 0 to `most`; 12.0 is one.
-    pub(super) fn count(&self, what: &str, most: usize) -> Result<usize, FormatTrouble> {
+    pub(super) fn count(&self, what: &str, most: usize) -> Result<usize, FormatError> {
         let number = self.amount(what)?;
         if number != libm::floor(number) || number > most as f64 {
             return Err(self.trouble(
@@ -88,12 +88,12 @@ impl<'a> Word<'a> {
 }
 
 /// The words of every line; empty lines have none.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = Vec<Word<'_>>> {
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Vec<TextToken<'_>>> {
     text.trim_start_matches('\u{feff}').lines().enumerate().map(|(number, line)| words(line, number + 1))
 }
 
 /// The words of one line.
-pub(super) fn words(line: &str, number: usize) -> Vec<Word<'_>> {
+pub(super) fn words(line: &str, number: usize) -> Vec<TextToken<'_>> {
     let mut found = Vec::new();
     let mut rest = line;
     let mut column = 1;
@@ -107,17 +107,17 @@ pub(super) fn words(line: &str, number: usize) -> Vec<Word<'_>> {
             Some(end) => trimmed.split_at(end),
             None => (trimmed, ""),
         };
-        found.push(Word { text: word, whole_line: line, line: number, column });
+        found.push(TextToken { text: word, whole_line: line, line: number, column });
         column += word.chars().count();
         rest = after;
     }
 }
 
 /// The file ends too early.
-pub(super) fn ends_early(text: &str, message: impl Into<String>, reason: impl Into<String>) -> FormatTrouble {
+pub(super) fn ends_early(text: &str, message: impl Into<String>, reason: impl Into<String>) -> FormatError {
     let line = text.lines().count();
     let last = text.lines().last().unwrap_or_default();
-    FormatTrouble {
+    FormatError {
         line,
         column: last.chars().count() + 1,
         text: cut(last),

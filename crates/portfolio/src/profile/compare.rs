@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// What both say at one budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
-    /// The budget in words.
+    /// The budget as text.
     pub budget: String,
     /// Cells that both have.
     pub cells: usize,
@@ -21,7 +21,7 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// As text for people.
+    /// As text for operators.
     pub fn text(&self) -> String {
         let Compared { budget, cells, same_planner, contradictions } = self;
         let mut text = format!("at {budget}: the same planner in {same_planner} of {cells} cells\n");

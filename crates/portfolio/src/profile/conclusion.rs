@@ -3,7 +3,7 @@
 use super::verdict::{self, Best, Verdict};
 use super::{Profile, budget_words};
 use crate::cell::Cell;
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 use std::fmt::Write;
 
 /// The first line that is no comment.
@@ -94,12 +94,12 @@ pub fn word(verdict: Verdict) -> &'static str {
 ///
 /// # Errors
 /// Names the line and what is wrong with it.
-pub fn read(text: &str) -> Result<Vec<Conclusion>, FormatTrouble> {
+pub fn read(text: &str) -> Result<Vec<Conclusion>, FormatError> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
     lines
         .skip(1)
         .map(|(index, line)| {
-            conclusion_of(line).map_err(|message| FormatTrouble {
+            conclusion_of(line).map_err(|message| FormatError {
                 line: index + 1,
                 column: 1,
                 text: line.to_string(),

@@ -1,4 +1,4 @@
-//! What was asked of a profile that cannot be done, for people.
+//! What was asked of a profile that cannot be done, for operators.
 
 use std::fmt;
 

@@ -1,7 +1,7 @@
 //! The profile as text, one line a planner and budget of a cell: read, written, and refused with the place of the mistake.
 
 use super::{Planner, Profile, Row};
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 use std::fmt::{self, Write};
 use std::str::FromStr;
 
@@ -55,9 +55,9 @@ impl fmt::Display for Profile {
 }
 
 impl FromStr for Profile {
-    type Err = FormatTrouble;
+    type Err = FormatError;
 
-    fn from_str(text: &str) -> Result<Profile, FormatTrouble> {
+    fn from_str(text: &str) -> Result<Profile, FormatError> {
         let mut lines = Lines { text, rest: text.lines().enumerate().collect::<Vec<_>>().into_iter().peekable() };
         lines.number("format", u64::from(FORMAT)..=u64::from(FORMAT))?;
         let generator = lines.number("generator", 1..=u64::from(u32::MAX))?;
@@ -93,7 +93,7 @@ impl FromStr for Profile {
 }
 
 /// The costs of one cell.
-fn row(lines: &mut Lines<'_>, head: &Line<'_>, profile: &Profile) -> Result<Row, FormatTrouble> {
+fn row(lines: &mut Lines<'_>, head: &Line<'_>, profile: &Profile) -> Result<Row, FormatError> {
     let words = head.words();
     let [_, cell, hash] = words.as_slice() else {
         return Err(head.trouble(0, "this is no cell", "a name and a hash belong here"));
@@ -148,7 +148,7 @@ impl<'a> Lines<'a> {
         self.rest.next_if(|(_, line)| begins(line)).map(|(index, text)| Line { number: index + 1, text })
     }
 
-    fn required(&mut self, word: &str) -> Result<Line<'a>, FormatTrouble> {
+    fn required(&mut self, word: &str) -> Result<Line<'a>, FormatError> {
         if let Some(line) = self.next_of(word) {
             return Ok(line);
         }
@@ -159,7 +159,7 @@ impl<'a> Lines<'a> {
         })
     }
 
-    fn number(&mut self, word: &str, allowed: std::ops::RangeInclusive<u64>) -> Result<u64, FormatTrouble> {
+    fn number(&mut self, word: &str, allowed: std::ops::RangeInclusive<u64>) -> Result<u64, FormatError> {
         let line = self.required(word)?;
         let read = line.words().get(1).and_then(|number| number.parse().ok());
         read.filter(|number| allowed.contains(number)).ok_or_else(|| {
@@ -169,7 +169,7 @@ impl<'a> Lines<'a> {
         })
     }
 
-    fn budgets(&mut self) -> Result<Vec<u64>, FormatTrouble> {
+    fn budgets(&mut self) -> Result<Vec<u64>, FormatError> {
         let line = self.required("budgets")?;
         let mut budgets: Vec<u64> = Vec::new();
         for (place, word) in line.words().into_iter().enumerate().skip(1) {
@@ -184,7 +184,7 @@ impl<'a> Lines<'a> {
         Ok(budgets)
     }
 
-    fn end(&self, message: &str, wanted: &str) -> FormatTrouble {
+    fn end(&self, message: &str, wanted: &str) -> FormatError {
         Line { number: self.text.lines().count(), text: "" }.trouble(0, message, wanted)
     }
 }
@@ -194,7 +194,7 @@ impl<'a> Line<'a> {
         self.text.split_whitespace().collect()
     }
 
-    fn costs(&self, missions: u64) -> Result<Vec<f64>, FormatTrouble> {
+    fn costs(&self, missions: u64) -> Result<Vec<f64>, FormatError> {
         let words = self.words();
         let mut costs = Vec::with_capacity(words.len());
         for (place, word) in words.iter().enumerate().skip(2) {
@@ -210,9 +210,9 @@ impl<'a> Line<'a> {
     }
 
     /// What is wrong with the word at `place`.
-    fn trouble(&self, place: usize, message: impl Into<String>, reason: impl Into<String>) -> FormatTrouble {
+    fn trouble(&self, place: usize, message: impl Into<String>, reason: impl Into<String>) -> FormatError {
         let start = self.words().get(place).map_or(0, |word| word.as_ptr().addr() - self.text.as_ptr().addr());
-        FormatTrouble {
+        FormatError {
             line: self.number,
             column: self.text.get(..start).map_or(0, |before| before.chars().count()) + 1,
             text: self.text.chars().take(80).collect(),

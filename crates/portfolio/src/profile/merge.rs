@@ -4,7 +4,7 @@
 use super::{Planner, Profile, Row};
 use crate::cell::Cell;
 
-/// The whole of `parts`, each with its name for people.
+/// The whole of `parts`, each with its name for operators.
 ///
 /// Cells come in the order of [`Cell::all`], others after them as they come; planners as they come. What stands in two parts
 /// must be equal in both.

@@ -130,7 +130,7 @@ impl Profile {
     }
 }
 
-/// A budget in words: `10 ms`.
+/// A budget as text: `10 ms`.
 pub fn budget_words(units: u64) -> String {
     let milliseconds = 1e3 * time_of(units).seconds();
     if milliseconds >= 1000.0 { format!("{} s", milliseconds / 1000.0) } else { format!("{milliseconds} ms") }

@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Width and height of a square, in pixels.
 const SQUARE: (usize, usize) = (26, 17);
-/// Where squares begin, below titles and beside the words of rows.
+/// Where squares begin, below titles and next to the words of rows.
 const ORIGIN: (usize, usize) = (205, 72);
 /// Room between two maps.
 const GAP: usize = 18;

@@ -55,7 +55,7 @@ fn agreement(profile: &Profile, budget: usize) -> Option<[[usize; 4]; 4]> {
 /// How far a profile agrees with the figure at one budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
-    /// The budget in words.
+    /// The budget as text.
     pub budget: String,
     /// How often each published code (row) met each of ours (column).
     pub counts: [[usize; 4]; 4],
@@ -113,7 +113,7 @@ impl Agreement {
         })
     }
 
-    /// As a table for people.
+    /// As a table for operators.
     pub fn text(&self) -> String {
         let mut text = format!("Figure 4 (rows) and ours at {} (columns): 2-Opt or WAM\n", self.budget);
         // Writing to a string cannot fail.

@@ -15,7 +15,7 @@ pub const UNSEEN: u64 = 1_000_000;
 
 /// What became of one mission.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct MissionRegret {
     /// Name of the chosen planner.
     pub chosen: String,
     /// Logarithm of each planner's cost over the least, in the order given: 0 is the best.
@@ -33,7 +33,7 @@ pub fn mission(
     number: u64,
     solvers: &[Arc<dyn Solver>],
     (planners, units): (&Registry, u64),
-) -> Result<Outcome, String> {
+) -> Result<MissionRegret, String> {
     let problem = Problem::Surveillance(cell.mission(UNSEEN + number));
     let chosen = table::select_within(&problem, units, planners).solver;
     let mut logarithms = Vec::with_capacity(solvers.len());
@@ -46,7 +46,7 @@ pub fn mission(
     let excess: Vec<f64> = logarithms.iter().map(|logarithm| logarithm - least).collect();
     let regret = solvers.iter().zip(&excess).find(|(solver, _)| solver.name() == chosen).map(|(_, excess)| *excess);
     let regret = regret.ok_or_else(|| format!("selection chose {chosen}, which is not among the planners compared"))?;
-    Ok(Outcome { chosen, excess, regret })
+    Ok(MissionRegret { chosen, excess, regret })
 }
 
 /// All missions with `count` targets: every space, scale and spread.
@@ -62,7 +62,7 @@ pub fn cells(count: usize) -> Vec<Cell> {
 pub struct Summary {
     /// Targets of each.
     pub targets: usize,
-    /// The budget in words.
+    /// The budget as text.
     pub budget: String,
     /// How many missions.
     pub missions: usize,
@@ -78,8 +78,8 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up `outcomes` of planners called `names`.
-    pub fn of(targets: usize, units: u64, names: &[String], outcomes: &[Outcome]) -> Summary {
-        let percent = |mean_of: &dyn Fn(&Outcome) -> f64| {
+    pub fn of(targets: usize, units: u64, names: &[String], outcomes: &[MissionRegret]) -> Summary {
+        let percent = |mean_of: &dyn Fn(&MissionRegret) -> f64| {
             100.0 * (libm::exp(outcomes.iter().map(mean_of).sum::<f64>() / outcomes.len().max(1) as f64) - 1.0)
         };
         let always =
@@ -106,7 +106,7 @@ impl Summary {
         })
     }
 
-    /// As text for people.
+    /// As text for operators.
     pub fn text(&self) -> String {
         let always: Vec<String> =
             self.always_percent.iter().map(|(name, percent)| format!(" {name} {percent:.2} %")).collect();

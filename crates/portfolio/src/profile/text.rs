@@ -1,4 +1,4 @@
-//! A profile as text for people, and as lines of JSON for programs.
+//! A profile as text for operators, and as lines of JSON for programs.
 
 use super::verdict::{self, Best, Verdict};
 use super::{Profile, Row, budget_words, conclusion};

@@ -7,21 +7,17 @@
 //! second or two, and near to the best. The others bound all flights.
 //! Each bound brings its proof, whose value [`verified`] computes again without the solver that found it.
 
-pub mod absences;
-pub mod ages;
+pub mod age_grid;
 mod least;
 pub mod price;
+pub mod revisit_gaps;
 pub(crate) mod routes;
 pub mod tour;
 
-use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem};
+use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_planning::meter::Meter;
 use apex_planning::solver::WorkBudget;
-use apex_planning::surveillance::scenario::Scenario;
 use std::borrow::Cow;
-
-/// Whoever is later by less than this does not wait.
-const WAIT_S: f64 = 1e-6;
 
 /// A bound with what proves it.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,9 +34,9 @@ pub enum Proof {
     /// Expected cost that one more second of flight would save at the least.
     PricePerSecond(f64),
     /// Multipliers of the rows of the program of absences.
-    Absences(absences::Multipliers),
+    RevisitGaps(revisit_gaps::Multipliers),
     /// All flights that never wait were looked at from the end on, over a grid of ages, so closely.
-    Ages(ages::horizon::Look),
+    AgeGrid(age_grid::horizon::GridResolution),
 }
 
 /// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
@@ -49,36 +45,8 @@ pub fn state(problem: &Problem, plan: &mut Plan) {
     state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
 }
 
-/// As [`state`], by the best bound that the budget is enough for and that is known here for plans such as this one: that of
-/// plans that never wait, if it does not. Of single visits too. The meter tells what it took, and whether more could be proven with
-/// more.
-pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) {
-    if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
-        crate::planners::single_visit::prove(problem, plan, meter);
-    }
-    let waits = match (problem, &*plan) {
-        (Problem::Surveillance(problem), Plan::Surveillance(plan)) => waits(problem, plan),
-        _ => false,
-    };
-    let best = |problem: &SurveillanceProblem| match waits {
-        true => expected_cost_within(problem, meter).expected_cost,
-        false => expected_cost_without_waiting_within(problem, meter).expected_cost,
-    };
-    state_at_least(problem, plan, best);
-}
-
-/// Does the plan begin or end a visit later than it could?
-fn waits(problem: &SurveillanceProblem, plan: &SurveillancePlan) -> bool {
-    let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
-    let word: Option<Vec<usize>> = plan.visits.iter().map(|visit| index(&visit.target)).collect();
-    let Some((scenario, word)) = Scenario::new(problem).ok().zip(word) else { return true };
-    let mut stops = Vec::new();
-    scenario.fly(word, |stop| stops.push(stop));
-    let late = plan.visits.iter().zip(&stops).any(|(visit, stop)| visit.end_s > stop.end_s + WAIT_S);
-    late || stops.len() != plan.visits.len()
-}
-
-fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&SurveillanceProblem) -> f64) {
+/// States `bound` in a plan of surveillance, unless the plan claims a greater one.
+pub(crate) fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&SurveillanceProblem) -> f64) {
     if let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) {
         let found = bound(problem).min(plan.expected_cost);
         plan.expected_cost_bound = Some(plan.expected_cost_bound.map_or(found, |claimed| claimed.max(found)));
@@ -93,9 +61,9 @@ pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
 /// As [`expected_cost_without_waiting`], with what the budget is enough for.
 pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let of_all = expected_cost_within(problem, meter);
-    match ages::horizon::expected_cost(problem, meter) {
+    match age_grid::horizon::expected_cost(problem, meter) {
         Some((expected_cost, look)) if expected_cost > of_all.expected_cost => {
-            Bound { expected_cost, proof: Proof::Ages(look) }
+            Bound { expected_cost, proof: Proof::AgeGrid(look) }
         }
         _ => of_all,
     }
@@ -112,9 +80,9 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
     let of_price = price::expected_cost(problem);
     meter.spend(price::TARGET_NS * problem.targets.len() as f64);
     let by_price = Bound { expected_cost: of_price.expected_cost, proof: Proof::PricePerSecond(of_price.price_per_s) };
-    match absences::expected_cost(problem, meter) {
+    match revisit_gaps::expected_cost(problem, meter) {
         Some((expected_cost, multipliers)) if expected_cost > by_price.expected_cost => {
-            Bound { expected_cost, proof: Proof::Absences(multipliers) }
+            Bound { expected_cost, proof: Proof::RevisitGaps(multipliers) }
         }
         _ => by_price,
     }
@@ -134,8 +102,8 @@ pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
     let quickest = &*at_best_departures(problem);
     match proof {
         Proof::PricePerSecond(price_per_s) => price::at_price(quickest, *price_per_s),
-        Proof::Absences(multipliers) => absences::verified(quickest, multipliers),
-        Proof::Ages(look) => ages::horizon::expected_cost_at(problem, *look).unwrap_or(0.0),
+        Proof::RevisitGaps(multipliers) => revisit_gaps::verified(quickest, multipliers),
+        Proof::AgeGrid(look) => age_grid::horizon::expected_cost_at(problem, *look).unwrap_or(0.0),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Bounds hold against every plan of small problems, are tight where they must be, and their certificates say the same.
 
 use super::*;
-use crate::planners::anytime::Anytime;
+use crate::planners::tour_annealing::TourAnnealing;
 use apex_model::problem::{CostFunction, EventRate, Plan, Problem};
 use apex_planning::examples::surveillance as examples;
 use apex_planning::solver::{Environment, Solver, WorkBudget};
@@ -42,8 +42,8 @@ proptest! {
         let quick = at_best_departures(&problem);
         let of_price = price::expected_cost(&quick);
         prop_assert_eq!(price::at_price(&quick, of_price.price_per_s), of_price.expected_cost);
-        let (of_absences, multipliers) = absences::expected_cost(&quick, &mut Meter::new(&mut WorkBudget::new(u64::MAX))).unwrap();
-        prop_assert!((absences::verified(&quick, &multipliers) - of_absences.max(0.0)).abs() <= 1e-12 * of_absences.abs());
+        let (of_absences, multipliers) = revisit_gaps::expected_cost(&quick, &mut Meter::new(&mut WorkBudget::new(u64::MAX))).unwrap();
+        prop_assert!((revisit_gaps::verified(&quick, &multipliers) - of_absences.max(0.0)).abs() <= 1e-12 * of_absences.abs());
         let mut least = f64::INFINITY;
         for number in 0..3_usize.pow(7) {
             let word = (0..7).map(|place| number / 3_usize.pow(place) % 3);
@@ -77,7 +77,7 @@ fn bounds_of_test_missions_are_below_good_plans_and_not_far() {
         let problem = cell.mission(0);
         let mut budget = WorkBudget::new(6_000);
         let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
-        let plan = Anytime.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
+        let plan = TourAnnealing.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
         let Plan::Surveillance(plan) = plan else { panic!("{plan:?}") };
         let bound = expected_cost(&problem).expected_cost;
         assert!(bound <= plan.expected_cost, "{cell}: {bound} {}", plan.expected_cost);
@@ -104,7 +104,7 @@ fn a_small_budget_proves_less_says_so_and_is_kept() {
         let problem = examples::random(count, 5);
         let mut environment =
             Environment { seed: 1, budget: &mut WorkBudget::new(20_000), report: &mut |_| {}, previous: None };
-        let plan = Anytime.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
+        let plan = TourAnnealing.solve(&Problem::Surveillance(problem.clone()), &mut environment).unwrap();
         let Plan::Surveillance(plan) = plan else { panic!("{plan:?}") };
         let (all, needed, complete) = within(&problem, u64::MAX);
         assert!(complete && all <= plan.expected_cost, "{count}: {all} {}", plan.expected_cost);

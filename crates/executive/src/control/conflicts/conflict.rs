@@ -12,9 +12,9 @@ use crate::control::conflicts::competition::{
 use crate::control::conflicts::precedence::Precedence;
 use crate::control::conflicts::resources::needs_of;
 use crate::control::conflicts::sharing::{Use, UseKind, any_related, has_room, matters};
-use crate::control::conflicts::{line, priority};
+use crate::control::conflicts::{claim_queue, priority};
 use crate::control::cycle::Cycle;
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::planted::{self, Bug};
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
@@ -36,7 +36,7 @@ pub(crate) fn arbitrate(
     let mut result = Arbitration::default();
     let mut rest = BTreeSet::new();
     for id in dirty {
-        match line::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
+        match claim_queue::first_decides(cycle, *id, fresh.get(id).map(Vec::as_slice).unwrap_or_default()) {
             Some(part) => {
                 debug_assert!(says_the_same(cycle, *id, &part), "the line of {id:?} and all its claimants disagree");
                 result.absorb(part);
@@ -262,7 +262,7 @@ impl<'a, 'c> Field<'a, 'c> {
         uses.iter().filter(counts).collect()
     }
 
-    /// The first need of the claimant for which there is no room.
+    /// The first need of the claimant for which there is no space.
     fn lacking(&self, claimant: &Claimant, losses: &[Loss]) -> Option<Need> {
         let room = |need: &Need| {
             let present = self.present(claimant, need.resource, losses);

@@ -10,8 +10,8 @@
 //! of an expression, or the looks are used up, the next look is taken when they were last known apart.
 
 use crate::control::conflicts::curve::Curve;
-use crate::control::conflicts::moving::Bounds;
 use crate::control::conflicts::priority::{self, priority};
+use crate::control::conflicts::value_intervals::Bounds;
 use crate::state::agent::Agent;
 use apex_model::limits::{PRIORITY_LOOK_AGAIN_MS, PRIORITY_SEARCH_MAX};
 use apex_model::task::TaskId;
@@ -67,7 +67,7 @@ pub(crate) fn next_look(
 ) -> Option<Time> {
     let all = defenders.iter().flat_map(|defender| challengers.iter().map(move |challenger| (challenger, defender)));
     let mut contests: Vec<Contest<'_, '_>> = all.filter(|contest| may_cross(contest, now)).collect();
-    let search = Search { agent, now, looks: Cell::new(PRIORITY_SEARCH_MAX), given_up: Cell::new(None) };
+    let search = CrossingSearch { agent, now, looks: Cell::new(PRIORITY_SEARCH_MAX), given_up: Cell::new(None) };
     let mut from = now;
     let mut span = FIRST_LOOK;
     let mut found = None;
@@ -90,7 +90,7 @@ fn may_cross((own, other): &Contest<'_, '_>, now: Time) -> bool {
     moving && !is_ahead && !own.never_exceeds(&other.curve, now)
 }
 
-struct Search<'a> {
+struct CrossingSearch<'a> {
     agent: &'a Agent,
     now: Time,
     looks: Cell<u32>,
@@ -98,7 +98,7 @@ struct Search<'a> {
     given_up: Cell<Option<Time>>,
 }
 
-impl Search<'_> {
+impl CrossingSearch<'_> {
     /// Nothing is known of what comes after `at`.
     fn give_up(&self, at: Time) {
         let at = at.max(self.now + Duration(PRIORITY_LOOK_AGAIN_MS.saturating_mul(1_000_000)));

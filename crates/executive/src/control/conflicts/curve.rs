@@ -4,8 +4,8 @@
 //! Bound: O(clauses) a look; a clause that stays is evaluated once.  PDL: `priority`, section 9.
 //! Paper: section III, priority of competitors.
 
-use crate::control::conflicts::moving::Bounds;
 use crate::control::conflicts::priority::{self, Kind};
+use crate::control::conflicts::value_intervals::Bounds;
 use crate::state::agent::Agent;
 use crate::state::task::Task;
 use apex_model::procedure::PriorityClause;
@@ -22,7 +22,7 @@ pub(crate) struct Curve<'a> {
     pub(crate) value_now: f64,
     /// The greatest of the parts that stay; 0 for a task without any clause, as in [`priority::priority`].
     steady: Option<f64>,
-    rises: Vec<Rise>,
+    rises: Vec<RisingTerm>,
     others: Vec<(&'a Task, &'a PriorityClause)>,
     /// The bounds of the span that was looked at last: each span is looked at for many contests.
     last: Cell<Option<(Time, Time, Bounds)>>,
@@ -30,7 +30,7 @@ pub(crate) struct Curve<'a> {
 
 /// A part that rises until it is due and stays then.
 #[derive(Clone, Copy)]
-pub(crate) struct Rise {
+pub(crate) struct RisingTerm {
     /// From 0 to 10.
     pub(crate) importance: f64,
     /// When its urgency is greatest.
@@ -73,7 +73,7 @@ impl<'a> Curve<'a> {
             return bounds;
         }
         let steady = self.steady.map(|value| Bounds { low: value, high: value });
-        let at = |rise: &Rise, at| priority::risen(self.agent, *rise, at);
+        let at = |rise: &RisingTerm, at| priority::risen(self.agent, *rise, at);
         let rises = self.rises.iter().map(|rise| Bounds { low: at(rise, from), high: at(rise, to) });
         let others = self.others.iter();
         let others = others.filter_map(|(task, clause)| priority::clause_bounds(self.agent, task, clause, from, to));
@@ -84,12 +84,12 @@ impl<'a> Curve<'a> {
     }
 
     /// True when this one can never be above `other` from `now` on: each of its parts stays below what of the other stays
-    /// or rises. Two steps of one kind, of which one came later, are never told apart by bounds; so they are here.
+    /// or rises. Two steps of one kind, of which one came later, are never distinguished by bounds; so they are here.
     pub(crate) fn never_exceeds(&self, other: &Curve<'_>, now: Time) -> bool {
         let kept = other.rises.iter().map(|rise| priority::risen(self.agent, *rise, now)).chain(other.steady);
         let Some(kept) = kept.reduce(f64::max) else { return false };
-        let below = |rise: &Rise| {
-            let behind = |each: &Rise| rise.importance <= each.importance && rise.due >= each.due;
+        let below = |rise: &RisingTerm| {
+            let behind = |each: &RisingTerm| rise.importance <= each.importance && rise.due >= each.due;
             priority::risen(self.agent, *rise, rise.due) <= kept || other.rises.iter().any(behind)
         };
         self.others.is_empty() && self.steady.is_none_or(|value| value <= kept) && self.rises.iter().all(below)

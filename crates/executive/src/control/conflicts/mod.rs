@@ -1,13 +1,13 @@
 //! Conflicts over resources: who competes, how much each counts, who gets what.
 
 pub(crate) mod arbitration;
+pub(crate) mod claim_queue;
 pub(crate) mod competition;
 pub(crate) mod conflict;
 pub(crate) mod crossing;
 pub(crate) mod curve;
-pub(crate) mod line;
-pub(crate) mod moving;
 pub(crate) mod precedence;
 pub(crate) mod priority;
 pub(crate) mod resources;
 pub(crate) mod sharing;
+pub(crate) mod value_intervals;

@@ -17,7 +17,7 @@ use std::rc::Rc;
 /// The order of all competitors for some resources.
 pub(crate) struct Precedence {
     competitors: Vec<Competitor>,
-    places: BTreeMap<TaskId, Place>,
+    places: BTreeMap<TaskId, OrderKey>,
     /// Priorities of some of them can change without anybody claiming or giving up.
     varies: bool,
     /// What was found for who was asked about: each one stands in the way of many.
@@ -31,7 +31,7 @@ struct Competitor {
 }
 
 #[derive(Clone, Copy)]
-struct Place {
+struct OrderKey {
     turn: usize,
     /// The most important one that it goes before, itself if there is none.
     whom: TaskId,
@@ -80,7 +80,7 @@ impl Precedence {
                     None => {
                         open.pop();
                         let (turn, whom) = (self.places.len(), &whom.claimant);
-                        let place = Place { turn, whom: whom.id, priority: whom.priority };
+                        let place = OrderKey { turn, whom: whom.id, priority: whom.priority };
                         self.places.entry(competitor.claimant.id).or_insert(place);
                     }
                 }
@@ -150,7 +150,7 @@ impl Competitor {
 }
 
 /// Which of them go first among equals because they have begun: not those that one goes before which has not begun. It would
-/// come before its own equals with them: who fills a gap would make room for who had to leave it.
+/// come before its own equals with them: who fills a gap would make space for who had to leave it.
 fn begun_first(competitors: &[Competitor]) -> Vec<bool> {
     let mut counts: Vec<bool> = competitors.iter().map(|each| each.claimant.begun).collect();
     let mut changed = true;

@@ -4,14 +4,14 @@
 //! Bound: O(depth) per task.
 //! PDL: `priority`, section 9.  Paper: section III, priority of competitors.
 
-use crate::control::conflicts::curve::Rise;
-use crate::control::conflicts::moving::{self, Bounds};
+use crate::control::conflicts::curve::RisingTerm;
+use crate::control::conflicts::value_intervals::{self, Bounds};
 use crate::control::cycle::Cycle;
 use crate::expression::view::View;
-use crate::expression::{Surroundings, evaluate};
+use crate::expression::{EvalContext, evaluate};
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
-use crate::state::controller::Way;
+use crate::state::controller::MethodBinding;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::Task;
 use apex_model::because::Strength;
@@ -22,7 +22,7 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Added to the priority of an ongoing task when it defends a resource, where nothing else is stated.
+/// Added to the priority of an ongoing task when it defends a resource, if nothing else is stated.
 pub(crate) const INTERRUPT_COST_DEFAULT: f64 = 0.1;
 
 /// The priority of `id` at `at`: the greatest of its own clauses and of its ancestors that are not interrupted.
@@ -175,14 +175,14 @@ pub(crate) fn moves(agent: &Agent, id: TaskId) -> bool {
     cost_moves(agent, id)
         || clauses_above(agent, id).any(|(task, clause)| match clause {
             _ if recovery_span(agent, task).is_some() => true,
-            PriorityClause::Number(expr) => moving::moves(expr, &agent.library),
+            PriorityClause::Number(expr) => value_intervals::moves(expr, &agent.library),
             PriorityClause::UrgencyImportance(..) => true,
         })
 }
 
 /// True when what it costs to interrupt the task changes by the passing of time.
 pub(crate) fn cost_moves(agent: &Agent, id: TaskId) -> bool {
-    cost_clause(agent, id).is_some_and(|(expr, _)| moving::moves(expr, &agent.library))
+    cost_clause(agent, id).is_some_and(|(expr, _)| value_intervals::moves(expr, &agent.library))
 }
 
 /// The priority clauses of the task and of its ancestors.
@@ -207,7 +207,7 @@ pub(crate) enum Kind {
     /// It stays.
     Steady(f64),
     /// It rises with its urgency until that is 10.
-    Rising(Rise),
+    Rising(RisingTerm),
     /// It moves in some other way; [`clause_bounds`] tells what is known.
     Other,
 }
@@ -218,7 +218,7 @@ pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Tim
         PriorityClause::Number(expr) => &[expr],
         PriorityClause::UrgencyImportance(urgency, importance) => &[urgency, importance],
     };
-    if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| moving::moves(expr, &agent.library)) {
+    if recovery(agent, task, now) < 1.0 || parts.iter().any(|expr| value_intervals::moves(expr, &agent.library)) {
         return Kind::Other;
     }
     let view = View { agent, task: task.id, level: Level::Step, now };
@@ -227,7 +227,7 @@ pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Tim
         PriorityClause::UrgencyImportance(urgency, importance) => {
             number(urgency, &view).zip(number(importance, &view)).map(|(urgency, importance)| {
                 let (due, importance) = (deadline(urgency, created(task)), importance.clamp(0.0, 10.0));
-                Kind::Rising(Rise { importance, due })
+                Kind::Rising(RisingTerm { importance, due })
             })
         }
     };
@@ -235,15 +235,15 @@ pub(crate) fn kind(agent: &Agent, task: &Task, clause: &PriorityClause, now: Tim
 }
 
 /// What a priority that rises with its urgency is at `at`.
-pub(crate) fn risen(agent: &Agent, rise: Rise, at: Time) -> f64 {
+pub(crate) fn risen(agent: &Agent, rise: RisingTerm, at: Time) -> f64 {
     combined(urgency_before(rise.due, at), rise.importance, agent.workload)
 }
 
 /// Between which values stays what it costs to interrupt the task.
 pub(crate) fn cost_bounds(agent: &Agent, id: TaskId, from: Time, to: Time) -> Bounds {
     let cost = match cost_clause(agent, id) {
-        Some((expr, level)) if moving::moves(expr, &agent.library) => {
-            moving::bounds(expr, &View { agent, task: id, level, now: from }, to)
+        Some((expr, level)) if value_intervals::moves(expr, &agent.library) => {
+            value_intervals::bounds(expr, &View { agent, task: id, level, now: from }, to)
         }
         _ => {
             let cost = interrupt_cost_at(agent, id, from);
@@ -263,9 +263,10 @@ pub(crate) fn clause_bounds(
 ) -> Option<Bounds> {
     let view = View { agent, task: task.id, level: Level::Step, now: from };
     let value = match clause {
-        PriorityClause::Number(expr) => moving::bounds(expr, &view, to)?,
+        PriorityClause::Number(expr) => value_intervals::bounds(expr, &view, to)?,
         PriorityClause::UrgencyImportance(urgency, importance) => {
-            let (urgency, importance) = (moving::bounds(urgency, &view, to)?, moving::bounds(importance, &view, to)?);
+            let (urgency, importance) =
+                (value_intervals::bounds(urgency, &view, to)?, value_intervals::bounds(importance, &view, to)?);
             let at = |urgency: f64, importance: f64, at: Time| {
                 let urgency = urgency_at(urgency.clamp(0.0, 10.0), created(task), at);
                 combined(urgency, importance.clamp(0.0, 10.0), agent.workload)
@@ -290,10 +291,14 @@ pub(crate) fn cost_clause(agent: &Agent, id: TaskId) -> Option<(&Expr, Level)> {
         return Some((expr, Level::Step));
     }
     match &task.selection.as_ref()?.way {
-        Way::Procedure(reference, _) => {
+        MethodBinding::Procedure(reference, _) => {
             agent.procedure(*reference)?.interrupt_cost.as_ref().map(|expr| (expr, Level::Procedure))
         }
-        Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+        MethodBinding::Primitive(..)
+        | MethodBinding::Items(_)
+        | MethodBinding::BuiltIn(_)
+        | MethodBinding::Terminate
+        | MethodBinding::Solver(_) => None,
     }
 }
 
@@ -325,8 +330,8 @@ pub(crate) fn is_ranked(agent: &Agent, id: TaskId) -> bool {
 ///
 /// # Errors
 /// A message when it is no number.
-pub(crate) fn interrupt_cost(expr: &Expr, surroundings: &dyn Surroundings) -> Result<f64, String> {
-    let value = evaluate(expr, surroundings).map_err(|error| error.message)?;
+pub(crate) fn interrupt_cost(expr: &Expr, context: &dyn EvalContext) -> Result<f64, String> {
+    let value = evaluate(expr, context).map_err(|error| error.message)?;
     let number = value.as_number().map(|(number, _)| number);
     number.ok_or_else(|| format!("{value} is no interrupt cost; write a number"))
 }

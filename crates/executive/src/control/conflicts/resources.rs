@@ -6,7 +6,7 @@
 
 use crate::control::conflicts::priority;
 use crate::control::cycle::Cycle;
-use crate::expression::{Surroundings, evaluate, instantiate};
+use crate::expression::{EvalContext, evaluate, instantiate};
 use crate::state::agent::Agent;
 use crate::state::resource::{Holding, Need, ResourceId};
 use apex_model::library::ResourceKind;
@@ -35,17 +35,17 @@ pub(crate) fn needs(
     Ok(())
 }
 
-/// Name and amount of one entry of a profile, as `surroundings` see them.
+/// Name and amount of one entry of a profile, as `context` see them.
 ///
 /// # Errors
 /// Message and place when one of them cannot be evaluated.
 pub(crate) fn evaluate_need(
     need: &ResourceNeed,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<(Value, Option<Value>), (String, Place)> {
-    let name = instantiate(&need.resource, surroundings).map_err(|error| (error.message, error.place))?;
+    let name = instantiate(&need.resource, context).map_err(|error| (error.message, error.place))?;
     let amount = match &need.amount {
-        Some(expr) => Some(evaluate(expr, surroundings).map_err(|error| (error.message, error.place))?),
+        Some(expr) => Some(evaluate(expr, context).map_err(|error| (error.message, error.place))?),
         None => None,
     };
     Ok((name, amount))

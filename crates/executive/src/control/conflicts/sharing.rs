@@ -1,5 +1,5 @@
 //! Sharing (TC)
-//! What: says how much of a resource is used, and whether there is room for one more; families use a share together.
+//! What: says how much of a resource is used, and whether there is space for one more; families use a share together.
 //! Runs: contend phase.  Reads: uses, ancestors.  Writes: nothing.
 //! Bound: O(u log u + u * depth) for u uses of a resource.
 //! PDL: `profile`, `resource`, section 9.  Paper: section III, detecting and resolving conflicts.

@@ -9,7 +9,7 @@
 
 use crate::control::cycle::Cycle;
 use crate::expression::view::View;
-use crate::expression::{Surroundings, expression_as_known, instantiate_partially};
+use crate::expression::{EvalContext, expression_as_known, instantiate_partially};
 use crate::state::agent::Agent;
 use crate::state::clause::Level;
 use crate::state::task::Origin;
@@ -57,18 +57,18 @@ pub(crate) fn goal_in(agent: &Agent, id: TaskId, now: Time) -> Value {
 }
 
 /// An activity as its author would read it.
-pub(crate) fn activity_as_value(activity: &Activity, surroundings: &dyn Surroundings) -> Value {
+pub(crate) fn activity_as_value(activity: &Activity, context: &dyn EvalContext) -> Value {
     match activity {
-        Activity::Goal(template) => instantiate_partially(template, surroundings),
+        Activity::Goal(template) => instantiate_partially(template, context),
         Activity::Terminate { task, outcome, value } => {
-            let known = |expr: &Expr| expression_as_known(expr, surroundings);
+            let known = |expr: &Expr| expression_as_known(expr, context);
             let parts = [task, outcome].into_iter().flatten().map(|expr| known(expr));
             let words = [Value::symbol("terminate")].into_iter().chain(parts);
             let value = value.iter().flat_map(|value| [Value::symbol(">>"), known(value)]);
             Value::list(words.chain(value))
         }
         Activity::BuiltIn(which, arguments) => {
-            let arguments = arguments.iter().map(|argument| expression_as_known(argument, surroundings));
+            let arguments = arguments.iter().map(|argument| expression_as_known(argument, context));
             let (words, keywords) = which.words();
             let plain = arguments.len() - keywords.len().min(arguments.len());
             let options = keywords.iter().zip(arguments.clone().skip(plain)).filter(|(_, value)| value.is_true());

@@ -5,7 +5,7 @@
 //! Paper: section III, code embedded in the `on-enablement` clause.
 
 use crate::control::cycle::Cycle;
-use crate::control::tasks::{binding, correspondence, primitive, termination};
+use crate::control::tasks::{binding, messaging, primitive, termination};
 use crate::expression::{Action, run};
 use crate::state::bindings::Bindings;
 use crate::state::clause::Level;
@@ -19,15 +19,15 @@ use apex_model::value::Value;
 
 /// What the forms of a primitive want for the primitive itself.
 #[derive(Default)]
-pub(crate) struct Wants {
+pub(crate) struct HookRequests {
     /// `(complete [value])`.
     pub(crate) completed: Option<Value>,
     /// `(command FORM)`s in order.
-    pub(crate) commands: Vec<Wanted>,
+    pub(crate) commands: Vec<CommandRequest>,
 }
 
 /// A command that a form wants sent.
-pub(crate) struct Wanted {
+pub(crate) struct CommandRequest {
     /// The ground form.
     pub(crate) form: Value,
     /// How long to wait for the answer; none is the default.
@@ -48,7 +48,7 @@ pub(crate) fn run_needed(
     forms: &[Expr],
 ) -> Result<(), Because> {
     let wants = run_forms(cycle, id, level, clause, forms)?;
-    for Wanted { form, timeout, because } in wants.commands {
+    for CommandRequest { form, timeout, because } in wants.commands {
         primitive::command(cycle, id, form, timeout, because);
     }
     Ok(())
@@ -72,32 +72,32 @@ pub(crate) fn run_forms(
     level: Level,
     clause: &'static str,
     forms: &[Expr],
-) -> Result<Wants, Because> {
+) -> Result<HookRequests, Because> {
     if forms.is_empty() {
-        return Ok(Wants::default());
+        return Ok(HookRequests::default());
     }
     let mut locals = take_locals(cycle, id);
     let mut actions = Vec::new();
     let result = run(forms, &cycle.view(id, level), &mut locals, &mut actions);
     put_locals(cycle, id, locals);
-    let mut wants = Wants::default();
+    let mut wants = HookRequests::default();
     let place = forms.first().map(|form| form.place).unwrap_or_default();
     let mut unsaid: Option<Because> = None;
     for action in actions {
         let mut said = |told: Result<(), Because>| unsaid = unsaid.take().or(told.err());
         match action {
-            Action::Inform(form, router) => said(correspondence::inform(cycle, id, form, router.as_ref(), place)),
+            Action::Inform(form, router) => said(messaging::inform(cycle, id, form, router.as_ref(), place)),
             Action::Print(text) => cycle.effects.push(Effect::Print { task: id, text }),
             Action::Command { form, timeout, place } => {
                 let because = Because::new(Cause::FormRan { clause: clause.into() }, Some(place));
-                wants.commands.push(Wanted { form, timeout, because });
+                wants.commands.push(CommandRequest { form, timeout, because });
             }
             Action::Publish(variable, value, router) => {
-                said(correspondence::publish(cycle, id, variable, value, router.as_ref(), place));
+                said(messaging::publish(cycle, id, variable, value, router.as_ref(), place));
             }
             Action::Complete(value) => wants.completed = Some(value),
             Action::SetTaskVariable(name, value) => binding::assign(cycle, id, level, &name, value, place),
-            Action::Cogevent(form, agent) => said(correspondence::cogevent(cycle, id, form, agent.as_ref(), place)),
+            Action::Cogevent(form, agent) => said(messaging::cogevent(cycle, id, form, agent.as_ref(), place)),
             Action::EndApplication(reason) => termination::end_application(cycle, id, reason),
         }
     }

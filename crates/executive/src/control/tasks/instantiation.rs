@@ -6,7 +6,7 @@
 use crate::control::cycle::Cycle;
 use crate::control::tasks::goal::goal_as_known;
 use crate::control::tasks::{interruption, monitoring_clauses, termination};
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::bindings::Bindings;
 use crate::state::clause::{Clause, Level};
 use crate::state::index::StepIndex;
@@ -74,7 +74,7 @@ pub(crate) fn create(cycle: &mut Cycle<'_>, seed: Seed) -> Result<TaskId, Cause>
     Ok(id)
 }
 
-/// Is there room for one more task, at this depth? For what handles a failure there is always: it takes the place of the
+/// Is there space for one more task, at this depth? For what handles a failure there is always: it takes the place of the
 /// work that failed, and there is one for each task at the most.
 fn room(cycle: &Cycle<'_>, origin: Origin, depth: u32) -> Result<(), Cause> {
     let limits = &cycle.agent.limits;

@@ -8,9 +8,9 @@ use crate::control::conflicts::resources;
 use crate::control::cycle::Cycle;
 use crate::control::tasks::{hooks, monitoring_clauses, primitive, question, termination};
 use crate::control::transition::{Trigger, transition};
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::state::clause::{Clause, Level, MonitorId};
-use crate::state::controller::{Controller, Way};
+use crate::state::controller::{Controller, MethodBinding};
 use crate::state::monitors::monitor::Window;
 use crate::state::step_clauses::StepClauses;
 use crate::state::task::{Origin, ProcedureRef, Task};
@@ -302,10 +302,14 @@ fn clauses(cycle: &Cycle<'_>, id: TaskId, level: Level) -> Option<Transitions> {
     match level {
         Level::Step => step_clauses(cycle, id),
         Level::Procedure => match &cycle.task(id).filter(|task| works_itself(task))?.selection.as_ref()?.way {
-            Way::Procedure(reference, _) => {
+            MethodBinding::Procedure(reference, _) => {
                 cycle.agent.procedure(*reference).map(|procedure| procedure.transitions.clone())
             }
-            Way::Primitive(..) | Way::Items(_) | Way::BuiltIn(_) | Way::Terminate | Way::Solver(_) => None,
+            MethodBinding::Primitive(..)
+            | MethodBinding::Items(_)
+            | MethodBinding::BuiltIn(_)
+            | MethodBinding::Terminate
+            | MethodBinding::Solver(_) => None,
         },
     }
 }

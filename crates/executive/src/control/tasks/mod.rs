@@ -1,14 +1,14 @@
 //! The life of a task: its making, its monitors and variables, its work, its interruption and its end.
 
 pub(crate) mod binding;
-pub(crate) mod correspondence;
+pub(crate) mod episode_index_tasks;
 pub(crate) mod failure;
 pub(crate) mod goal;
 pub(crate) mod hooks;
 pub(crate) mod instantiation;
 pub(crate) mod interruption;
+pub(crate) mod messaging;
 pub(crate) mod monitoring_clauses;
-pub(crate) mod plain_episodes;
 pub(crate) mod primitive;
 pub(crate) mod probing;
 pub(crate) mod procedure;

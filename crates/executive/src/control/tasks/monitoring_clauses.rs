@@ -6,9 +6,9 @@
 //! PDL: `waitfor`, `end-when`, `restart-when`, `suspend-when`, `resume-when`.  Paper: section III, condition monitoring.
 
 use crate::control::cycle::{Cycle, Firing};
-use crate::control::tasks::{plain_episodes, probing};
+use crate::control::tasks::{episode_index_tasks, probing};
 use crate::expression::view::View;
-use crate::expression::{EvaluationError, Surroundings};
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::basic::task_state;
 use crate::monitoring::combination::{interest, monitors};
 use crate::monitoring::stimulus::Stimulus;
@@ -149,7 +149,7 @@ pub(crate) fn unwatch(cycle: &mut Cycle<'_>, task: TaskId, unwanted: impl Fn(Cla
 
 fn remove(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.remove(id.0) else { return };
-    plain_episodes::take_out(cycle, id, &mut watch);
+    episode_index_tasks::take_out(cycle, id, &mut watch);
     take_out(&mut cycle.agent.interests, &watch, id);
     if let Some(wake) = watch.wake {
         cycle.agent.wakes.cancel(wake);
@@ -176,7 +176,7 @@ pub(crate) fn notice(cycle: &mut Cycle<'_>) {
                 found.retain(|id| *id < *before);
             }
         }
-        plain_episodes::notice(cycle, stimulus, &mut found);
+        episode_index_tasks::notice(cycle, stimulus, &mut found);
         found.sort_unstable();
         found.dedup();
         for id in &found {
@@ -245,14 +245,14 @@ pub(crate) fn tag_moved(cycle: &mut Cycle<'_>, before: TaskId) {
 /// Asks the monitor for its verdict; one that is satisfied joins the firings.
 pub(crate) fn judge(cycle: &mut Cycle<'_>, id: MonitorId) {
     let Some(mut watch) = cycle.agent.watches.lift(id.0) else { return };
-    plain_episodes::take_out(cycle, id, &mut watch);
+    episode_index_tasks::take_out(cycle, id, &mut watch);
     let view = View { agent: cycle.agent, task: watch.task, level: watch.level, now: cycle.now };
     let verdict = monitors::verdict(&mut watch.monitor, &view);
     refile(&mut cycle.agent.interests, &mut watch, id);
     let troubles = monitors::take_troubles(&mut watch.monitor);
     let wake_at = match &verdict {
         Verdict::Satisfied(_) => None,
-        _ if plain_episodes::put_in(cycle, id, &mut watch) => None,
+        _ if episode_index_tasks::put_in(cycle, id, &mut watch) => None,
         Verdict::NotSatisfied | Verdict::Unknown => monitors::next_wake(&watch.monitor).map(|(at, _)| at),
     };
     if watch.wake.map(|wake| wake.at) != wake_at {
@@ -288,13 +288,13 @@ pub(crate) fn still_holds(cycle: &Cycle<'_>, firing: &Firing) -> bool {
     matches!(monitors::verdict(&mut monitor, &view), Verdict::Satisfied(_))
 }
 
-/// A monitor's wake has come: it is judged again.
+/// A monitor's wake has arrived: it is judged again.
 pub(crate) fn woken(cycle: &mut Cycle<'_>, id: MonitorId) {
     let own = cycle.agent.watches.get_mut(id.0).and_then(|watch| watch.wake.take());
     if own.is_some() {
         cycle.work.touched.push(id);
     } else {
-        plain_episodes::woken(cycle, id);
+        episode_index_tasks::woken(cycle, id);
     }
 }
 

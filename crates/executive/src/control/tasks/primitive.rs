@@ -4,7 +4,7 @@
 //! Bound: O(1) per call in addition to the evaluation of its forms.  PDL: section 5.  Paper: section III, primitive actions.
 
 use crate::control::cycle::Cycle;
-use crate::control::tasks::hooks::{self, Wanted};
+use crate::control::tasks::hooks::{self, CommandRequest};
 use crate::control::tasks::termination;
 use crate::expression::evaluate;
 use crate::planted::{self, Bug};
@@ -74,7 +74,7 @@ fn begin(cycle: &mut Cycle<'_>, id: TaskId, primitive: &Primitive) -> Result<(),
     if cycle.state(id) != TaskState::Ongoing {
         return Ok(());
     }
-    for Wanted { form, timeout, because } in wants.commands {
+    for CommandRequest { form, timeout, because } in wants.commands {
         send(cycle, id, form, timeout, because);
     }
     let duration = match &primitive.duration {
@@ -214,7 +214,7 @@ pub(crate) fn update(cycle: &mut Cycle<'_>, id: TaskId) {
         Ok(wants) => wants,
         Err(because) => return termination::fail(cycle, id, because),
     };
-    for Wanted { form, timeout, because } in wants.commands {
+    for CommandRequest { form, timeout, because } in wants.commands {
         send(cycle, id, form, timeout, because);
     }
     if let Some(value) = wants.completed {
@@ -330,7 +330,7 @@ pub(crate) fn resume(cycle: &mut Cycle<'_>, id: TaskId) {
             send(cycle, id, form, Some(patience), because);
         }
     }
-    for Wanted { form, timeout, because } in wants.commands {
+    for CommandRequest { form, timeout, because } in wants.commands {
         send(cycle, id, form, timeout, because);
     }
     run_clock(cycle, id);

@@ -272,7 +272,7 @@ fn probe(cycle: &mut Cycle<'_>, id: ProbingId) {
     };
     let created = instantiation::create(cycle, seed);
     let Some(probing) = cycle.agent.probings.get_mut(&id) else { return };
-    // Also when there is no room for it: then it is tried again after the interval.
+    // Also when there is no space for it: then it is tried again after the interval.
     probing.last_at = Some(now);
     probing.first_at.get_or_insert(now);
     match created {

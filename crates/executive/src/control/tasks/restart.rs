@@ -28,7 +28,7 @@ pub(crate) fn restart(cycle: &mut Cycle<'_>, id: TaskId, because: Because) {
     let now = cycle.now;
     let newest = cycle.agent.next.arrival.checked_sub(1);
     if let Some(task) = cycle.agent.task_mut(id) {
-        // What has come by now belongs to the work that is started over: it cannot start it over once more.
+        // What has arrived by now belongs to the work that is started over: it cannot start it over once more.
         task.after_sequence = task.after_sequence.max(newest);
         task.started_at = None;
         let created = std::mem::replace(&mut task.created_at, now);

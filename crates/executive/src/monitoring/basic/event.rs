@@ -1,15 +1,15 @@
 //! Event detection (M&I)
 //! What: has a message arrived whose form matches?
 //! Runs: on every message that may match; once over the remembered messages.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the event part of a monitor.
 //! Bound: one bounded match per message.
 //! PDL: any list that is no known form; `(:atomic-episode ..)`.
 //! Paper: Appendix B, atomic episodes.
 
-use crate::expression::{EvaluationError, Surroundings};
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::constraints::{Reading, all};
-use crate::monitoring::part::{Site, Troubles, remember};
+use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::histories::history::Occurrence;
@@ -21,29 +21,34 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
 /// Starts again from what is remembered.
-pub(crate) fn look_back(part: &mut EventPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn backfill(
+    part: &mut EventPart,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
     part.settled.clear();
-    part.blind = !surroundings.histories().events_cover(site.window.start);
-    for Occurrence { at, sequence, form } in surroundings.histories().events_from(site.window.start) {
-        notice(part, site, form, *at, *sequence, surroundings, troubles);
+    part.blind = !context.histories().events_cover(site.window.start);
+    for Occurrence { at, sequence, form } in context.histories().events_from(site.window.start) {
+        notice(part, site, form, *at, *sequence, context, troubles);
     }
 }
 
 /// A message has arrived.
 pub(crate) fn notice(
     part: &mut EventPart,
-    site: Site,
+    site: PartContext,
     form: &Value,
     at: Time,
     sequence: u64,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if !site.window.contains(at, sequence) || (site.keep == Keep::First && !part.settled.is_empty()) {
         return;
     }
     let mut bindings = Bindings::new();
-    match holds(part, site, form, at, &mut bindings, surroundings) {
+    match holds(part, site, form, at, &mut bindings, context) {
         Ok(true) => {
             let evidence = EvidenceList::one(Evidence::Event { form: form.clone(), at, sequence });
             remember(
@@ -60,19 +65,19 @@ pub(crate) fn notice(
 
 fn holds(
     part: &EventPart,
-    site: Site,
+    site: PartContext,
     form: &Value,
     at: Time,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<bool, EvaluationError> {
-    if !match_pattern(&part.pattern, form, bindings, surroundings, site.place)? {
+    if !match_pattern(&part.pattern, form, bindings, context, site.place)? {
         return Ok(false);
     }
     let (stamp, timing) = (Value::Time(at), &part.timing);
-    Ok(all(&timing.start, &stamp, Reading::Instant, bindings, surroundings, site.place)?
-        && all(&timing.end, &stamp, Reading::Instant, bindings, surroundings, site.place)?
-        && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, surroundings, site.place)?)
+    Ok(all(&timing.start, &stamp, Reading::Instant, bindings, context, site.place)?
+        && all(&timing.end, &stamp, Reading::Instant, bindings, context, site.place)?
+        && all(&timing.duration, &Value::Duration(Duration::ZERO), Reading::Span, bindings, context, site.place)?)
 }
 
 /// Which messages may match.

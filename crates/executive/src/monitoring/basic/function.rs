@@ -2,14 +2,14 @@
 //! What: is a pure expression true?
 //! Runs: at every instant at which anything happens to the agent: what an expression reads (histories, tasks, time,
 //! host functions) cannot be told from its text in all cases, and a missed change would be worse than an evaluation.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: the function part of a monitor.
 //! Bound: one bounded evaluation per instant.
 //! PDL: `(:function EXPR)`.
 //! Paper: Appendix B, user-defined constraints.
 
-use crate::expression::{Surroundings, evaluate};
-use crate::monitoring::part::Troubles;
+use crate::expression::{EvalContext, evaluate};
+use crate::monitoring::part::ConditionFaults;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{FunctionPart, Satisfaction};
 use apex_model::because::Evidence;
@@ -17,12 +17,12 @@ use apex_model::evidence_list::EvidenceList;
 use apex_model::print::Style::Brief;
 
 /// Evaluates the expression again: it holds at this instant, or it does not, whatever was before.
-pub(crate) fn advance(part: &mut FunctionPart, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn advance(part: &mut FunctionPart, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     part.holds = None;
-    match evaluate(&part.expression, surroundings) {
+    match evaluate(&part.expression, context) {
         Ok(value) => {
             if value.is_true() {
-                let (at, what) = (surroundings.now(), Brief.expression(&part.expression));
+                let (at, what) = (context.now(), Brief.expression(&part.expression));
                 let evidence = EvidenceList::one(Evidence::Function { what, value: value.clone(), at });
                 let bindings = Bindings::new();
                 part.holds = Some(Satisfaction { interval: (at, at), recognised_at: at, bindings, evidence });

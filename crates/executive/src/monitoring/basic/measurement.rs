@@ -1,17 +1,17 @@
 //! Measurement (M&I)
 //! What: is there one sample whose value, object and time satisfy the constraints?
 //! Runs: on every sample of the watched variable; once over the remembered samples.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the measurement part of a monitor.
 //! Bound: O(1) per sample and object; a late sample looks back over the window again.
 //! PDL: `(ATTR OBJ REL VAL [+/- E])`, `(:measurement ..)`.
 //! Paper: Table 1, rows 1 to 4.
 
-use crate::expression::{EvaluationError, Surroundings};
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::constraints::{Reading, all, prepare, unit_of};
-use crate::monitoring::part::{Site, Troubles, remember};
+use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
-use crate::monitoring::samples::{Seen, concerns, known_variable};
+use crate::monitoring::samples::{SampleView, concerns, known_variable};
 use crate::planted::{self, Bug};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{
@@ -34,12 +34,12 @@ use std::sync::Arc;
 /// When a value that never changes cannot be evaluated.
 pub(crate) fn create(
     condition: &Arc<MeasurementCondition>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<MeasurementPart, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, context.library());
     Ok(MeasurementPart {
-        tests: prepare(&condition.value, unit, surroundings)?,
-        variable: known_variable(&condition.variable, surroundings),
+        tests: prepare(&condition.value, unit, context)?,
+        variable: known_variable(&condition.variable, context),
         condition: Arc::clone(condition),
         blind: false,
         seen: None,
@@ -58,11 +58,11 @@ pub(crate) fn threshold(part: &MeasurementPart) -> Option<Threshold> {
 /// A sample has arrived; `newest` when no sample of its variable is as new.
 pub(crate) fn notice(
     part: &mut MeasurementPart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     newest: bool,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
@@ -72,21 +72,21 @@ pub(crate) fn notice(
     }
     let known = part.seen.as_ref().and_then(|seen| seen.newest.get(&sample.variable.object));
     if newest || known.is_none_or(|known| sample.at >= known.at) {
-        feed(part, site, sample, surroundings, troubles);
+        feed(part, site, sample, context, troubles);
     } else if !planted::is(Bug::LateSampleIgnored) {
-        feed_late(part, site, sample, surroundings, troubles);
+        feed_late(part, site, sample, context, troubles);
     }
 }
 
 /// A sample that is older than another of its variable: it stands for itself, and in the place of one of its instant.
 fn feed_late(
     part: &mut MeasurementPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
-    let result = judge(part, site, sample, surroundings, troubles);
+    let result = judge(part, site, sample, context, troubles);
     let Some(seen) = &mut part.seen else { return };
     if let Some(newest) = seen.newest.get_mut(&sample.variable.object) {
         newest.rank = newest.rank.min(sample.sequence);
@@ -110,7 +110,7 @@ impl Sampled for MeasurementPart {
         self.seen.as_ref()?.newest.get(object).map(|newest| newest.at)
     }
 
-    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+    fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.seen = None;
     }
 
@@ -118,17 +118,23 @@ impl Sampled for MeasurementPart {
         self.blind = blind;
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 }
 
 fn feed(
     part: &mut MeasurementPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if site.keep == Keep::First && part.seen.as_ref().is_some_and(|seen| !seen.settled.is_empty()) {
         return;
@@ -143,7 +149,7 @@ fn feed(
             return;
         }
     }
-    let result = judge(part, site, sample, surroundings, troubles);
+    let result = judge(part, site, sample, context, troubles);
     let seen = part.seen.get_or_insert_default();
     let objects = seen.newest.len();
     match seen.newest.get_mut(&sample.variable.object) {
@@ -153,8 +159,8 @@ fn feed(
             newest.rank = newest.rank.min(sample.sequence);
             newest.result = result;
         }
-        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
-            troubles.reached(Limit::MonitorObjects, surroundings, site.place)
+        None if objects >= context.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, context, site.place)
         }
         None => {
             let newest = NewestSample { rank: sample.sequence, at: sample.at, result };
@@ -165,13 +171,13 @@ fn feed(
 
 fn judge(
     part: &MeasurementPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Option<Satisfaction> {
     let mut bindings = Bindings::new();
-    match holds(part, site, sample, &mut bindings, surroundings) {
+    match holds(part, site, sample, &mut bindings, context) {
         Ok(true) => Some(Satisfaction {
             interval: (sample.at, sample.at),
             recognised_at: sample.at,
@@ -192,10 +198,10 @@ fn judge(
 
 fn holds(
     part: &MeasurementPart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
     let constraints = SampleConstraints {
@@ -206,8 +212,8 @@ fn holds(
         known: part.variable.is_some(),
     };
     let stamp = Value::Time(sample.at);
-    Ok(constraints.hold(site, sample, bindings, surroundings)?
-        && all(&condition.timestamp, &stamp, Reading::Instant, bindings, surroundings, site.place)?)
+    Ok(constraints.hold(site, sample, bindings, context)?
+        && all(&condition.timestamp, &stamp, Reading::Instant, bindings, context, site.place)?)
 }
 
 /// All results up to now, earliest first; those of one instant in the order in which their objects were heard of.
@@ -251,19 +257,19 @@ fn newest_seen(
     part: &MeasurementPart,
     window: Window,
     variable: &StateVariable,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Option<Time> {
     if part.variable.is_none() {
         return part.seen.as_ref()?.newest.get(&variable.object).map(|newest| newest.at);
     }
-    let mut samples = surroundings.histories().get(variable)?.samples().rev();
+    let mut samples = context.histories().get(variable)?.samples().rev();
     samples.find(|sample| window.contains(sample.at, sample.sequence)).map(|sample| sample.at)
 }
 
 /// Has any sample counted so far? For explanations.
-pub(crate) fn has_seen_any(part: &MeasurementPart, window: Window, surroundings: &dyn Surroundings) -> bool {
+pub(crate) fn has_seen_any(part: &MeasurementPart, window: Window, context: &dyn EvalContext) -> bool {
     match &part.variable {
-        Some(variable) => newest_seen(part, window, variable, surroundings).is_some(),
+        Some(variable) => newest_seen(part, window, variable, context).is_some(),
         None => part.seen.as_ref().is_some_and(|seen| !seen.newest.is_empty()),
     }
 }

@@ -1,14 +1,14 @@
 //! Task conditions (M&I)
 //! What: has a task ended, or entered a state?
 //! Runs: on transitions of the task; once on the task as it is when the monitor is made.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: the task parts of a monitor.
 //! Bound: O(1) per transition.
 //! PDL: `?s1`, `(end ?s1)`, `(state ?s1 = S)`.
 //! Paper: section III, monitors check events of internal mechanisms.
 
-use crate::expression::{Surroundings, evaluate};
-use crate::monitoring::part::{Site, Troubles, remember};
+use crate::expression::{EvalContext, evaluate};
+use crate::monitoring::part::{ConditionFaults, PartContext, remember};
 use crate::monitoring::pattern_matching::match_pattern;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Interest, Keep, Monitor, PartKind, Satisfaction, TaskEndedPart, TaskStatePart};
@@ -20,14 +20,14 @@ use apex_model::time::Time;
 use apex_model::value::Value;
 
 /// Learns which task is meant, and whether it has ended already.
-pub(crate) fn advance_ended(part: &mut TaskEndedPart, surroundings: &dyn Surroundings) {
-    if let Some(Value::Task(task)) = surroundings.variable(&part.variable) {
+pub(crate) fn advance_ended(part: &mut TaskEndedPart, context: &dyn EvalContext) {
+    if let Some(Value::Task(task)) = context.variable(&part.variable) {
         if part.task != Some(task) {
             part.task = Some(task);
             part.ended = None;
         }
         if part.ended.is_none() && part.standing {
-            part.ended = surroundings.task_end(task);
+            part.ended = context.task_end(task);
         }
     }
 }
@@ -49,54 +49,54 @@ pub(crate) fn ended_result(part: &TaskEndedPart) -> Option<Satisfaction> {
 /// Learns which task is meant; its present state counts if the part says so, and where a tag stands for another task now.
 pub(crate) fn advance_state(
     part: &mut TaskStatePart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
-    let Ok(Value::Task(task)) = evaluate(&part.expression, surroundings) else { return };
+    let Ok(Value::Task(task)) = evaluate(&part.expression, context) else { return };
     if part.task == Some(task) {
         return;
     }
     let another = part.task.replace(task).is_some();
     part.settled.clear();
     if (part.standing || another)
-        && let Some(state) = surroundings.task_state(task)
+        && let Some(state) = context.task_state(task)
     {
-        note(part, site, task, state.word(), surroundings.now(), surroundings, troubles);
+        note(part, site, task, state.word(), context.now(), context, troubles);
     }
 }
 
 /// A task changed state.
 pub(crate) fn notice_state(
     part: &mut TaskStatePart,
-    site: Site,
+    site: PartContext,
     (task, from, state, at): (TaskId, TaskState, TaskState, Time),
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if part.task != Some(task) || at < site.window.start {
         return;
     }
-    note(part, site, task, state.word(), at, surroundings, troubles);
+    note(part, site, task, state.word(), at, context, troubles);
     if from == TaskState::Interrupted && state == TaskState::Ongoing {
-        note(part, site, task, "resumed", at, surroundings, troubles);
+        note(part, site, task, "resumed", at, context, troubles);
     }
 }
 
 fn note(
     part: &mut TaskStatePart,
-    site: Site,
+    site: PartContext,
     task: TaskId,
     word: &str,
     at: Time,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if site.keep == Keep::First && !part.settled.is_empty() {
         return;
     }
     let (mut bindings, value) = (Bindings::new(), Value::symbol(word));
-    match match_pattern(&part.state, &value, &mut bindings, surroundings, site.place) {
+    match match_pattern(&part.state, &value, &mut bindings, context, site.place) {
         Ok(true) => {
             let evidence = EvidenceList::one(Evidence::TaskState { task, state: value, at });
             remember(

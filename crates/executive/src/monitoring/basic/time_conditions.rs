@@ -1,15 +1,15 @@
 //! Time conditions (M&I)
 //! What: has an instant come, or has so much time passed?
 //! Runs: whenever the verdict is asked; wakes the agent at the instant.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: the time part of a monitor.
 //! Bound: O(1).
 //! PDL: `(:timestamp T1 [T2])`, `(:delay D1 [D2])`.
 //! Paper: Appendix B, timestamp constraints.
 
 use crate::expression::arithmetic::{duration, instant};
-use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::part::Site;
+use crate::expression::{EvalContext, EvaluationError, evaluate};
+use crate::monitoring::part::PartContext;
 use crate::monitoring::wake::WakeReason;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Satisfaction, TimePart};
@@ -31,14 +31,14 @@ pub(crate) enum Kind {
 
 /// Evaluates the instants again, until one of them was reached. An instant that cannot be told yet (the end of a task
 /// that goes on) is no error: it is not reached.
-pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: Site, surroundings: &dyn Surroundings) {
+pub(crate) fn advance(part: &mut TimePart, kind: Kind, site: PartContext, context: &dyn EvalContext) {
     if part.reached.is_some() {
         return;
     }
-    part.span = span(part, kind, site.window.start, surroundings).ok();
+    part.span = span(part, kind, site.window.start, context).ok();
     let Some((from, to)) = part.span else { return };
     let first = from.max(site.window.start);
-    if first <= to && first <= surroundings.now() {
+    if first <= to && first <= context.now() {
         part.reached = Some(first);
     }
 }
@@ -51,22 +51,22 @@ pub(crate) fn check(
     part: &TimePart,
     kind: Kind,
     start: Time,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<(), EvaluationError> {
     let mut exprs = std::iter::once(&part.from).chain(&part.to);
-    if exprs.all(|expr| is_settled(expr, surroundings)) {
-        span(part, kind, start, surroundings)?;
+    if exprs.all(|expr| is_settled(expr, context)) {
+        span(part, kind, start, context)?;
     }
     Ok(())
 }
 
 /// Does the expression depend on nothing that is still to come?
-fn is_settled(expr: &Expr, surroundings: &dyn Surroundings) -> bool {
-    let library = surroundings.library();
+fn is_settled(expr: &Expr, context: &dyn EvalContext) -> bool {
+    let library = context.library();
     let mut settled = true;
     walk::each(expr, &mut |part| {
         settled &= match &part.kind {
-            ExprKind::Variable { name, .. } => surroundings.variable(name).is_some(),
+            ExprKind::Variable { name, .. } => context.variable(name).is_some(),
             ExprKind::Call { function, .. } | ExprKind::FunctionName(function) => {
                 CHANGING.binary_search(&function.folded()).is_err() && !library.functions.contains_key(function)
             }
@@ -85,19 +85,19 @@ pub(crate) fn span(
     part: &TimePart,
     kind: Kind,
     start: Time,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<(Time, Time), EvaluationError> {
     match kind {
         Kind::Timestamp => {
             let at = |expr: &Expr| {
-                let value = evaluate(expr, surroundings)?;
+                let value = evaluate(expr, context)?;
                 instant(&value).map_err(|message| EvaluationError { message, place: expr.place })
             };
             let from = at(&part.from)?;
             Ok((from, part.to.as_ref().map_or(Ok(from), at)?))
         }
         Kind::Delay => {
-            let (least, most) = delays(part, surroundings)?;
+            let (least, most) = delays(part, context)?;
             Ok((start + least, start + most))
         }
     }
@@ -107,12 +107,9 @@ pub(crate) fn span(
 ///
 /// # Errors
 /// When an expression cannot be evaluated.
-pub(crate) fn delays(
-    part: &TimePart,
-    surroundings: &dyn Surroundings,
-) -> Result<(Duration, Duration), EvaluationError> {
+pub(crate) fn delays(part: &TimePart, context: &dyn EvalContext) -> Result<(Duration, Duration), EvaluationError> {
     let length = |expr: &Expr| {
-        let value = evaluate(expr, surroundings)?;
+        let value = evaluate(expr, context)?;
         duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
     };
     Ok((length(&part.from)?, part.to.as_ref().map_or(Ok(Duration::MAX), length)?))

@@ -1,18 +1,18 @@
 //! Absence (M&I)
 //! What: did a whole window of this length pass without the part?
 //! Runs: whenever the verdict is asked, and at the instant at which the window is over.
-//! Reads: what the part has found, surroundings.
+//! Reads: what the part has found, evaluation context.
 //! Writes: the absent part of a monitor.
 //! Bound: O(new results) per look; while it is in doubt, memory for results that a whole window lies between.
 //! PDL: `(:absent C :for D)`.
 //! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
 
 use crate::expression::arithmetic::duration;
-use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::asking::Asking;
-use crate::monitoring::combination::{extents, together, unmet};
-use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::expression::{EvalContext, EvaluationError, evaluate};
+use crate::monitoring::combination::{conjunction_span, part_results, unmet};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::time_bounds::TICK;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::planted::{self, Bug};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{AbsentPart, Keep, Part, PartKind, Satisfaction};
@@ -31,9 +31,9 @@ pub(crate) fn create(
     part: Part,
     length: &Expr,
     start: Time,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<AbsentPart, EvaluationError> {
-    let value = evaluate(length, surroundings)?;
+    let value = evaluate(length, context)?;
     let length = duration(&value).map_err(|message| EvaluationError { message, place: length.place })?;
     Ok(AbsentPart {
         part,
@@ -53,7 +53,7 @@ pub(crate) fn create(
 }
 
 /// Starts again.
-pub(crate) fn forget(part: &mut AbsentPart, site: Site) {
+pub(crate) fn forget(part: &mut AbsentPart, site: PartContext) {
     part.found.clear();
     part.seen.clear();
     part.reached.clear();
@@ -79,27 +79,32 @@ pub(crate) fn take_back(part: &mut AbsentPart, at: Option<Time>, known: Time) {
 }
 
 /// Nothing more is wanted of it.
-pub(crate) fn is_done(part: &AbsentPart, site: Site) -> bool {
+pub(crate) fn is_done(part: &AbsentPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
 /// Looks at what the part has found, after it has caught up with the present. The window is open at its start: it
 /// begins after the last result; what happens at the very instant at which it would be over prevents it.
-pub(crate) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn advance(
+    part: &mut AbsentPart,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
     if is_done(part, site) {
         return;
     }
-    let mut asking = Asking::new(surroundings);
-    let extents = if together::is_together(&part.part) {
-        together::take(part, &mut asking)
+    let mut query = VerdictQuery::new(context);
+    let extents = if conjunction_span::is_together(&part.part) {
+        conjunction_span::take(part, &mut query)
     } else {
-        extents::take_final(&mut part.part, &mut asking)
+        part_results::take_final(&mut part.part, &mut query)
     };
     let at_instants = holds_at_instants(&part.part);
-    let lasts = |extent: &extents::Extent| {
+    let lasts = |extent: &part_results::TentativeResult| {
         extent.open
-            || expires(&extent.result).is_some_and(|over| over > asking.now)
-            || at_instants && rests_on_now(&part.part, &extent.result, asking.now)
+            || expires(&extent.result).is_some_and(|over| over > query.now)
+            || at_instants && rests_on_now(&part.part, &extent.result, query.now)
     };
     let goes_on = extents.passing.iter().any(lasts) && !planted::is(Bug::AbsentWhileItGoesOn);
     // While the part goes on it is certain that nothing is absent; in doubt, nobody knows.
@@ -108,24 +113,24 @@ pub(crate) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
     let quiet = !goes_on && !part.unknown;
     // Instants between looks are as the last look found: nothing changes unnoticed. What was so only in the middle of this
     // instant has not been.
-    if quiet && part.broken.is_some_and(|since| since < asking.now) {
-        part.since_final = part.since_final.max(asking.now);
+    if quiet && part.broken.is_some_and(|since| since < query.now) {
+        part.since_final = part.since_final.max(query.now);
     }
-    part.broken = (at_instants && !quiet).then(|| part.broken.unwrap_or(asking.now));
+    part.broken = (at_instants && !quiet).then(|| part.broken.unwrap_or(query.now));
     if part.broken.is_some() {
         part.seen.clear();
     } else if quiet {
-        pass(part, &extents, site, &mut asking);
+        pass(part, &extents, site, &mut query);
     } else {
-        see(part, site, extents.settled.iter().map(lasting).collect(), &mut asking.troubles);
+        see(part, site, extents.settled.iter().map(lasting).collect(), &mut query.troubles);
     }
     let over = part.since + part.length;
     let waits = extents.passing.iter().filter_map(|extent| expires(&extent.result)).chain([over]);
     // Doubt breaks absence of what holds at instants: the instant at which it comes is looked at.
-    let silent = if at_instants { extents::silent_after(&part.part, asking.now) } else { None };
+    let silent = if at_instants { part_results::silent_after(&part.part, query.now) } else { None };
     let waits = waits.chain(silent);
-    part.decides_at = waits.chain(extents.changes_at).chain(asking.wake).filter(|at| *at > asking.now).min();
-    for trouble in asking.troubles.0 {
+    part.decides_at = waits.chain(extents.changes_at).chain(query.wake).filter(|at| *at > query.now).min();
+    for trouble in query.troubles.0 {
         if !troubles.0.contains(&trouble) {
             troubles.0.push(trouble);
         }
@@ -133,7 +138,7 @@ pub(crate) fn advance(part: &mut AbsentPart, site: Site, surroundings: &dyn Surr
 }
 
 /// Windows that have passed up to now. It may be known only now that nothing was there before or between.
-fn pass(part: &mut AbsentPart, extents: &extents::Extents, site: Site, asking: &mut Asking<'_>) {
+fn pass(part: &mut AbsentPart, extents: &part_results::PartResults, site: PartContext, query: &mut VerdictQuery<'_>) {
     let mut settled = std::mem::take(&mut part.seen);
     settled.extend(extents.settled.iter().map(lasting));
     let last = settled.iter().map(|(_, end)| *end).max();
@@ -143,19 +148,19 @@ fn pass(part: &mut AbsentPart, extents: &extents::Extents, site: Site, asking: &
     part.since = part.since_final;
     for (start, end) in all {
         if part.since + part.length < start {
-            note(part, site, asking);
+            note(part, site, query);
         }
         part.since = part.since.max(end);
     }
-    if part.since + part.length <= asking.now {
-        note(part, site, asking);
+    if part.since + part.length <= query.now {
+        note(part, site, query);
     }
     part.since_final = part.since_final.max(last.unwrap_or(part.since_final));
 }
 
 /// Keeps evidence that is looked at when it is known what else there was. What lies closer together than the length of
 /// the window is one; where there is too much of it, what comes last is taken for one, which is told.
-fn see(part: &mut AbsentPart, site: Site, found: Vec<(Time, Time)>, troubles: &mut Troubles) {
+fn see(part: &mut AbsentPart, site: PartContext, found: Vec<(Time, Time)>, troubles: &mut ConditionFaults) {
     let mut seen = std::mem::take(&mut part.seen);
     seen.extend(found);
     seen.sort_unstable();
@@ -212,7 +217,7 @@ fn rests_on_now(part: &Part, result: &Satisfaction, now: Time) -> bool {
 /// Is `what` the part of an `:absent` within, which stays absent?
 fn is_window_without(part: &Part, what: &str) -> bool {
     let mut is = matches!(&part.kind, PartKind::Absent(inner) if unmet::text(&inner.part) == what);
-    extents::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
+    part_results::for_each_inner(part, &mut |inner| is |= is_window_without(inner, what));
     is
 }
 
@@ -226,14 +231,14 @@ fn is_blind(part: &Part) -> bool {
 }
 
 /// The window that began when the part was last there has passed without it.
-fn note(part: &mut AbsentPart, site: Site, asking: &mut Asking<'_>) {
+fn note(part: &mut AbsentPart, site: PartContext, query: &mut VerdictQuery<'_>) {
     let (since, over) = (part.since, part.since + part.length);
     let again = part.taken_back.is_some_and(|first| first <= since)
         && !part.found.iter().any(|window| window.interval.0 == since);
     if again || part.told.is_none_or(|told| told < since) {
         part.told = part.told.max(Some(since));
-        let found = result(&part.part, (since, over), asking.now);
-        remember(&mut part.found, found, site, &mut asking.troubles);
+        let found = result(&part.part, (since, over), query.now);
+        remember(&mut part.found, found, site, &mut query.troubles);
     }
 }
 

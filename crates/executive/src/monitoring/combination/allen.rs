@@ -1,20 +1,20 @@
 //! Allen relations (M&I)
 //! What: do results of adjacent parts stand in the relation, each to the next?
 //! Runs: whenever the verdict is asked, and at the instant at which a gap ends a run that matters.
-//! Reads: what the parts have found, surroundings.
+//! Reads: what the parts have found, evaluation context.
 //! Writes: the Allen part of a monitor.
 //! Bound: O(new results x results kept) for two parts; at most `MONITOR_RESULTS_MAX` results of a part are kept, and
 //! only those that a run that goes on, or one to come, could still be related to; one where no constraint chooses.
 //! PDL: `:before` .. `:cotemporal`, `:tolerance`, `:constraint`.
 //! Paper: Table 1 row 11, Allen temporal predicates; Appendix B.
 
-use crate::expression::Surroundings;
-use crate::monitoring::asking::Asking;
-use crate::monitoring::combination::choices::{bounds_only, easier, keep_best, keep_first_choices};
-use crate::monitoring::combination::extents::{self, Extent, Extents};
+use crate::expression::EvalContext;
+use crate::monitoring::combination::dominance::{bounds_only, easier, keep_best, keep_first_choices};
 use crate::monitoring::combination::logic;
+use crate::monitoring::combination::part_results::{self, PartResults, TentativeResult};
 use crate::monitoring::combination::relation::{Decision, Edge, Link, Span, decide, decide_link, links};
-use crate::monitoring::part::{Site, Troubles, Truth};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth};
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{AllenPart, Chain, Keep, Satisfaction, Side};
 use apex_model::agent_limits::Limit;
@@ -40,7 +40,7 @@ pub(crate) fn forget(part: &mut AllenPart) {
 }
 
 /// Nothing more is wanted of it.
-pub(crate) fn is_done(part: &AllenPart, site: Site) -> bool {
+pub(crate) fn is_done(part: &AllenPart, site: PartContext) -> bool {
     site.keep == Keep::First && !part.found.is_empty()
 }
 
@@ -63,40 +63,41 @@ pub(crate) fn replace(part: &mut AllenPart, variable: &StateVariable, at: Time) 
 /// Looks at what the parts have found, after they have caught up with the present.
 pub(crate) fn advance(
     part: &mut AllenPart,
-    site: Site,
+    site: PartContext,
     tag: Option<&Symbol>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if is_done(part, site) {
         return;
     }
-    let mut asking = Asking::new(surroundings);
-    let mut extents: Vec<Extents> = part.parts.iter_mut().map(|each| extents::take(each, &mut asking)).collect();
-    let mut join = Join::new(part, &extents, surroundings);
+    let mut query = VerdictQuery::new(context);
+    let mut extents: Vec<PartResults> =
+        part.parts.iter_mut().map(|each| part_results::take(each, &mut query)).collect();
+    let mut join = Join::new(part, &extents, context);
     join.run();
     let Join { met, undecided, exhausted, .. } = join;
     if exhausted {
-        asking.troubles.reached(Limit::MonitorCombinations, surroundings, site.place);
+        query.troubles.reached(Limit::MonitorCombinations, context, site.place);
     }
     part.undecided = undecided;
     let changes = extents.iter().filter_map(|each| each.changes_at);
-    part.decides_at = changes.chain(asking.wake).filter(|at| *at > asking.now).min();
+    part.decides_at = changes.chain(query.wake).filter(|at| *at > query.now).min();
     let mut chains: Vec<(Chain, bool)> = Vec::new();
     for (chain, settled) in met {
-        if logic::constraints_hold(tag, &part.constraints, chain.result.interval, &chain.result.bindings, &mut asking) {
+        if logic::constraints_hold(tag, &part.constraints, chain.result.interval, &chain.result.bindings, &mut query) {
             chains.push((chain, settled));
         }
     }
     chains.sort_by(|(a, _), (b, _)| a.intervals.cmp(&b.intervals));
-    note(part, site, chains, &mut asking.troubles);
+    note(part, site, chains, &mut query.troubles);
     for (index, each) in extents.iter_mut().enumerate() {
         keep(part, index, each);
     }
     for index in 0..part.sides.len() {
-        sweep(part, site, index, &extents, &mut asking);
+        sweep(part, site, index, &extents, &mut query);
     }
-    for trouble in asking.troubles.0 {
+    for trouble in query.troubles.0 {
         if !troubles.0.contains(&trouble) {
             troubles.0.push(trouble);
         }
@@ -105,7 +106,7 @@ pub(crate) fn advance(
 
 /// Writes down related results: final ones for good, others as long as they last. What was known before keeps the
 /// instant at which it became known.
-fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>, troubles: &mut Troubles) {
+fn note(part: &mut AllenPart, site: PartContext, chains: Vec<(Chain, bool)>, troubles: &mut ConditionFaults) {
     let starts = |each: &Chain| each.intervals.iter().map(|(start, _)| *start).collect::<Vec<_>>();
     // By where they start, the first of several last.
     let passing = std::mem::take(&mut part.passing);
@@ -135,7 +136,7 @@ fn note(part: &mut AllenPart, site: Site, chains: Vec<(Chain, bool)>, troubles: 
 }
 
 /// Adds what is new to what is kept of a part.
-fn keep(part: &mut AllenPart, index: usize, extents: &mut Extents) {
+fn keep(part: &mut AllenPart, index: usize, extents: &mut PartResults) {
     let Some(side) = part.sides.get_mut(index) else { return };
     let newest = extents.settled.iter().map(|result| (result.interval, false));
     let passing = extents.passing.iter().map(|extent| (extent.result.interval, extent.open));
@@ -169,7 +170,7 @@ impl Item<'_> {
 struct Join<'a> {
     relation: AllenRelation,
     part: &'a AllenPart,
-    extents: &'a [Extents],
+    extents: &'a [PartResults],
     now: Time,
     combinations: u64,
     combinations_max: u64,
@@ -179,14 +180,14 @@ struct Join<'a> {
 }
 
 impl<'a> Join<'a> {
-    fn new(part: &'a AllenPart, extents: &'a [Extents], surroundings: &dyn Surroundings) -> Join<'a> {
+    fn new(part: &'a AllenPart, extents: &'a [PartResults], context: &dyn EvalContext) -> Join<'a> {
         Join {
             relation: part.relation,
             part,
             extents,
-            now: surroundings.now(),
+            now: context.now(),
             combinations: 0,
-            combinations_max: surroundings.limits().of(Limit::MonitorCombinations),
+            combinations_max: context.limits().of(Limit::MonitorCombinations),
             met: Vec::new(),
             undecided: false,
             exhausted: false,
@@ -210,7 +211,7 @@ impl<'a> Join<'a> {
         let Some(extents) = self.extents.get(index) else { return Vec::new() };
         let settled = extents.settled.iter().map(|result| Item { result, open: false, settled: true });
         let passing =
-            extents.passing.iter().map(|Extent { result, open }| Item { result, open: *open, settled: false });
+            extents.passing.iter().map(|TentativeResult { result, open }| Item { result, open: *open, settled: false });
         settled.chain(passing).collect()
     }
 
@@ -289,24 +290,24 @@ impl<'a> Join<'a> {
 /// Drops results of part `index` that nothing to come can be related to, and, where any will do, all but the best. What
 /// is to come counts from the newest sample of a part on, because samples of one variable may come later than those of
 /// another; where that leaves too many, it counts from now on.
-fn sweep(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], asking: &mut Asking<'_>) {
+fn sweep(part: &mut AllenPart, site: PartContext, index: usize, looks: &[PartResults], query: &mut VerdictQuery<'_>) {
     let Some(side) = part.sides.get(index) else { return };
     if side.settled.len() < side.sweep_at.max(SWEEP_AT_LEAST) {
         return;
     }
     retain_useful(part, site, index, looks, None);
     if part.sides.get(index).is_some_and(|side| side.settled.len() > MONITOR_RESULTS_MAX) {
-        retain_useful(part, site, index, looks, Some(asking.now));
+        retain_useful(part, site, index, looks, Some(query.now));
     }
     let Some(side) = part.sides.get_mut(index) else { return };
     if side.settled.len() > MONITOR_RESULTS_MAX {
-        asking.troubles.too_many_results(site.place);
+        query.troubles.too_many_results(site.place);
         side.settled.drain(..MONITOR_RESULTS_MAX / 4);
     }
     side.sweep_at = side.settled.len().saturating_mul(2).min(MONITOR_RESULTS_MAX + 1);
 }
 
-fn retain_useful(part: &mut AllenPart, site: Site, index: usize, looks: &[Extents], now: Option<Time>) {
+fn retain_useful(part: &mut AllenPart, site: PartContext, index: usize, looks: &[PartResults], now: Option<Time>) {
     let Some(side) = part.sides.get(index) else { return };
     let any_will_do = site.keep == Keep::First && part.constraints.is_empty() && part.parts.len() == 2;
     let longer = part.parts.len() > 2;
@@ -354,12 +355,12 @@ pub(crate) fn results(part: &AllenPart) -> Vec<Satisfaction> {
 }
 
 /// Satisfied; not known, when the data do not say whether a part holds that has found nothing; else not.
-pub(crate) fn truth(part: &AllenPart, asking: &mut Asking<'_>) -> Truth {
+pub(crate) fn truth(part: &AllenPart, query: &mut VerdictQuery<'_>) -> Truth {
     if !part.found.is_empty() || !part.passing.is_empty() {
         return Truth::True;
     }
     let sides = part.parts.iter().zip(&part.sides).filter(|(_, side)| side.newest.is_none());
-    let missing: Vec<Truth> = sides.map(|(each, _)| logic::truth(each, asking)).collect();
+    let missing: Vec<Truth> = sides.map(|(each, _)| logic::truth(each, query)).collect();
     missing.into_iter().min().filter(|least| *least == Truth::Unknown).unwrap_or(Truth::False)
 }
 

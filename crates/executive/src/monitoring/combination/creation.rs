@@ -1,21 +1,21 @@
 //! Monitor creation (M&I)
 //! What: makes the monitor of a condition: a tree of parts, each with its window and what it must remember.
 //! Runs: when a task is created or a clause becomes active.
-//! Reads: the condition, histories, surroundings.
+//! Reads: the condition, histories, evaluation context.
 //! Writes: a new monitor.
 //! Bound: linear in the condition and in the remembered evidence within its window.
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
 use crate::expression::arithmetic::duration;
-use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::basic::time_conditions::{self, Kind};
 use crate::monitoring::basic::{event, measurement, task_state};
 use crate::monitoring::combination::{absence, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::memory::reach;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
-use crate::monitoring::part::Troubles;
+use crate::monitoring::part::ConditionFaults;
 use crate::monitoring::sampled::Sampled;
 use crate::monitoring::specificity::variables;
 use crate::state::monitors::monitor::{
@@ -51,32 +51,32 @@ pub(crate) fn tree(
     condition: &Condition,
     window: Window,
     (keep, standing): (Keep, bool),
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Part, EvaluationError> {
-    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, surroundings)
+    part(condition, Role { window, keep, any_pair: false, standing, whole_runs: false }, context)
 }
 
-fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<Part, EvaluationError> {
+fn part(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<Part, EvaluationError> {
     let mut window = role.window;
     let whole_past = Window { start: Time::BEGINNING, ..role.window };
     // Where an earliest time is written out, older evidence cannot count, and need not be remembered.
     let past = |limits: &mut dyn Iterator<Item = &Constraint>| {
         let limits: Vec<Constraint> = limits.cloned().collect();
-        let span = reach::of_constraints(&limits, surroundings.library());
-        Window { start: span.map_or(Time::BEGINNING, |span| surroundings.now() - span), ..role.window }
+        let span = reach::of_constraints(&limits, context.library());
+        Window { start: span.map_or(Time::BEGINNING, |span| context.now() - span), ..role.window }
     };
     let kind = match &condition.kind {
         ConditionKind::Measurement(measurement) => {
             if !measurement.timestamp.is_empty() {
                 window = past(&mut measurement.timestamp.iter());
             }
-            measured(measurement, surroundings)?
+            measured(measurement, context)?
         }
         ConditionKind::Episode(episode) => {
             if !episode.timing.start.is_empty() || !episode.timing.end.is_empty() {
                 window = whole_past;
             }
-            of_run(episode, role, surroundings)?
+            of_run(episode, role, context)?
         }
         ConditionKind::Event { pattern, timing } => {
             if !timing.start.is_empty() || !timing.end.is_empty() {
@@ -97,30 +97,30 @@ fn part(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> R
             settled: Vec::new(),
         })),
         ConditionKind::And(parts, constraints) => {
-            PartKind::And(Box::new(composite(parts, constraints, role, false, surroundings)?))
+            PartKind::And(Box::new(composite(parts, constraints, role, false, context)?))
         }
         ConditionKind::Or(parts, constraints) => {
-            PartKind::Or(Box::new(alternatives(parts, constraints, role, surroundings)?))
+            PartKind::Or(Box::new(alternatives(parts, constraints, role, context)?))
         }
         ConditionKind::InOrder(parts, constraints) => {
-            PartKind::InOrder(Box::new(composite(parts, constraints, role, true, surroundings)?))
+            PartKind::InOrder(Box::new(composite(parts, constraints, role, true, context)?))
         }
-        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, surroundings)?)),
+        ConditionKind::Not(inner) => PartKind::Not(Box::new(part(inner, role, context)?)),
         ConditionKind::Timestamp(from, to) => {
-            PartKind::Timestamp(time_part((from, to.as_ref()), Kind::Timestamp, window.start, surroundings)?)
+            PartKind::Timestamp(time_part((from, to.as_ref()), Kind::Timestamp, window.start, context)?)
         }
         ConditionKind::Delay(from, to) => {
-            PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, surroundings)?)
+            PartKind::Delay(time_part((from, to.as_ref()), Kind::Delay, window.start, context)?)
         }
-        ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, surroundings)?)),
-        ConditionKind::Absent(inner, length) => PartKind::Absent(Box::new(absent(inner, length, role, surroundings)?)),
+        ConditionKind::Allen { .. } => PartKind::Allen(Box::new(allen(condition, role, context)?)),
+        ConditionKind::Absent(inner, length) => PartKind::Absent(Box::new(absent(inner, length, role, context)?)),
         ConditionKind::Function(expression) => {
             let expression = expression.clone();
             PartKind::Function(Box::new(FunctionPart { expression, value: None, holds: None }))
         }
-        ConditionKind::Cyclic(wanted) => PartKind::Cyclic(Box::new(cyclic::create(wanted, surroundings)?)),
+        ConditionKind::Cyclic(wanted) => PartKind::Cyclic(Box::new(cyclic::create(wanted, context)?)),
         // What is pursued meanwhile is the business of control.
-        ConditionKind::Probing { condition, .. } => return part(condition, role, surroundings),
+        ConditionKind::Probing { condition, .. } => return part(condition, role, context),
     };
     Ok(Part { tag: condition.tag.clone(), place: condition.place, window, keep: role.keep, kind })
 }
@@ -129,19 +129,19 @@ fn absent(
     inner: &Condition,
     length: &Expr,
     role: Role,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<AbsentPart, EvaluationError> {
     let whole = Role { keep: Keep::Every, any_pair: false, whole_runs: true, ..role };
-    absence::create(part(inner, whole, surroundings)?, length, role.window.start, surroundings)
+    absence::create(part(inner, whole, context)?, length, role.window.start, context)
 }
 
-fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> Result<AllenPart, EvaluationError> {
+fn allen(condition: &Condition, role: Role, context: &dyn EvalContext) -> Result<AllenPart, EvaluationError> {
     let ConditionKind::Allen { relation, parts, tolerance, constraints } = &condition.kind else {
         return Err(EvaluationError { message: "this is no relation in time".into(), place: condition.place });
     };
     let tolerance = match tolerance {
         Some(tolerance) => {
-            let value = evaluate(tolerance, surroundings)?;
+            let value = evaluate(tolerance, context)?;
             duration(&value).map_err(|message| EvaluationError { message, place: tolerance.place })?
         }
         None => Duration::ZERO,
@@ -150,9 +150,9 @@ fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> 
     Ok(AllenPart {
         relation: *relation,
         tolerance,
-        shares: !shared_variables(parts, surroundings).is_empty(),
+        shares: !shared_variables(parts, context).is_empty(),
         sides: vec![Side::default(); parts.len()],
-        parts: parts.iter().map(|each| part(each, inner, surroundings)).collect::<Result<_, _>>()?,
+        parts: parts.iter().map(|each| part(each, inner, context)).collect::<Result<_, _>>()?,
         constraints: constraints.clone(),
         found: Vec::new(),
         passing: Vec::new(),
@@ -161,32 +161,25 @@ fn allen(condition: &Condition, role: Role, surroundings: &dyn Surroundings) -> 
     })
 }
 
-fn measured(
-    measurement: &Arc<MeasurementCondition>,
-    surroundings: &dyn Surroundings,
-) -> Result<PartKind, EvaluationError> {
+fn measured(measurement: &Arc<MeasurementCondition>, context: &dyn EvalContext) -> Result<PartKind, EvaluationError> {
     Ok(match &measurement.estimation {
-        None => PartKind::Measurement(Box::new(measurement::create(measurement, surroundings)?)),
+        None => PartKind::Measurement(Box::new(measurement::create(measurement, context)?)),
         Some(Estimation::Persist(timeout)) => {
-            PartKind::Persisted(Box::new(persistence::create(measurement, timeout.as_ref(), surroundings)?))
+            PartKind::Persisted(Box::new(persistence::create(measurement, timeout.as_ref(), context)?))
         }
         Some(Estimation::LinearRegression(options)) => {
-            PartKind::Regression(Box::new(regression::create(measurement, options, surroundings)?))
+            PartKind::Regression(Box::new(regression::create(measurement, options, context)?))
         }
     })
 }
 
-fn of_run(
-    episode: &Arc<EpisodeCondition>,
-    role: Role,
-    surroundings: &dyn Surroundings,
-) -> Result<PartKind, EvaluationError> {
+fn of_run(episode: &Arc<EpisodeCondition>, role: Role, context: &dyn EvalContext) -> Result<PartKind, EvaluationError> {
     Ok(if episode.stats.is_empty() && episode.trend.is_empty() {
-        let mut part = episode::create(episode, role.any_pair || episode.any, surroundings)?;
+        let mut part = episode::create(episode, role.any_pair || episode.any, context)?;
         part.at_close |= role.whole_runs && !episode.last_value.is_empty();
         PartKind::Episode(Box::new(part))
     } else {
-        PartKind::Statistical(Box::new(statistics::create(episode, surroundings)?))
+        PartKind::Statistical(Box::new(statistics::create(episode, context)?))
     })
 }
 
@@ -194,10 +187,10 @@ fn time_part(
     (from, to): (&Expr, Option<&Expr>),
     kind: Kind,
     start: Time,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Box<TimePart>, EvaluationError> {
     let part = TimePart { from: from.clone(), to: to.cloned(), span: None, reached: None };
-    time_conditions::check(&part, kind, start, surroundings)?;
+    time_conditions::check(&part, kind, start, context)?;
     Ok(Box::new(part))
 }
 
@@ -206,14 +199,14 @@ fn composite(
     constraints: &[Expr],
     role: Role,
     ordered: bool,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Composite, EvaluationError> {
-    let shared = shared_variables(parts, surroundings);
+    let shared = shared_variables(parts, context);
     let combines = ordered || !constraints.is_empty() || !shared.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
     let delayed = ordered && parts.iter().any(|part| matches!(part.kind, ConditionKind::Delay(..)));
     let role = Role { keep, any_pair: role.any_pair || delayed, ..role };
-    let parts = parts.iter().map(|each| part(each, role, surroundings)).collect::<Result<_, _>>()?;
+    let parts = parts.iter().map(|each| part(each, role, context)).collect::<Result<_, _>>()?;
     Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared })
 }
 
@@ -221,21 +214,21 @@ fn alternatives(
     parts: &[Condition],
     constraints: &[Expr],
     role: Role,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Composite, EvaluationError> {
     let combines = !constraints.is_empty();
     let keep = if combines { Keep::Every } else { role.keep };
-    let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, surroundings)).collect::<Result<_, _>>()?;
+    let parts = parts.iter().map(|each| part(each, Role { keep, ..role }, context)).collect::<Result<_, _>>()?;
     Ok(Composite { parts, constraints: constraints.to_vec(), combines, shared: Vec::new() })
 }
 
 /// The variables, not bound yet, that occur in more than one part.
-fn shared_variables(parts: &[Condition], surroundings: &dyn Surroundings) -> Vec<Symbol> {
+fn shared_variables(parts: &[Condition], context: &dyn EvalContext) -> Vec<Symbol> {
     let (mut seen, mut shared) = (BTreeSet::new(), BTreeSet::new());
     for part in parts {
         let mut own = BTreeSet::new();
         collect(part, &mut own);
-        own.retain(|name| surroundings.variable(name).is_none());
+        own.retain(|name| context.variable(name).is_none());
         shared.extend(own.intersection(&seen).copied());
         seen.extend(own);
     }
@@ -291,34 +284,32 @@ fn of_constraints<'a>(constraints: &'a [Constraint], names: &mut BTreeSet<&'a Sy
 }
 
 /// Looks back, in every part, over what is remembered since its window's start.
-pub(crate) fn look_back(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn backfill(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = crate::monitoring::part::site(part);
     match &mut part.kind {
-        PartKind::Measurement(leaf) => leaf.look_back(site, surroundings, troubles),
-        PartKind::Episode(leaf) => episode::look_back(leaf, site, surroundings, troubles),
-        PartKind::Persisted(leaf) => leaf.look_back(site, surroundings, troubles),
-        PartKind::Regression(leaf) => leaf.look_back(site, surroundings, troubles),
-        PartKind::Statistical(leaf) => leaf.look_back(site, surroundings, troubles),
-        PartKind::Cyclic(leaf) => leaf.look_back(site, surroundings, troubles),
-        PartKind::Event(leaf) => event::look_back(leaf, site, surroundings, troubles),
-        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
-        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
-        PartKind::Timestamp(leaf) => {
-            time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, surroundings)
-        }
-        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Delay, site, surroundings),
+        PartKind::Measurement(leaf) => leaf.backfill(site, context, troubles),
+        PartKind::Episode(leaf) => episode::backfill(leaf, site, context, troubles),
+        PartKind::Persisted(leaf) => leaf.backfill(site, context, troubles),
+        PartKind::Regression(leaf) => leaf.backfill(site, context, troubles),
+        PartKind::Statistical(leaf) => leaf.backfill(site, context, troubles),
+        PartKind::Cyclic(leaf) => leaf.backfill(site, context, troubles),
+        PartKind::Event(leaf) => event::backfill(leaf, site, context, troubles),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, context),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, context, troubles),
+        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Timestamp, site, context),
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, time_conditions::Kind::Delay, site, context),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
-            composite.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
+            composite.parts.iter_mut().for_each(|part| backfill(part, context, troubles));
         }
-        PartKind::Not(inner) => look_back(inner, surroundings, troubles),
+        PartKind::Not(inner) => backfill(inner, context, troubles),
         PartKind::Allen(leaf) => {
             // This says what is not remembered any longer; then all is looked at in order.
-            leaf.parts.iter_mut().for_each(|part| look_back(part, surroundings, troubles));
-            replay::replay(part, None, surroundings, troubles);
+            leaf.parts.iter_mut().for_each(|part| backfill(part, context, troubles));
+            replay::replay(part, None, context, troubles);
         }
         PartKind::Absent(leaf) => {
-            look_back(&mut leaf.part, surroundings, troubles);
-            replay::replay(part, None, surroundings, troubles);
+            backfill(&mut leaf.part, context, troubles);
+            replay::replay(part, None, context, troubles);
         }
         PartKind::Function(_) => {}
     }

@@ -1,21 +1,21 @@
 //! Dispatch (M&I)
 //! What: hands stimuli, the passing of time and questions for wakes to the service of each part's kind.
 //! Runs: when a monitor notices something or is judged.
-//! Reads: the monitor's tree, surroundings.
+//! Reads: the monitor's tree, evaluation context.
 //! Writes: the monitor's tree.
 //! Bound: linear in the condition, in addition to what the services state.
 //! PDL: all conditions.
 //! Paper: section III, condition monitoring.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::monitoring::basic::time_conditions::{self, Kind};
 use crate::monitoring::basic::{event, function, measurement, task_state};
 use crate::monitoring::combination::{absence, allen, replay};
 use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::persistence;
-use crate::monitoring::part::{Troubles, site};
+use crate::monitoring::part::{ConditionFaults, site};
 use crate::monitoring::sampled;
-use crate::monitoring::samples::Seen;
+use crate::monitoring::samples::SampleView;
 use crate::monitoring::stimulus::Stimulus;
 use crate::monitoring::wake::WakeReason;
 use crate::state::monitors::monitor::{Part, PartKind};
@@ -24,40 +24,40 @@ use apex_model::time::Time;
 pub(crate) fn notice_part(
     part: &mut Part,
     stimulus: &Stimulus,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     let site = site(part);
-    if let Some(sequence) = replay::changes_the_past(part, stimulus, surroundings) {
-        replay::replay(part, Some(sequence), surroundings, troubles);
+    if let Some(sequence) = replay::changes_the_past(part, stimulus, context) {
+        replay::replay(part, Some(sequence), context, troubles);
         return;
     }
     if let Stimulus::Sample { variable, value, at, sequence, newest } = stimulus {
-        let sample = Seen { variable, value, at: *at, sequence: *sequence };
-        notice_sample(part, sample, *newest, surroundings, troubles);
+        let sample = SampleView { variable, value, at: *at, sequence: *sequence };
+        notice_sample(part, sample, *newest, context, troubles);
     }
     match (&mut part.kind, stimulus) {
         (PartKind::Event(leaf), Stimulus::Event { form, at, sequence }) => {
-            event::notice(leaf, site, form, *at, *sequence, surroundings, troubles);
+            event::notice(leaf, site, form, *at, *sequence, context, troubles);
         }
         (PartKind::TaskEnded(leaf), Stimulus::TaskEnded { task, at, .. }) => task_state::notice_ended(leaf, *task, *at),
         (PartKind::TaskState(leaf), Stimulus::TaskState { task, from, state, at, .. }) => {
-            task_state::notice_state(leaf, site, (*task, *from, *state, *at), surroundings, troubles);
+            task_state::notice_state(leaf, site, (*task, *from, *state, *at), context, troubles);
         }
         (PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite), _) => {
-            composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+            composite.parts.iter_mut().for_each(|part| notice_part(part, stimulus, context, troubles));
         }
-        (PartKind::Not(inner), _) => notice_part(inner, stimulus, surroundings, troubles),
+        (PartKind::Not(inner), _) => notice_part(inner, stimulus, context, troubles),
         (PartKind::Allen(leaf), _) if !allen::is_done(leaf, site) => {
             if let Stimulus::Sample { variable, at, newest: false, .. } = stimulus {
                 allen::replace(leaf, variable, *at);
             }
-            leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, surroundings, troubles));
+            leaf.parts.iter_mut().for_each(|part| notice_part(part, stimulus, context, troubles));
         }
         // Also when nothing more is wanted: what comes late may take back what was found.
         (PartKind::Absent(leaf), _) => {
-            notice_part(&mut leaf.part, stimulus, surroundings, troubles);
-            replay::look_at(part, stimulus, surroundings, troubles);
+            notice_part(&mut leaf.part, stimulus, context, troubles);
+            replay::look_at(part, stimulus, context, troubles);
         }
         _ => {}
     }
@@ -66,47 +66,47 @@ pub(crate) fn notice_part(
 /// Tells a part that watches a state variable of a sample.
 fn notice_sample(
     part: &mut Part,
-    sample: Seen<'_>,
+    sample: SampleView<'_>,
     newest: bool,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     let site = site(part);
     match &mut part.kind {
-        PartKind::Measurement(leaf) => measurement::notice(leaf, site, sample, newest, surroundings, troubles),
-        PartKind::Episode(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
-        PartKind::Persisted(leaf) => persistence::notice(leaf, site, sample, surroundings, troubles),
-        PartKind::Regression(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
-        PartKind::Statistical(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
-        PartKind::Cyclic(leaf) => sampled::notice(&mut **leaf, site, sample, surroundings, troubles),
+        PartKind::Measurement(leaf) => measurement::notice(leaf, site, sample, newest, context, troubles),
+        PartKind::Episode(leaf) => sampled::notice(&mut **leaf, site, sample, context, troubles),
+        PartKind::Persisted(leaf) => persistence::notice(leaf, site, sample, context, troubles),
+        PartKind::Regression(leaf) => sampled::notice(&mut **leaf, site, sample, context, troubles),
+        PartKind::Statistical(leaf) => sampled::notice(&mut **leaf, site, sample, context, troubles),
+        PartKind::Cyclic(leaf) => sampled::notice(&mut **leaf, site, sample, context, troubles),
         _ => {}
     }
 }
 
 /// Lets parts that depend on time and on other tasks catch up with the present.
-pub(crate) fn advance(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn advance(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = site(part);
-    while let Some(at) = replay::overdue(part, surroundings.now()) {
-        replay::look_then(part, at, surroundings, troubles);
+    while let Some(at) = replay::overdue(part, context.now()) {
+        replay::look_then(part, at, context, troubles);
     }
     match &mut part.kind {
-        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, surroundings),
-        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, surroundings, troubles),
-        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, surroundings),
-        PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, surroundings),
+        PartKind::TaskEnded(leaf) => task_state::advance_ended(leaf, context),
+        PartKind::TaskState(leaf) => task_state::advance_state(leaf, site, context, troubles),
+        PartKind::Timestamp(leaf) => time_conditions::advance(leaf, Kind::Timestamp, site, context),
+        PartKind::Delay(leaf) => time_conditions::advance(leaf, Kind::Delay, site, context),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
-            composite.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
+            composite.parts.iter_mut().for_each(|part| advance(part, context, troubles));
         }
-        PartKind::Not(inner) => advance(inner, surroundings, troubles),
+        PartKind::Not(inner) => advance(inner, context, troubles),
         PartKind::Allen(leaf) => {
-            leaf.parts.iter_mut().for_each(|part| advance(part, surroundings, troubles));
-            allen::advance(leaf, site, part.tag.as_ref(), surroundings, troubles);
+            leaf.parts.iter_mut().for_each(|part| advance(part, context, troubles));
+            allen::advance(leaf, site, part.tag.as_ref(), context, troubles);
         }
         PartKind::Absent(leaf) => {
-            advance(&mut leaf.part, surroundings, troubles);
-            absence::advance(leaf, site, surroundings, troubles);
+            advance(&mut leaf.part, context, troubles);
+            absence::advance(leaf, site, context, troubles);
         }
-        PartKind::Function(leaf) => function::advance(leaf, surroundings, troubles),
+        PartKind::Function(leaf) => function::advance(leaf, context, troubles),
         PartKind::Measurement(_)
         | PartKind::Episode(_)
         | PartKind::Persisted(_)

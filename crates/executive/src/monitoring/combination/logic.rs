@@ -1,14 +1,13 @@
 //! Logic and order (M&I)
 //! What: combines the results of parts: all, one, none, one after the other.
 //! Runs: whenever the verdict is asked.
-//! Reads: the monitor's tree, surroundings.
+//! Reads: the monitor's tree, evaluation context.
 //! Writes: nothing.
 //! Bound: O(parts) where parts share nothing; else `MONITOR_COMBINATIONS_MAX` combinations.
 //! PDL: `:and`, `:or`, `:not`, `:in-order`, `:delay`, `:constraint`.
 //! Paper: Table 1, rows 11 and 12; Appendix B.
 
 use crate::expression::{WithBindings, evaluate};
-use crate::monitoring::asking::Asking;
 use crate::monitoring::basic::time_conditions::{self, Kind, delays};
 use crate::monitoring::basic::{measurement, task_state};
 use crate::monitoring::combination::{absence, allen};
@@ -16,6 +15,7 @@ use crate::monitoring::episodes::episode;
 use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
 use crate::monitoring::part::Truth;
 use crate::monitoring::time_bounds::TICK;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Composite, Keep, Part, PartKind, Satisfaction};
 use apex_model::agent_limits::Limit;
@@ -28,73 +28,73 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
 /// Is the part true now?
-pub(crate) fn truth(part: &Part, asking: &mut Asking<'_>) -> Truth {
+pub(crate) fn truth(part: &Part, query: &mut VerdictQuery<'_>) -> Truth {
     let site = crate::monitoring::part::site(part);
     match &part.kind {
         PartKind::Measurement(leaf) => Truth::of(measurement::any(leaf), leaf.blind),
-        PartKind::Episode(leaf) => episode::truth(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
-        PartKind::Persisted(leaf) => persistence::truth(leaf, site, asking),
-        PartKind::Regression(leaf) => regression::truth(leaf, site, asking),
-        PartKind::Statistical(leaf) => statistics::truth(leaf, site, asking),
-        PartKind::Cyclic(leaf) => cyclic::truth(leaf, site, asking),
+        PartKind::Episode(leaf) => episode::truth(leaf, site, query.now, query.context, &mut query.troubles),
+        PartKind::Persisted(leaf) => persistence::truth(leaf, site, query),
+        PartKind::Regression(leaf) => regression::truth(leaf, site, query),
+        PartKind::Statistical(leaf) => statistics::truth(leaf, site, query),
+        PartKind::Cyclic(leaf) => cyclic::truth(leaf, site, query),
         PartKind::Event(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.blind),
         PartKind::TaskEnded(leaf) => Truth::of(leaf.ended.is_some(), leaf.task.is_none()),
         PartKind::TaskState(leaf) => Truth::of(!leaf.settled.is_empty(), leaf.task.is_none()),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => Truth::of(leaf.reached.is_some(), leaf.span.is_none()),
-        PartKind::Not(inner) => asking.of_everything(|asking| truth(inner, asking)).negated(),
-        PartKind::Allen(leaf) => allen::truth(leaf, asking),
+        PartKind::Not(inner) => query.of_everything(|query| truth(inner, query)).negated(),
+        PartKind::Allen(leaf) => allen::truth(leaf, query),
         PartKind::Absent(leaf) => absence::truth(leaf),
         PartKind::Function(leaf) => Truth::of(leaf.holds.is_some(), leaf.value.is_none()),
         PartKind::And(composite) => {
             let all =
-                composite.parts.iter().fold(Truth::True, |all, part| all.min(truth_beside(part, composite, asking)));
-            combined(part, composite, all, asking)
+                composite.parts.iter().fold(Truth::True, |all, part| all.min(truth_beside(part, composite, query)));
+            combined(part, composite, all, query)
         }
         PartKind::InOrder(composite) => {
             let all = composite
                 .parts
                 .iter()
                 .filter(|part| !matches!(part.kind, PartKind::Delay(_)))
-                .fold(Truth::True, |all, part| all.min(truth(part, asking)));
-            combined(part, composite, all, asking)
+                .fold(Truth::True, |all, part| all.min(truth(part, query)));
+            combined(part, composite, all, query)
         }
         PartKind::Or(composite) => {
-            let one = composite.parts.iter().fold(Truth::False, |one, part| one.max(truth(part, asking)));
-            combined(part, composite, one, asking)
+            let one = composite.parts.iter().fold(Truth::False, |one, part| one.max(truth(part, query)));
+            combined(part, composite, one, query)
         }
     }
 }
 
 /// Is a part of an `:and` true? What a shared variable must not be is known only in combination.
-fn truth_beside(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Truth {
+fn truth_beside(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>) -> Truth {
     let inner = match &part.kind {
         PartKind::Not(inner) if composite.combines => inner,
-        _ => return truth(part, asking),
+        _ => return truth(part, query),
     };
     let stands_alone = |result: &Satisfaction| composite.shared.iter().all(|name| result.bindings.get(name).is_none());
-    asking.of_everything(|asking| match truth(inner, asking) {
+    query.of_everything(|query| match truth(inner, query) {
         // It agrees with whatever the other parts find, since it binds nothing that they bind.
-        Truth::True if results(inner, asking).iter().any(stands_alone) => Truth::False,
+        Truth::True if results(inner, query).iter().any(stands_alone) => Truth::False,
         Truth::True | Truth::False => Truth::True,
         Truth::Unknown => Truth::Unknown,
     })
 }
 
-fn combined(part: &Part, composite: &Composite, separately: Truth, asking: &mut Asking<'_>) -> Truth {
+fn combined(part: &Part, composite: &Composite, separately: Truth, query: &mut VerdictQuery<'_>) -> Truth {
     let needed = composite.combines && separately == Truth::True;
-    if needed && results(part, asking).is_empty() { Truth::False } else { separately }
+    if needed && results(part, query).is_empty() { Truth::False } else { separately }
 }
 
 /// All results of the part up to now, earliest recognised first, with the part's tag bound.
-pub(crate) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+pub(crate) fn results(part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let site = crate::monitoring::part::site(part);
     let mut results = match &part.kind {
         PartKind::Measurement(leaf) => measurement::results(leaf),
-        PartKind::Episode(leaf) => episode::results(leaf, site, asking.now, asking.surroundings, &mut asking.troubles),
-        PartKind::Persisted(leaf) => persistence::results(leaf, site, asking),
-        PartKind::Regression(leaf) => regression::results(leaf, site, asking),
-        PartKind::Statistical(leaf) => statistics::results(leaf, site, asking),
-        PartKind::Cyclic(leaf) => cyclic::results(leaf, site, asking),
+        PartKind::Episode(leaf) => episode::results(leaf, site, query.now, query.context, &mut query.troubles),
+        PartKind::Persisted(leaf) => persistence::results(leaf, site, query),
+        PartKind::Regression(leaf) => regression::results(leaf, site, query),
+        PartKind::Statistical(leaf) => statistics::results(leaf, site, query),
+        PartKind::Cyclic(leaf) => cyclic::results(leaf, site, query),
         PartKind::Event(leaf) => leaf.settled.clone(),
         PartKind::TaskEnded(leaf) => task_state::ended_result(leaf).into_iter().collect(),
         PartKind::TaskState(leaf) => leaf.settled.clone(),
@@ -102,18 +102,18 @@ pub(crate) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
             time_conditions::result(leaf, Kind::Timestamp, site.window.start).into_iter().collect()
         }
         PartKind::Delay(leaf) => time_conditions::result(leaf, Kind::Delay, site.window.start).into_iter().collect(),
-        PartKind::Not(inner) => match asking.of_everything(|asking| truth(inner, asking)) {
-            Truth::False => vec![nothing_until(inner, asking.now)],
+        PartKind::Not(inner) => match query.of_everything(|query| truth(inner, query)) {
+            Truth::False => vec![nothing_until(inner, query.now)],
             Truth::True | Truth::Unknown => Vec::new(),
         },
         PartKind::Allen(leaf) => allen::results(leaf),
         PartKind::Absent(leaf) => leaf.found.clone(),
         PartKind::Function(leaf) => leaf.holds.clone().into_iter().collect(),
-        PartKind::And(composite) => Combination::new(part, composite, false).run(asking),
-        PartKind::InOrder(composite) => Combination::new(part, composite, true).run(asking),
-        PartKind::Or(composite) => alternatives(part, composite, asking),
+        PartKind::And(composite) => Combination::new(part, composite, false).run(query),
+        PartKind::InOrder(composite) => Combination::new(part, composite, true).run(query),
+        PartKind::Or(composite) => alternatives(part, composite, query),
     };
-    if let Some(used) = &asking.used {
+    if let Some(used) = &query.used {
         results.retain(|result| !used.contains(part.place, result));
     }
     if let Some(tag) = &part.tag {
@@ -126,11 +126,11 @@ pub(crate) fn results(part: &Part, asking: &mut Asking<'_>) -> Vec<Satisfaction>
 }
 
 /// The earliest recognised result of the part, as [`results`] would list it.
-pub(crate) fn first_result(part: &Part, asking: &mut Asking<'_>) -> Option<Satisfaction> {
+pub(crate) fn first_result(part: &Part, query: &mut VerdictQuery<'_>) -> Option<Satisfaction> {
     match (&part.kind, &part.tag) {
         (PartKind::Measurement(leaf), None) => measurement::first_result(leaf),
         (PartKind::Event(leaf), None) => leaf.settled.iter().min_by_key(|result| result.recognised_at).cloned(),
-        _ => results(part, asking).into_iter().next(),
+        _ => results(part, query).into_iter().next(),
     }
 }
 
@@ -143,9 +143,9 @@ fn absence(inner: &Part, at: Time) -> Evidence {
     Evidence::Absence { what: crate::monitoring::combination::unmet::text(inner), at }
 }
 
-fn alternatives(part: &Part, composite: &Composite, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
-    let mut all: Vec<Satisfaction> = composite.parts.iter().flat_map(|part| results(part, asking)).collect();
-    all.retain(|result| alternative_holds(part.tag.as_ref(), &composite.constraints, result, asking));
+fn alternatives(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
+    let mut all: Vec<Satisfaction> = composite.parts.iter().flat_map(|part| results(part, query)).collect();
+    all.retain(|result| alternative_holds(part.tag.as_ref(), &composite.constraints, result, query));
     all
 }
 
@@ -154,9 +154,9 @@ pub(crate) fn alternative_holds(
     tag: Option<&Symbol>,
     constraints: &[Expr],
     result: &Satisfaction,
-    asking: &mut Asking<'_>,
+    query: &mut VerdictQuery<'_>,
 ) -> bool {
-    constraints_hold(tag, constraints, result.interval, &result.bindings, asking)
+    constraints_hold(tag, constraints, result.interval, &result.bindings, query)
 }
 
 /// Are all `constraints` true of a result? They see its bindings and its own `tag`.
@@ -165,7 +165,7 @@ pub(crate) fn constraints_hold(
     constraints: &[Expr],
     interval: (Time, Time),
     bindings: &Bindings,
-    asking: &mut Asking<'_>,
+    query: &mut VerdictQuery<'_>,
 ) -> bool {
     if constraints.is_empty() {
         return true;
@@ -174,13 +174,13 @@ pub(crate) fn constraints_hold(
     if let Some(tag) = tag {
         bindings.set(tag.clone(), Value::Interval(interval.0, interval.1));
     }
-    let seen = WithBindings { below: asking.surroundings, bindings: &bindings };
+    let seen = WithBindings { below: query.context, bindings: &bindings };
     for constraint in constraints {
         match evaluate(constraint, &seen) {
             Ok(value) if value.is_true() => {}
             Ok(_) => return false,
             Err(error) => {
-                asking.troubles.add(error);
+                query.troubles.add(error);
                 return false;
             }
         }
@@ -221,40 +221,40 @@ impl<'a> Combination<'a> {
         Combination { part, composite, ordered, combinations: 0, found: Vec::new() }
     }
 
-    fn run(mut self, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+    fn run(mut self, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
         let mut steps = Vec::new();
         let mut nots = Vec::new();
         let mut absent = Vec::new();
         let mut delay = None;
         for part in &self.composite.parts {
             match &part.kind {
-                PartKind::Delay(leaf) if self.ordered => match delays(leaf, asking.surroundings) {
+                PartKind::Delay(leaf) if self.ordered => match delays(leaf, query.context) {
                     // One after the other they add up.
                     Ok((least, most)) => {
                         let (before, before_most) = delay.unwrap_or((Duration::ZERO, Duration::ZERO));
                         delay = Some((before + least, before_most + most));
                     }
                     Err(error) => {
-                        asking.troubles.add(error);
+                        query.troubles.add(error);
                         return Vec::new();
                     }
                 },
                 PartKind::Not(inner) if !self.ordered && self.composite.combines => {
-                    if asking.of_everything(|asking| truth(inner, asking)) == Truth::Unknown {
+                    if query.of_everything(|query| truth(inner, query)) == Truth::Unknown {
                         return Vec::new();
                     }
-                    absent.push(absence(inner, asking.now));
-                    nots.push(asking.of_everything(|asking| results(inner, asking)));
+                    absent.push(absence(inner, query.now));
+                    nots.push(query.of_everything(|query| results(inner, query)));
                 }
-                PartKind::Not(inner) if !self.ordered => match asking.of_everything(|asking| truth(inner, asking)) {
+                PartKind::Not(inner) if !self.ordered => match query.of_everything(|query| truth(inner, query)) {
                     Truth::False => {
-                        absent.push(absence(inner, asking.now));
+                        absent.push(absence(inner, query.now));
                         nots.push(Vec::new());
                     }
                     Truth::True | Truth::Unknown => return Vec::new(),
                 },
                 kind => steps.push(Step {
-                    results: results(part, asking),
+                    results: results(part, query),
                     delay: delay.take(),
                     stands: matches!(kind, PartKind::Not(_)),
                 }),
@@ -267,7 +267,7 @@ impl<'a> Combination<'a> {
             bindings: Bindings::new(),
             evidence: absent.into(),
         };
-        self.extend(&steps, &nots, delay, start, asking);
+        self.extend(&steps, &nots, delay, start, query);
         self.found.sort_by_key(|result| result.recognised_at);
         self.found
     }
@@ -278,23 +278,23 @@ impl<'a> Combination<'a> {
         nots: &[Vec<Satisfaction>],
         last_delay: Option<(Duration, Duration)>,
         partial: Partial,
-        asking: &mut Asking<'_>,
+        query: &mut VerdictQuery<'_>,
     ) {
         let Some((step, rest)) = steps.split_first() else {
-            self.complete(nots, last_delay, partial, asking);
+            self.complete(nots, last_delay, partial, query);
             return;
         };
         for result in &step.results {
             self.combinations += 1;
-            if self.combinations > asking.surroundings.limits().of(Limit::MonitorCombinations) {
-                asking.troubles.reached(Limit::MonitorCombinations, asking.surroundings, self.part.place);
+            if self.combinations > query.context.limits().of(Limit::MonitorCombinations) {
+                query.troubles.reached(Limit::MonitorCombinations, query.context, self.part.place);
                 return;
             }
             if self.ordered && !self.follows(&partial, step, result) {
                 // Time alone will put it behind the part before: at that very instant it is looked at again.
                 let due = partial.end + step.delay.map_or(TICK, |(least, _)| least);
-                if step.stands && due > asking.now {
-                    asking.wake_at(due);
+                if step.stands && due > query.now {
+                    query.wake_at(due);
                 }
                 continue;
             }
@@ -309,7 +309,7 @@ impl<'a> Combination<'a> {
                 bindings,
                 evidence: partial.evidence.joined(&result.evidence),
             };
-            self.extend(rest, nots, last_delay, next, asking);
+            self.extend(rest, nots, last_delay, next, query);
             // Without choices further on the first combination is the earliest.
             if self.part.keep == Keep::First && !self.composite.combines && !self.found.is_empty() {
                 return;
@@ -331,24 +331,24 @@ impl<'a> Combination<'a> {
         nots: &[Vec<Satisfaction>],
         last_delay: Option<(Duration, Duration)>,
         mut partial: Partial,
-        asking: &mut Asking<'_>,
+        query: &mut VerdictQuery<'_>,
     ) {
         let excluded = nots.iter().flatten().any(|result| joined(&partial.bindings, &result.bindings).is_some());
         // Where nothing but time has to pass, that is an instant.
-        let instant = last_delay.map_or(asking.now, |(least, _)| partial.end + least);
+        let instant = last_delay.map_or(query.now, |(least, _)| partial.end + least);
         let interval = partial.hull.unwrap_or((instant, instant));
         let constraints = &self.composite.constraints;
-        if excluded || !constraints_hold(self.part.tag.as_ref(), constraints, interval, &partial.bindings, asking) {
+        if excluded || !constraints_hold(self.part.tag.as_ref(), constraints, interval, &partial.bindings, query) {
             return;
         }
         if !nots.is_empty() || partial.hull.is_none() && last_delay.is_none() {
-            partial.recognised_at = asking.now;
+            partial.recognised_at = query.now;
         }
         if let Some((least, _)) = last_delay {
             let over = partial.end + least;
             partial.recognised_at = partial.recognised_at.max(over);
-            if over > asking.now {
-                asking.wake_at(over);
+            if over > query.now {
+                query.wake_at(over);
                 return;
             }
             let instant = EvidenceList::one(Evidence::Instant { since: Some(partial.end), at: over });
@@ -358,7 +358,7 @@ impl<'a> Combination<'a> {
             let Partial { recognised_at, bindings, evidence, .. } = partial;
             self.found.push(Satisfaction { interval, recognised_at, bindings, evidence });
         } else {
-            asking.troubles.too_many_results(self.part.place);
+            query.troubles.too_many_results(self.part.place);
         }
     }
 }

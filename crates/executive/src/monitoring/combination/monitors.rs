@@ -1,20 +1,20 @@
 //! Monitors (M&I)
 //! What: makes the monitor of a condition, feeds it and asks it: for its verdict, its next wake, what does not hold.
 //! Runs: when a clause begins to be watched, in the notice phase, and when a monitor is judged.
-//! Reads: Condition, surroundings.
+//! Reads: Condition, evaluation context.
 //! Writes: Monitor.
 //! Bound: as the services of its parts; linear in the condition.
 //! PDL: all conditions.
 //! Paper: section IV, creating monitors from PDL specifications.
 
-use crate::expression::{EvaluationError, Surroundings};
-use crate::monitoring::asking::Asking;
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
 use crate::monitoring::combination::{creation, logic, unmet as unmet_parts};
-use crate::monitoring::part::{Troubles, Truth};
+use crate::monitoring::part::{ConditionFaults, Truth};
 use crate::monitoring::stimulus::Stimulus;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::monitoring::wake::WakeReason;
-use crate::state::monitors::monitor::{Keep, Monitor, Satisfaction, Trouble, Unmet, Verdict, Window};
+use crate::state::monitors::monitor::{ConditionFault, Keep, Monitor, Satisfaction, Unmet, Verdict, Window};
 use apex_model::condition::Condition;
 use apex_model::time::Time;
 
@@ -26,9 +26,9 @@ use apex_model::time::Time;
 pub(crate) fn create(
     condition: &Condition,
     window: Window,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Monitor, EvaluationError> {
-    made(condition, window, (Keep::First, true), surroundings)
+    made(condition, window, (Keep::First, true), context)
 }
 
 /// As [`create`], for a monitor of which only changes of tasks' states count from now on, not those that stand.
@@ -38,9 +38,9 @@ pub(crate) fn create(
 pub(crate) fn create_for_changes(
     condition: &Condition,
     window: Window,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Monitor, EvaluationError> {
-    made(condition, window, (Keep::First, false), surroundings)
+    made(condition, window, (Keep::First, false), context)
 }
 
 /// As [`create`], for a monitor that remembers what `keep` says until it is harvested.
@@ -51,55 +51,54 @@ pub(crate) fn create_keeping(
     condition: &Condition,
     window: Window,
     keep: Keep,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Monitor, EvaluationError> {
-    made(condition, window, (keep, true), surroundings)
+    made(condition, window, (keep, true), context)
 }
 
 fn made(
     condition: &Condition,
     window: Window,
     manner: (Keep, bool),
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Monitor, EvaluationError> {
-    let mut root = creation::tree(condition, window, manner, surroundings)?;
-    let mut troubles = Troubles::default();
-    creation::look_back(&mut root, surroundings, &mut troubles);
-    let mut monitor =
-        Monitor { created_at: surroundings.now(), window, root, asked_at: surroundings.now(), notes: None };
+    let mut root = creation::tree(condition, window, manner, context)?;
+    let mut troubles = ConditionFaults::default();
+    creation::backfill(&mut root, context, &mut troubles);
+    let mut monitor = Monitor { created_at: context.now(), window, root, asked_at: context.now(), notes: None };
     troubles.tell(&mut monitor);
     Ok(monitor)
 }
 
 /// Tells `monitor` what happened. Stimuli it has no interest in change nothing.
-pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, surroundings: &dyn Surroundings) {
-    let mut troubles = Troubles::default();
-    notice_part(&mut monitor.root, stimulus, surroundings, &mut troubles);
+pub(crate) fn notice(monitor: &mut Monitor, stimulus: &Stimulus, context: &dyn EvalContext) {
+    let mut troubles = ConditionFaults::default();
+    notice_part(&mut monitor.root, stimulus, context, &mut troubles);
     troubles.tell(monitor);
 }
 
 /// Finds out again which tasks the monitor is about: a tag stands for another one now.
-pub(crate) fn look_for_tasks(monitor: &mut Monitor, surroundings: &dyn Surroundings) {
-    let mut troubles = Troubles::default();
-    advance(&mut monitor.root, surroundings, &mut troubles);
+pub(crate) fn look_for_tasks(monitor: &mut Monitor, context: &dyn EvalContext) {
+    let mut troubles = ConditionFaults::default();
+    advance(&mut monitor.root, context, &mut troubles);
     troubles.tell(monitor);
 }
 
-/// Is the condition true at `surroundings.now()`? Asked after all stimuli of the instant were noticed.
-pub(crate) fn verdict(monitor: &mut Monitor, surroundings: &dyn Surroundings) -> Verdict {
-    let mut asking = Asking::new(surroundings);
-    advance(&mut monitor.root, surroundings, &mut asking.troubles);
-    let truth = logic::truth(&monitor.root, &mut asking);
+/// Is the condition true at `context.now()`? Asked after all stimuli of the instant were noticed.
+pub(crate) fn verdict(monitor: &mut Monitor, context: &dyn EvalContext) -> Verdict {
+    let mut query = VerdictQuery::new(context);
+    advance(&mut monitor.root, context, &mut query.troubles);
+    let truth = logic::truth(&monitor.root, &mut query);
     let best = match truth {
-        Truth::True => logic::first_result(&monitor.root, &mut asking),
+        Truth::True => logic::first_result(&monitor.root, &mut query),
         Truth::False | Truth::Unknown => None,
     };
-    monitor.asked_at = asking.now;
-    if asking.wake.is_some() || monitor.notes.is_some() {
-        monitor.notes.get_or_insert_default().delay_over_at = asking.wake;
+    monitor.asked_at = query.now;
+    if query.wake.is_some() || monitor.notes.is_some() {
+        monitor.notes.get_or_insert_default().delay_over_at = query.wake;
     }
     let created_at = monitor.created_at;
-    asking.troubles.tell(monitor);
+    query.troubles.tell(monitor);
     match (best, truth) {
         (Some(best), _) => {
             Verdict::Satisfied(Satisfaction { recognised_at: best.recognised_at.max(created_at), ..best })
@@ -117,14 +116,14 @@ pub(crate) fn next_wake(monitor: &Monitor) -> Option<(Time, WakeReason)> {
 }
 
 /// The parts that do not hold, with what is known about each.
-pub(crate) fn unmet(monitor: &Monitor, surroundings: &dyn Surroundings) -> Vec<Unmet> {
-    let mut asking = Asking::new(surroundings);
+pub(crate) fn unmet(monitor: &Monitor, context: &dyn EvalContext) -> Vec<Unmet> {
+    let mut query = VerdictQuery::new(context);
     let mut list = Vec::new();
-    unmet_parts::collect(&monitor.root, &mut asking, &mut list);
+    unmet_parts::collect(&monitor.root, &mut query, &mut list);
     list
 }
 
 /// Errors met while judging since the last call: to be reported as trouble.
-pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<Trouble> {
+pub(crate) fn take_troubles(monitor: &mut Monitor) -> Vec<ConditionFault> {
     monitor.notes.as_mut().map(|notes| std::mem::take(&mut notes.troubles)).unwrap_or_default()
 }

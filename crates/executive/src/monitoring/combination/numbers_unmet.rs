@@ -1,26 +1,26 @@
 //! Explanation of what is computed (M&I)
 //! What: what is known about a persisted value, a line, a statistic or a trend that is waited for.
 //! Runs: when a person asks (`apex why`).
-//! Reads: the part, histories, surroundings.
+//! Reads: the part, histories, evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the objects that are followed and in the criteria.
 //! PDL: `:estimation`, `:stats`, `:trend`.
 //! Paper: section V, explanation of behaviour.
 
-use crate::monitoring::asking::Asking;
 use crate::monitoring::combination::unmet::{Known, distance, newest};
-use crate::monitoring::numbers::aggregates::Judgement;
+use crate::monitoring::numbers::aggregates::CriterionResult;
 use crate::monitoring::numbers::regression::{self, Line, Saying};
 use crate::monitoring::numbers::statistics;
-use crate::monitoring::part::Site;
+use crate::monitoring::part::PartContext;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::monitors::numbers::{PersistedPart, RegressionPart, StatisticalPart};
 use apex_model::estimate::computed;
 use apex_model::time::Time;
 
 /// A persisted value: whose, how long it is valid, how far it is off.
-pub(crate) fn persisted(leaf: &PersistedPart, site: Site, asking: &Asking<'_>) -> Known {
+pub(crate) fn persisted(leaf: &PersistedPart, site: PartContext, query: &VerdictQuery<'_>) -> Known {
     let attribute = &leaf.condition.variable.attribute;
-    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, asking) else {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
         return Known::words("no sample yet");
     };
     let Some(held) = leaf.objects.values().max_by_key(|held| held.at) else {
@@ -30,12 +30,12 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: Site, asking: &Asking<'_>) -
     let mut now = format!("{variable} = {}, persisted since {}", held.value, held.at);
     let expires = held.at + leaf.timeout;
     let mut until = None;
-    if expires < asking.now {
+    if expires < query.now {
         now.push_str(&format!("; it expired at {expires}, older than {}", leaf.timeout));
     } else if leaf.blind {
         now.push_str("; older samples are no longer kept");
     } else if held.holds.is_some() {
-        until = Some(site.window.start).filter(|start| *start > asking.now);
+        until = Some(site.window.start).filter(|start| *start > query.now);
         now.push_str(", which is not within the wanted time");
     } else if let Some(distance) = distance(&leaf.tests, &held.value) {
         now.push_str(&format!(", {distance} off"));
@@ -44,12 +44,12 @@ pub(crate) fn persisted(leaf: &PersistedPart, site: Site, asking: &Asking<'_>) -
 }
 
 /// A line: how it runs, or why there is none.
-pub(crate) fn regression(leaf: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Known {
+pub(crate) fn regression(leaf: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Known {
     let attribute = &leaf.condition.variable.attribute;
-    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, asking) else {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
         return Known::words("no sample yet");
     };
-    let sayings = regression::all(leaf, site, asking);
+    let sayings = regression::all(leaf, site, query);
     let Some(saying) = sayings.into_iter().last() else {
         let what = format!("{variable} = {} at {}, which is not among what is fitted", sample.value, sample.at);
         return Known::words(what).since(Some(sample.at));
@@ -59,12 +59,12 @@ pub(crate) fn regression(leaf: &RegressionPart, site: Site, asking: &mut Asking<
         Saying::WillBe(at, value, line) => {
             let now = format!(
                 "{}; it is {} at {at} if it goes on so",
-                course(&variable, &line, asking.now),
+                course(&variable, &line, query.now),
                 line.value(value)
             );
             Known { until: Some(at), ..Known::words(now).since(Some(line.last.0)) }
         }
-        Saying::Unmet(line) => Known::words(course(&variable, &line, asking.now)).since(Some(line.last.0)),
+        Saying::Unmet(line) => Known::words(course(&variable, &line, query.now)).since(Some(line.last.0)),
         Saying::Unknown(refusal) => {
             Known::words(format!("{variable} = {} at {}; {refusal}", sample.value, sample.at)).since(Some(sample.at))
         }
@@ -88,16 +88,16 @@ fn samples(count: u64) -> String {
 }
 
 /// A statistic or trend: each criterion as it stands, and how long the run or window is.
-pub(crate) fn statistical(leaf: &StatisticalPart, site: Site, asking: &Asking<'_>) -> Known {
+pub(crate) fn statistical(leaf: &StatisticalPart, site: PartContext, query: &VerdictQuery<'_>) -> Known {
     let attribute = &leaf.condition.variable.attribute;
-    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, asking) else {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), attribute, query) else {
         return Known::words("no sample yet");
     };
     let mut now = format!("{variable} = {}", sample.value);
     if leaf.blind {
         now.push_str("; older samples are no longer kept");
     }
-    let Some(standing) = statistics::standing(leaf, site, asking) else {
+    let Some(standing) = statistics::standing(leaf, site, query) else {
         let gap = leaf.objects.values().find_map(|state| state.gap);
         now.push_str(&gap.map(|gap| format!("; the last run was cut by a gap of {gap}")).unwrap_or_default());
         return Known::words(now).since(Some(sample.at));
@@ -105,7 +105,7 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: Site, asking: &Asking<'_
     let over =
         if leaf.slides { format!("over the last {}", leaf.duration_min) } else { format!("since {}", standing.start) };
     now.push_str(&format!("; {} {over}", samples(standing.samples)));
-    let failing = standing.judgements.iter().filter(|(_, judgement)| !matches!(judgement, Judgement::Holds(_)));
+    let failing = standing.judgements.iter().filter(|(_, judgement)| !matches!(judgement, CriterionResult::Holds(_)));
     let mut told: Vec<String> =
         failing.map(|(criterion, judgement)| statistics::judgement_words(criterion, judgement)).collect();
     if told.is_empty() {
@@ -117,7 +117,7 @@ pub(crate) fn statistical(leaf: &StatisticalPart, site: Site, asking: &Asking<'_
     }
     now.push_str(&format!(": {}", told.join(", ")));
     if let Some(most) = leaf.gap_max {
-        let silence = asking.now - sample.at;
+        let silence = query.now - sample.at;
         if silence > most {
             now.push_str(&format!("; no sample for {silence}, more than the gap of {most} allowed"));
         } else if let Some(gap) = standing.gap {

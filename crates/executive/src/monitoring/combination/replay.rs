@@ -2,18 +2,18 @@
 //! What: feeds remembered evidence to a part again, instant by instant, as it came: what relates results in time must
 //! see them in order, or it would tell other results than one that watched all the time.
 //! Runs: when a monitor with an Allen relation or an absence is made, and when a late sample changes its past.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the part.
 //! Bound: O(k log k) for the k samples and messages within the window, and what each of them costs when it arrives.
 //! PDL: Allen relations, `:absent`, `:lateness`.
 //! Paper: section III, histories.
 
-use crate::expression::Surroundings;
+use crate::expression::EvalContext;
 use crate::monitoring::combination::dispatch::{advance, notice_part, wake_of};
-use crate::monitoring::combination::extents;
 use crate::monitoring::combination::interest::collect_interests;
+use crate::monitoring::combination::part_results;
 use crate::monitoring::numbers::persistence;
-use crate::monitoring::part::Troubles;
+use crate::monitoring::part::ConditionFaults;
 use crate::monitoring::sampled::Sampled;
 use crate::monitoring::stimulus::Stimulus;
 use crate::state::histories::history::{Histories, History};
@@ -28,13 +28,13 @@ use apex_model::task::{TaskId, TaskState};
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 
-/// Surroundings as they were at an earlier instant, except for what histories have learned since.
+/// EvalContext as they were at an earlier instant, except for what histories have learned since.
 struct Then<'a> {
-    below: &'a dyn Surroundings,
+    below: &'a dyn EvalContext,
     now: Time,
 }
 
-impl Surroundings for Then<'_> {
+impl EvalContext for Then<'_> {
     fn variable(&self, name: &Symbol) -> Option<Value> {
         self.below.variable(name)
     }
@@ -78,27 +78,27 @@ impl Surroundings for Then<'_> {
 
 /// Forgets what `part` has found, and finds it again from what is remembered; only arrivals up to `newest` count, where
 /// it is given, because later ones are still to be told.
-pub(crate) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    let stimuli = remembered(part, newest, surroundings);
-    forget(part, surroundings, troubles);
-    let now = surroundings.now();
+pub(crate) fn replay(part: &mut Part, newest: Option<u64>, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+    let stimuli = remembered(part, newest, context);
+    forget(part, context, troubles);
+    let now = context.now();
     let mut asked = Time::BEGINNING;
     let start = part.window.start;
     if start < now
         && stimuli.first().is_none_or(|(first, ..)| start < *first)
         && matches!(part.kind, PartKind::Absent(_))
     {
-        look_then(part, start, surroundings, troubles);
+        look_then(part, start, context, troubles);
         asked = start;
     }
     for group in stimuli.chunk_by(|(a, ..), (b, ..)| a == b) {
         let Some((at, ..)) = group.first() else { continue };
         let at = (*at).min(now);
         while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < at) {
-            advance(part, &Then { below: surroundings, now: wake }, troubles);
+            advance(part, &Then { below: context, now: wake }, troubles);
             asked = wake;
         }
-        let then = Then { below: surroundings, now: at };
+        let then = Then { below: context, now: at };
         group.iter().for_each(|(.., stimulus)| notice_part(part, stimulus, &then, troubles));
         // What has come at this instant is looked at when all of it was told.
         if at < now {
@@ -107,42 +107,42 @@ pub(crate) fn replay(part: &mut Part, newest: Option<u64>, surroundings: &dyn Su
         }
     }
     while let Some((wake, _)) = wake_of(part, asked).filter(|(wake, _)| *wake < now) {
-        advance(part, &Then { below: surroundings, now: wake }, troubles);
+        advance(part, &Then { below: context, now: wake }, troubles);
         asked = wake;
     }
 }
 
 /// The arrival number of a sample that is not the newest of its variable, if `part` relates results in time: what came
 /// before may have been related otherwise.
-pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, surroundings: &dyn Surroundings) -> Option<u64> {
+pub(crate) fn changes_the_past(part: &Part, stimulus: &Stimulus, context: &dyn EvalContext) -> Option<u64> {
     let Stimulus::Sample { variable, sequence, newest, at, .. } = stimulus else { return None };
     // The present instant is looked at when all of it was told.
-    let past = *at < surroundings.now();
+    let past = *at < context.now();
     let relates = match part.kind {
         PartKind::Allen(_) => past && !newest,
-        PartKind::Absent(_) => past && !asks_functions(part) && is_judged_again(part, surroundings),
+        PartKind::Absent(_) => past && !asks_functions(part) && is_judged_again(part, context),
         _ => false,
     };
-    (relates && watches(part, variable) && covers(part, surroundings)).then_some(*sequence)
+    (relates && watches(part, variable) && covers(part, context)).then_some(*sequence)
 }
 
 /// Looks at an absence as it was when this sample, which comes late, was taken, or the newest that is known, where not enough
 /// is remembered to begin again. What passed up to then has passed; what passed since may not have.
-pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let Stimulus::Sample { at, variable, sequence, .. } = stimulus else { return };
     let PartKind::Absent(leaf) = &mut part.kind else { return };
-    if *at >= surroundings.now() || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
+    if *at >= context.now() || !watches(&leaf.part, variable) || asks_functions(&leaf.part) {
         return;
     }
-    let known = newest_known(&leaf.part, *sequence, surroundings).map_or(*at, |newest| newest.max(*at));
+    let known = newest_known(&leaf.part, *sequence, context).map_or(*at, |newest| newest.max(*at));
     let known = known.max(part.window.start);
     // What lies before the window is in no window, but from its value on it may be known what was in them.
     crate::monitoring::combination::absence::take_back(leaf, (*at >= part.window.start).then_some(*at), known);
-    let (now, mut looked) = (surroundings.now(), known);
+    let (now, mut looked) = (context.now(), known);
     if known < now {
-        look_then(part, known, surroundings, troubles);
+        look_then(part, known, context, troubles);
         while let Some((wake, _)) = wake_of(part, looked).filter(|(wake, _)| *wake < now) {
-            look_then(part, wake, surroundings, troubles);
+            look_then(part, wake, context, troubles);
             looked = wake;
         }
     }
@@ -150,8 +150,8 @@ pub(crate) fn look_at(part: &mut Part, stimulus: &Stimulus, surroundings: &dyn S
 
 /// Is the whole past of an absence judged again when a sample comes late? It is when a variable in it is declared with
 /// `:lateness`, for which everything is kept.
-fn is_judged_again(part: &Part, surroundings: &dyn Surroundings) -> bool {
-    let declared = &surroundings.library().state_variables;
+fn is_judged_again(part: &Part, context: &dyn EvalContext) -> bool {
+    let declared = &context.library().state_variables;
     let is_late =
         |attribute: &Symbol| declared.get(attribute).and_then(crate::monitoring::memory::retention::lateness).is_some();
     let mut again = false;
@@ -168,14 +168,14 @@ fn is_judged_again(part: &Part, surroundings: &dyn Surroundings) -> bool {
 /// Is a function asked within? What it said at an earlier instant it said of what was known then: it cannot be asked again.
 fn asks_functions(part: &Part) -> bool {
     let mut asks = matches!(part.kind, PartKind::Function(_));
-    extents::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
+    part_results::for_each_inner(part, &mut |inner| asks |= asks_functions(inner));
     asks
 }
 
 /// The instant of the newest sample that the part was told of, up to this arrival: what came after it at the same instant is
 /// still to be told.
-pub(crate) fn newest_known(part: &Part, told: u64, surroundings: &dyn Surroundings) -> Option<Time> {
-    let histories = surroundings.histories();
+pub(crate) fn newest_known(part: &Part, told: u64, context: &dyn EvalContext) -> Option<Time> {
+    let histories = context.histories();
     let newest =
         |history: &History| history.samples().rev().find(|sample| sample.sequence <= told).map(|newest| newest.at);
     let mut known = None;
@@ -206,8 +206,8 @@ pub(crate) fn overdue(part: &Part, now: Time) -> Option<Time> {
 }
 
 /// Looks at the part as it was at `at`.
-pub(crate) fn look_then(part: &mut Part, at: Time, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    advance(part, &Then { below: surroundings, now: at }, troubles);
+pub(crate) fn look_then(part: &mut Part, at: Time, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+    advance(part, &Then { below: context, now: at }, troubles);
 }
 
 /// Does `part` watch `variable`?
@@ -224,8 +224,8 @@ fn watches(part: &Part, variable: &StateVariable) -> bool {
 }
 
 /// Are all samples that the part watches still there, since its window began, and those that persist into it?
-fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
-    let (start, histories) = (part.window.start, surroundings.histories());
+fn covers(part: &Part, context: &dyn EvalContext) -> bool {
+    let (start, histories) = (part.window.start, context.histories());
     let mut covers = true;
     collect_interests(part, &mut |interest| {
         covers &= match interest {
@@ -236,29 +236,29 @@ fn covers(part: &Part, surroundings: &dyn Surroundings) -> bool {
             _ => true,
         };
     });
-    covers && carries(part, surroundings)
+    covers && carries(part, context)
 }
 
 /// Are the samples still there whose values persist into the windows of estimates in the part? They lie before what
 /// [`covers`] asks for.
-fn carries(part: &Part, surroundings: &dyn Surroundings) -> bool {
+fn carries(part: &Part, context: &dyn EvalContext) -> bool {
     let mut all = true;
     if let PartKind::Persisted(leaf) = &part.kind {
         let kept = |history: &History| history.forgotten_until.is_none() || history.before(part.window.start).is_some();
-        let histories = surroundings.histories();
+        let histories = context.histories();
         all = match &leaf.variable {
             Some(variable) => histories.get(variable).is_none_or(kept),
             None => histories.of_attribute(&leaf.condition.variable.attribute).all(|(_, history)| kept(history)),
         };
     }
-    extents::for_each_inner(part, &mut |inner| all &= carries(inner, surroundings));
+    part_results::for_each_inner(part, &mut |inner| all &= carries(inner, context));
     all
 }
 
 /// Samples and messages that concern the part, in order of time and arrival.
-fn remembered(part: &Part, newest: Option<u64>, surroundings: &dyn Surroundings) -> Vec<(Time, u64, Stimulus)> {
+fn remembered(part: &Part, newest: Option<u64>, context: &dyn EvalContext) -> Vec<(Time, u64, Stimulus)> {
     let start = first_window(part);
-    let histories = surroundings.histories();
+    let histories = context.histories();
     let counts = |sequence: u64| newest.is_none_or(|newest| sequence <= newest);
     // Who asks for what came after a number is told the numbers of what counts.
     let windowed = part.window.after_sequence.is_some();
@@ -322,23 +322,23 @@ fn results_of_events(part: &Part, stimuli: &mut Vec<(Time, u64, Stimulus)>) {
         PartKind::Allen(leaf) => leaf.sides.iter().for_each(|side| add(&side.settled)),
         _ => {}
     }
-    extents::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
+    part_results::for_each_inner(part, &mut |inner| results_of_events(inner, stimuli));
 }
 
 /// The earliest instant from which evidence counts in any part.
 fn first_window(part: &Part) -> Time {
     let mut start = part.window.start;
-    extents::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));
+    part_results::for_each_inner(part, &mut |inner| start = start.min(first_window(inner)));
     start
 }
 
 /// Forgets what was found from samples, messages and time. Ends and states of tasks are in no history: they stay.
-fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+fn forget(part: &mut Part, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
     let site = crate::monitoring::part::site(part);
     let forget_time = |leaf: &mut TimePart| (leaf.span, leaf.reached) = (None, None);
     match &mut part.kind {
         PartKind::Measurement(leaf) => leaf.seen = None,
-        PartKind::Persisted(leaf) => persistence::begin_again(leaf, site, surroundings, troubles),
+        PartKind::Persisted(leaf) => persistence::begin_again(leaf, site, context, troubles),
         PartKind::Regression(leaf) => leaf.objects.clear(),
         PartKind::Statistical(leaf) => {
             leaf.settled.clear();
@@ -348,20 +348,20 @@ fn forget(part: &mut Part, surroundings: &dyn Surroundings, troubles: &mut Troub
             leaf.settled.clear();
             leaf.runs.clear();
         }
-        PartKind::Cyclic(leaf) => leaf.begin_again(site, surroundings, troubles),
+        PartKind::Cyclic(leaf) => leaf.begin_again(site, context, troubles),
         PartKind::Event(leaf) => leaf.settled.clear(),
         PartKind::Timestamp(leaf) | PartKind::Delay(leaf) => forget_time(leaf),
         PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
-            composite.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+            composite.parts.iter_mut().for_each(|part| forget(part, context, troubles));
         }
-        PartKind::Not(inner) => forget(inner, surroundings, troubles),
+        PartKind::Not(inner) => forget(inner, context, troubles),
         PartKind::Allen(leaf) => {
             crate::monitoring::combination::allen::forget(leaf);
-            leaf.parts.iter_mut().for_each(|part| forget(part, surroundings, troubles));
+            leaf.parts.iter_mut().for_each(|part| forget(part, context, troubles));
         }
         PartKind::Absent(leaf) => {
             crate::monitoring::combination::absence::forget(leaf, site);
-            forget(&mut leaf.part, surroundings, troubles);
+            forget(&mut leaf.part, context, troubles);
         }
         PartKind::TaskEnded(_) | PartKind::TaskState(_) | PartKind::Function(_) => {}
     }

@@ -1,20 +1,20 @@
 //! Explanation of conditions (M&I)
 //! What: the parts of a condition that do not hold, with what is known about each and since when.
 //! Runs: when a person asks (`apex why`).
-//! Reads: the monitor, histories, surroundings.
+//! Reads: the monitor, histories, evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the condition and in the objects it follows.
 //! PDL: all conditions.
 //! Paper: section V, explanation of behaviour.
 
-use crate::monitoring::asking::Asking;
 use crate::monitoring::basic::time_conditions::{Kind, span};
 use crate::monitoring::basic::{measurement, task_state};
 use crate::monitoring::combination::{absence, allen, logic, numbers_unmet};
-use crate::monitoring::episodes::runs::{gap_cut, with_newest};
+use crate::monitoring::episodes::run_update::{gap_cut, with_newest};
 use crate::monitoring::mismatch::first_mismatch;
 use crate::monitoring::numbers::cyclic;
 use crate::monitoring::part::Truth;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::histories::history::{Occurrence, Sample};
 use crate::state::monitors::monitor::{
     AbsentPart, AllenPart, Composite, EpisodePart, EventPart, MeasurementPart, Part, PartKind, Test, TimePart, Unmet,
@@ -55,32 +55,32 @@ impl Known {
 }
 
 /// Adds the unmet parts of `part` to `list`.
-pub(crate) fn collect(part: &Part, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
-    if logic::truth(part, asking) == Truth::True {
+pub(crate) fn collect(part: &Part, query: &mut VerdictQuery<'_>, list: &mut Vec<Unmet>) {
+    if logic::truth(part, query) == Truth::True {
         return;
     }
     match &part.kind {
-        PartKind::And(composite) | PartKind::InOrder(composite) => several(part, composite, asking, list),
-        PartKind::Or(composite) => several(part, composite, asking, list),
-        PartKind::Allen(leaf) => related(part, leaf, asking, list),
+        PartKind::And(composite) | PartKind::InOrder(composite) => several(part, composite, query, list),
+        PartKind::Or(composite) => several(part, composite, query, list),
+        PartKind::Allen(leaf) => related(part, leaf, query, list),
         PartKind::Not(inner) => {
             let what = format!("(:not {})", text(inner));
-            let now = match logic::truth(inner, asking) {
+            let now = match logic::truth(inner, query) {
                 Truth::True => "the inner condition holds".into(),
                 Truth::False | Truth::Unknown => "the data do not say whether the inner condition holds".into(),
             };
-            let since = logic::results(inner, asking).first().map(|result| result.recognised_at);
+            let since = logic::results(inner, query).first().map(|result| result.recognised_at);
             list.push(Known { now, since, ..Known::default() }.unmet(what, part.place));
         }
         _ => {
-            list.push(state(part, asking).unmet(text(part), part.place));
+            list.push(state(part, query).unmet(text(part), part.place));
         }
     }
 }
 
-fn several(part: &Part, composite: &Composite, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+fn several(part: &Part, composite: &Composite, query: &mut VerdictQuery<'_>, list: &mut Vec<Unmet>) {
     let before = list.len();
-    composite.parts.iter().for_each(|part| collect(part, asking, list));
+    composite.parts.iter().for_each(|part| collect(part, query, list));
     let waits = |part: &Part| matches!(part.kind, PartKind::Delay(_));
     if list.len() == before
         || list.iter().skip(before).count() == composite.parts.iter().filter(|part| waits(part)).count()
@@ -127,18 +127,18 @@ pub(crate) fn text(part: &Part) -> String {
 }
 
 /// Parts of a relation that have found nothing yet; else in what the newest results miss it.
-fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Vec<Unmet>) {
+fn related(part: &Part, leaf: &AllenPart, query: &mut VerdictQuery<'_>, list: &mut Vec<Unmet>) {
     let before = list.len();
     for (each, side) in leaf.parts.iter().zip(&leaf.sides) {
         if side.newest.is_none() {
-            collect(each, asking, list);
+            collect(each, query, list);
         }
     }
     if list.len() > before {
         return;
     }
     let relation = format!(":{}", leaf.relation.word());
-    let known = match allen::mismatch(leaf, asking.now) {
+    let known = match allen::mismatch(leaf, query.now) {
         Some((index, mismatch)) => {
             let named = |index: usize| leaf.parts.get(index).map(text).unwrap_or_default();
             let (first, second) = (named(index), named(index + 1));
@@ -158,34 +158,34 @@ fn related(part: &Part, leaf: &AllenPart, asking: &mut Asking<'_>, list: &mut Ve
 }
 
 /// How long something has been absent, and when that is long enough.
-fn absence_state(leaf: &AbsentPart, asking: &Asking<'_>) -> Known {
-    let (silence, over) = absence::state(leaf, asking.now);
+fn absence_state(leaf: &AbsentPart, query: &VerdictQuery<'_>) -> Known {
+    let (silence, over) = absence::state(leaf, query.now);
     let since = Some(leaf.since);
     let (now, since, until) = match (leaf.goes_on, leaf.unknown) {
         (true, _) => (format!("{} goes on", text(&leaf.part)), None, leaf.decides_at),
         (_, true) => (format!("the data do not say whether {} goes on", text(&leaf.part)), since, leaf.decides_at),
         _ => (format!("it has been absent for {silence} of {}", leaf.length), since, Some(over)),
     };
-    Known { until: until.filter(|at| *at > asking.now), ..Known::words(now).since(since) }
+    Known { until: until.filter(|at| *at > query.now), ..Known::words(now).since(since) }
 }
 
 /// What is known about a part.
-fn state(part: &Part, asking: &mut Asking<'_>) -> Known {
+fn state(part: &Part, query: &mut VerdictQuery<'_>) -> Known {
     let start = part.window.start;
     match &part.kind {
-        PartKind::Measurement(leaf) => measurement_state(leaf, part.window, asking),
-        PartKind::Episode(leaf) => episode_state(leaf, asking),
-        PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, crate::monitoring::part::site(part), asking),
-        PartKind::Regression(leaf) => numbers_unmet::regression(leaf, crate::monitoring::part::site(part), asking),
-        PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, crate::monitoring::part::site(part), asking),
-        PartKind::Cyclic(leaf) => Known::words(cyclic::words(leaf, crate::monitoring::part::site(part), asking)),
+        PartKind::Measurement(leaf) => measurement_state(leaf, part.window, query),
+        PartKind::Episode(leaf) => episode_state(leaf, query),
+        PartKind::Persisted(leaf) => numbers_unmet::persisted(leaf, crate::monitoring::part::site(part), query),
+        PartKind::Regression(leaf) => numbers_unmet::regression(leaf, crate::monitoring::part::site(part), query),
+        PartKind::Statistical(leaf) => numbers_unmet::statistical(leaf, crate::monitoring::part::site(part), query),
+        PartKind::Cyclic(leaf) => Known::words(cyclic::words(leaf, crate::monitoring::part::site(part), query)),
         PartKind::Event(leaf) if leaf.blind => Known::words("older messages are no longer remembered"),
-        PartKind::Event(leaf) => event_state(leaf, part, asking),
-        PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), asking),
-        PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", asking),
-        PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, asking),
-        PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, asking).since(Some(start)),
-        PartKind::Absent(leaf) => absence_state(leaf, asking),
+        PartKind::Event(leaf) => event_state(leaf, part, query),
+        PartKind::TaskEnded(leaf) => task_words(leaf.task, &format!("?{} is not known yet", leaf.variable), query),
+        PartKind::TaskState(leaf) => task_words(leaf.task, "the task is not known yet", query),
+        PartKind::Timestamp(leaf) => time_state(leaf, Kind::Timestamp, start, query),
+        PartKind::Delay(leaf) => time_state(leaf, Kind::Delay, start, query).since(Some(start)),
+        PartKind::Absent(leaf) => absence_state(leaf, query),
         PartKind::Function(leaf) => match &leaf.value {
             Some(value) => Known::words(format!("its value is {value}")),
             None => Known::words("it has no value yet"),
@@ -197,15 +197,15 @@ fn state(part: &Part, asking: &mut Asking<'_>) -> Known {
 }
 
 /// No such message, and how the newest one that begins like it differs.
-fn event_state(leaf: &EventPart, part: &Part, asking: &Asking<'_>) -> Known {
+fn event_state(leaf: &EventPart, part: &Part, query: &VerdictQuery<'_>) -> Known {
     let start = part.window.start;
     let since = (start != Time::BEGINNING).then_some(start);
-    let events = asking.surroundings.histories().events_from(Time::BEGINNING);
+    let events = query.context.histories().events_from(Time::BEGINNING);
     let Some(newest) = events.filter(|event| begins_alike(&leaf.pattern, &event.form)).last() else {
         return Known::words("no such event yet").since(since);
     };
     let Occurrence { form, at, sequence } = newest;
-    let reason = match first_mismatch(&leaf.pattern, form, asking.surroundings) {
+    let reason = match first_mismatch(&leaf.pattern, form, query.context) {
         Some(mismatch) => mismatch,
         None if *at < start => "that was before this was waited for".into(),
         None if !part.window.contains(*at, *sequence) => "that was answered already".into(),
@@ -230,9 +230,9 @@ fn begins_alike(pattern: &Pattern, form: &Value) -> bool {
 pub(crate) fn newest(
     known: Option<&StateVariable>,
     attribute: &Symbol,
-    asking: &Asking<'_>,
+    query: &VerdictQuery<'_>,
 ) -> Option<(String, Sample)> {
-    let histories = asking.surroundings.histories();
+    let histories = query.context.histories();
     match known {
         Some(variable) => histories.get(variable)?.newest().map(|sample| (variable.to_string(), sample.clone())),
         None => histories
@@ -242,8 +242,8 @@ pub(crate) fn newest(
     }
 }
 
-fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>) -> Known {
-    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
+fn measurement_state(leaf: &MeasurementPart, window: Window, query: &VerdictQuery<'_>) -> Known {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
         return Known::words("no sample yet");
     };
     let distance = distance(&leaf.tests, &sample.value);
@@ -252,7 +252,7 @@ fn measurement_state(leaf: &MeasurementPart, window: Window, asking: &Asking<'_>
         now.push_str(", measured before this was waited for");
     } else if leaf.blind {
         now.push_str("; older samples are no longer kept");
-    } else if !measurement::has_seen_any(leaf, window, asking.surroundings) {
+    } else if !measurement::has_seen_any(leaf, window, query.context) {
         now.push_str(", which is not among what this waits for");
     } else if let Some(distance) = &distance {
         now.push_str(&format!(", {distance} off"));
@@ -280,8 +280,8 @@ pub(crate) fn distance(tests: &[Test], value: &Value) -> Option<Value> {
     })
 }
 
-fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
-    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, asking) else {
+fn episode_state(leaf: &EpisodePart, query: &VerdictQuery<'_>) -> Known {
+    let Some((variable, sample)) = newest(leaf.variable.as_ref(), &leaf.condition.variable.attribute, query) else {
         return Known::words("no sample yet");
     };
     let run = leaf
@@ -296,35 +296,35 @@ fn episode_state(leaf: &EpisodePart, asking: &Asking<'_>) -> Known {
     };
     let mut now = format!("{variable} = {}, holds for {} so far", sample.value, run.last - run.start);
     if let Some(most) = leaf.gap_max {
-        let silence = asking.now - state.newest.at;
+        let silence = query.now - state.newest.at;
         if silence > most {
             now.push_str(&format!("; no sample for {silence}, more than the gap of {most} allowed"));
         } else if let Some(gap) = gap_cut(leaf, state).or(state.gap) {
             now.push_str(&format!("; a gap of {gap} > {most} cut it before"));
         }
     }
-    let silent = leaf.gap_max.is_some_and(|most| asking.now - state.newest.at > most);
-    let until = Some(run.start + leaf.duration_min).filter(|at| *at > asking.now && !silent);
+    let silent = leaf.gap_max.is_some_and(|most| query.now - state.newest.at > most);
+    let until = Some(run.start + leaf.duration_min).filter(|at| *at > query.now && !silent);
     if let Some(at) = until {
         now.push_str(&format!("; it is long enough at {at} if it goes on"));
     }
     Known { now, since: Some(run.start), until, distance: None }
 }
 
-fn task_words(task: Option<TaskId>, unknown: &str, asking: &Asking<'_>) -> Known {
+fn task_words(task: Option<TaskId>, unknown: &str, query: &VerdictQuery<'_>) -> Known {
     let Some(task) = task else { return Known::words(unknown) };
-    match asking.surroundings.task_state(task) {
-        Some(state) => Known::words(format!("{task} is {state}")).since(asking.surroundings.task_start(task)),
+    match query.context.task_state(task) {
+        Some(state) => Known::words(format!("{task} is {state}")).since(query.context.task_start(task)),
         None => Known::words(format!("{task} is not known any more")),
     }
 }
 
-fn time_state(leaf: &TimePart, kind: Kind, start: Time, asking: &Asking<'_>) -> Known {
-    match span(leaf, kind, start, asking.surroundings) {
+fn time_state(leaf: &TimePart, kind: Kind, start: Time, query: &VerdictQuery<'_>) -> Known {
+    match span(leaf, kind, start, query.context) {
         Err(error) => Known::words(error.message),
-        Ok((from, _)) if from > asking.now => {
-            Known { until: Some(from), ..Known::words(format!("it is {}, {from} is to come", asking.now)) }
+        Ok((from, _)) if from > query.now => {
+            Known { until: Some(from), ..Known::words(format!("it is {}, {from} is to come", query.now)) }
         }
-        Ok((from, _)) => Known::words(format!("it is {}, {from} had passed before this was waited for", asking.now)),
+        Ok((from, _)) => Known::words(format!("it is {}, {from} had passed before this was waited for", query.now)),
     }
 }

@@ -1,20 +1,20 @@
 //! Episode detection (M&I)
 //! What: is there a run of samples that satisfies value, timing and sampling constraints?
 //! Runs: on every sample of the watched variable, and at the instant at which a duration is reached.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the episode part of a monitor.
 //! Bound: O(1) per sample and object, O(1) memory per open run (any pair of samples: O(run)).
 //! PDL: `:episode`.
 //! Paper: section IV example 1, Table 1 row 7.
 
 use crate::expression::arithmetic::duration;
-use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::constraints::{Reading, all, is_lower_bound, prepare, unit_of};
-use crate::monitoring::episodes::runs::{Judged, advance_run};
-use crate::monitoring::episodes::{plain_look_back, quick_runs};
-use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::episodes::run_update::{Judged, advance_run};
+use crate::monitoring::episodes::{run_fast_path, threshold_backfill};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
-use crate::monitoring::samples::{Seen, known_variable, remembered};
+use crate::monitoring::samples::{SampleView, known_variable, remembered};
 use crate::monitoring::time_bounds::TICK;
 use crate::monitoring::wake::WakeReason;
 use crate::planted::{self, Bug};
@@ -38,21 +38,21 @@ use std::sync::Arc;
 pub(crate) fn create(
     condition: &Arc<EpisodeCondition>,
     any_pair: bool,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<EpisodePart, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, context.library());
     let gap_max = match &condition.quality {
         Quality::NoConstraints => None,
-        Quality::MaximumGap(gap) => Some(evaluate_duration(gap, surroundings)?),
+        Quality::MaximumGap(gap) => Some(evaluate_duration(gap, context)?),
     };
     let timing = &condition.timing;
     let mut duration_min = Duration::ZERO;
     for constraint in &timing.duration {
-        duration_min = duration_min.max(least_duration(constraint, surroundings)?.unwrap_or_default());
+        duration_min = duration_min.max(least_duration(constraint, context)?.unwrap_or_default());
     }
     Ok(EpisodePart {
-        tests: prepare(&condition.value, unit, surroundings)?,
-        variable: known_variable(&condition.variable, surroundings),
+        tests: prepare(&condition.value, unit, context)?,
+        variable: known_variable(&condition.variable, context),
         gap_max,
         duration_min,
         at_close: !timing.duration.iter().chain(&timing.end).all(is_lower_bound),
@@ -64,48 +64,50 @@ pub(crate) fn create(
     })
 }
 
-fn evaluate_duration(expr: &Expr, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
-    let value = evaluate(expr, surroundings)?;
+fn evaluate_duration(expr: &Expr, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
+    let value = evaluate(expr, context)?;
     duration(&value).map_err(|message| EvaluationError { message, place: expr.place })
 }
 
 /// The least duration that a lower bound allows.
-fn least_duration(
-    constraint: &Constraint,
-    surroundings: &dyn Surroundings,
-) -> Result<Option<Duration>, EvaluationError> {
+fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Option<Duration>, EvaluationError> {
     Ok(match constraint {
         Constraint::Compare { relation: Relation::Greater, right, tolerance: None } => {
             let more = if planted::is(Bug::LongerIsAtLeast) { Duration::ZERO } else { TICK };
-            Some(evaluate_duration(right, surroundings)? + more)
+            Some(evaluate_duration(right, context)? + more)
         }
         Constraint::Compare { relation: Relation::GreaterOrEqual, right, tolerance: None }
-        | Constraint::Range(Some(right), None) => Some(evaluate_duration(right, surroundings)?),
+        | Constraint::Range(Some(right), None) => Some(evaluate_duration(right, context)?),
         _ => None,
     })
 }
 
 /// Starts again from what is remembered.
-pub(crate) fn look_back(part: &mut EpisodePart, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    look_back_with(plain_look_back::look_back, part, site, surroundings, troubles);
+pub(crate) fn backfill(
+    part: &mut EpisodePart,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
+    backfill_with(threshold_backfill::backfill, part, site, context, troubles);
 }
 
-/// As [`look_back`], where `quick` takes in what it can and says how many samples these were.
-pub(crate) fn look_back_with(
-    quick: impl FnOnce(&mut EpisodePart, Site, &[Seen<'_>], &dyn Surroundings, &mut Troubles) -> usize,
+/// As [`backfill`], where `quick` takes in what it can and says how many samples these were.
+pub(crate) fn backfill_with(
+    quick: impl FnOnce(&mut EpisodePart, PartContext, &[SampleView<'_>], &dyn EvalContext, &mut ConditionFaults) -> usize,
     part: &mut EpisodePart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
-    part.begin_again(site, surroundings, troubles);
+    part.begin_again(site, context, troubles);
     let known = part.variable.clone();
     let condition = Arc::clone(&part.condition);
-    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, surroundings);
+    let (samples, blind) = remembered(known.as_ref(), &condition.variable.attribute, site, context);
     part.blind = blind;
-    let passed = quick(part, site, &samples, surroundings, troubles);
+    let passed = quick(part, site, &samples, context, troubles);
     for sample in samples.into_iter().skip(passed) {
-        feed(part, site, sample, surroundings, troubles);
+        feed(part, site, sample, context, troubles);
     }
 }
 
@@ -122,7 +124,7 @@ impl Sampled for EpisodePart {
         self.runs.get(object).map(|run| run.newest.at)
     }
 
-    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+    fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.settled.clear();
         self.runs.clear();
     }
@@ -131,25 +133,31 @@ impl Sampled for EpisodePart {
         self.blind = blind;
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 
-    fn feed_quickly(&mut self, site: Site, sample: Seen<'_>) -> bool {
-        quick_runs::notice(self, site, sample)
+    fn feed_quickly(&mut self, site: PartContext, sample: SampleView<'_>) -> bool {
+        run_fast_path::notice(self, site, sample)
     }
 
-    fn look_back(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        look_back(self, site, surroundings, troubles);
+    fn backfill(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+        backfill(self, site, context, troubles);
     }
 }
 
 fn feed(
     part: &mut EpisodePart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if site.keep == Keep::First && !part.settled.is_empty() {
         return;
@@ -158,11 +166,11 @@ fn feed(
     let objects = part.runs.len();
     let before = match part.runs.get_mut(object).map(std::mem::take) {
         Some(object_run) if sample.at > object_run.newest.at => {
-            settle(part, site, object, object_run, sample.at, surroundings, troubles)
+            settle(part, site, object, object_run, sample.at, context, troubles)
         }
         Some(object_run) => object_run,
-        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
-            troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+        None if objects >= context.limits().count(Limit::MonitorObjects) => {
+            troubles.reached(Limit::MonitorObjects, context, site.place);
             return;
         }
         // Of the one object of a known variable nothing need be told apart.
@@ -171,7 +179,7 @@ fn feed(
             ObjectRun { rank, ..ObjectRun::default() }
         }
     };
-    let newest = judge(part, site, sample, before.run.as_ref(), surroundings, troubles);
+    let newest = judge(part, site, sample, before.run.as_ref(), context, troubles);
     let after = ObjectRun { newest, rank: before.rank.min(sample.sequence), ..before };
     match part.runs.get_mut(object) {
         Some(slot) => *slot = after,
@@ -184,15 +192,15 @@ fn feed(
 /// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
 fn settle(
     part: &mut EpisodePart,
-    site: Site,
+    site: PartContext,
     object: &Value,
     object_run: ObjectRun,
     next: Time,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> ObjectRun {
     let Judged { run, found, over, contradicted, gap, .. } =
-        advance_run(part, site, object, &object_run, next - TICK, surroundings, troubles);
+        advance_run(part, site, object, &object_run, next - TICK, context, troubles);
     for result in over {
         remember(&mut part.settled, result, site, troubles);
     }
@@ -209,15 +217,15 @@ fn settle(
 /// Does the sample satisfy the value constraints, together with what the run before it binds or on its own?
 fn judge(
     part: &EpisodePart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     run: Option<&Run>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> RunSample {
     let mut newest = RunSample { at: sample.at, holds: None, joins: true, first_holds: true, last_holds: true };
     let attempt = |mut bindings: Bindings| -> Result<Option<Bindings>, EvaluationError> {
-        Ok(holds(part, site, sample, &mut bindings, surroundings)?.then_some(bindings))
+        Ok(holds(part, site, sample, &mut bindings, context)?.then_some(bindings))
     };
     let judged = match run {
         Some(run) => attempt(run.bindings.clone()).and_then(|joined| match joined {
@@ -235,12 +243,12 @@ fn judge(
     }
     let condition = &part.condition;
     if let Some(bindings) = &mut newest.holds {
-        let unit = unit_of(&condition.variable.attribute, surroundings.library());
+        let unit = unit_of(&condition.variable.attribute, context.library());
         for (constraints, holds) in
             [(&condition.first_value, &mut newest.first_holds), (&condition.last_value, &mut newest.last_holds)]
         {
             if !constraints.is_empty() {
-                match all(constraints, sample.value, Reading::Value(unit), bindings, surroundings, site.place) {
+                match all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place) {
                     Ok(truth) => *holds = truth,
                     Err(error) => {
                         *holds = false;
@@ -255,10 +263,10 @@ fn judge(
 
 fn holds(
     part: &EpisodePart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
     let constraints = SampleConstraints {
@@ -268,23 +276,23 @@ fn holds(
         tests: &part.tests,
         known: part.variable.is_some(),
     };
-    constraints.hold(site, sample, bindings, surroundings)
+    constraints.hold(site, sample, bindings, context)
 }
 
 /// All results up to `now`, earliest recognised first.
 pub(crate) fn results(
     part: &EpisodePart,
-    site: Site,
+    site: PartContext,
     now: Time,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
         return results;
     }
     for (object, object_run) in &part.runs {
-        let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
+        let judged = advance_run(part, site, object, object_run, now, context, troubles);
         results.extend(judged.over);
         results.extend(judged.closed_by_time);
         results.extend(judged.found);
@@ -301,13 +309,13 @@ pub(crate) fn results(
 /// The results of runs that go on: their intervals may still grow.
 pub(crate) fn open_results(
     part: &EpisodePart,
-    site: Site,
+    site: PartContext,
     now: Time,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Vec<Satisfaction> {
     let judged = |(object, object_run): (&Value, &ObjectRun)| {
-        advance_run(part, site, object, object_run, now, surroundings, troubles).found
+        advance_run(part, site, object, object_run, now, context, troubles).found
     };
     part.runs.iter().filter_map(judged).collect()
 }
@@ -316,21 +324,21 @@ pub(crate) fn open_results(
 /// gap hides what happened.
 pub(crate) fn truth(
     part: &EpisodePart,
-    site: Site,
+    site: PartContext,
     now: Time,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Truth {
     if !part.settled.is_empty() {
         return Truth::True;
     }
     let mut open = part.blind || part.runs.is_empty();
     for (object, object_run) in &part.runs {
-        if let Some(undetermined) = quick_runs::undecided(part, object_run, now) {
+        if let Some(undetermined) = run_fast_path::undecided(part, object_run, now) {
             open |= undetermined;
             continue;
         }
-        let judged = advance_run(part, site, object, object_run, now, surroundings, troubles);
+        let judged = advance_run(part, site, object, object_run, now, context, troubles);
         if judged.found.is_some() || !judged.over.is_empty() || judged.closed_by_time.is_some() {
             return Truth::True;
         }
@@ -341,7 +349,7 @@ pub(crate) fn truth(
 }
 
 /// The next instant at which time alone can decide, and why.
-pub(crate) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(Time, WakeReason)> {
+pub(crate) fn next_wake(part: &EpisodePart, site: PartContext, after: Time) -> Option<(Time, WakeReason)> {
     let gap = part.gap_max?;
     if part.any_pair || (site.keep == Keep::First && !part.settled.is_empty()) {
         return None;
@@ -349,7 +357,7 @@ pub(crate) fn next_wake(part: &EpisodePart, site: Site, after: Time) -> Option<(
     part.runs
         .values()
         .filter_map(|object_run| {
-            let run = crate::monitoring::episodes::runs::with_newest(part, object_run)?;
+            let run = crate::monitoring::episodes::run_update::with_newest(part, object_run)?;
             let licensed_until = run.last + gap;
             if part.at_close {
                 let over = licensed_until + TICK;

@@ -1,8 +1,8 @@
 //! Conditions on runs of samples whose values satisfy constraints.
 
 pub(crate) mod episode;
-pub(crate) mod plain_combination;
-pub(crate) mod plain_episode;
-pub(crate) mod plain_look_back;
-pub(crate) mod quick_runs;
-pub(crate) mod runs;
+pub(crate) mod run_fast_path;
+pub(crate) mod run_update;
+pub(crate) mod threshold_backfill;
+pub(crate) mod threshold_episode;
+pub(crate) mod threshold_formula;

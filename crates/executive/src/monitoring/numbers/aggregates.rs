@@ -1,13 +1,13 @@
 //! Aggregates (M&I)
 //! What: computes the statistics and trends that an episode's criteria ask for, and judges them.
 //! Runs: whenever a run or window of numbers is evaluated.
-//! Reads: moments, histories (`:custom` only), surroundings.
+//! Reads: moments, histories (`:custom` only), evaluation context.
 //! Writes: nothing.
 //! Bound: O(1) per criterion; a median O(log n); `:custom` O(samples of the episode).
 //! PDL: `:stats`, `:trend`.
 //! Paper: Table 1, rows 8 and 9.
 
-use crate::expression::{EvaluationError, Surroundings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::constraints::{Reading, prepare_as, satisfies_all_as, unit_of};
 use crate::monitoring::numbers::significance::slope_by_chance;
 use crate::state::bindings::Bindings;
@@ -28,16 +28,16 @@ use apex_model::value::Value;
 /// When a right side that never changes cannot be evaluated.
 pub(crate) fn criteria(
     condition: &EpisodeCondition,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Vec<Criterion>, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, context.library());
     let groups = condition.stats.iter().chain(&condition.trend);
     let measured = groups.filter_map(|(name, constraints)| Some((measure(name.folded(), constraints)?, constraints)));
     measured
         .map(|(measure, constraints)| {
             let bare = bare(&measure, unit);
             let constraints = if let Measure::Significance(_) = measure { Vec::new() } else { constraints.clone() };
-            let tests = prepare_as(&constraints, reading(bare), surroundings)?;
+            let tests = prepare_as(&constraints, reading(bare), context)?;
             Ok(Criterion { measure, constraints, tests, bare })
         })
         .collect()
@@ -122,7 +122,7 @@ pub(crate) fn in_unit(si: f64, dimension: Dimension, unit: Option<&'static Unit>
 
 /// The numbers of a run or window, gathered.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Gathered {
+pub(crate) struct RunStatistics {
     /// Moments of all of them.
     pub(crate) moments: Moments,
     /// Moments over time.
@@ -141,7 +141,7 @@ pub(crate) struct Gathered {
 
 /// What a criterion says.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Judgement {
+pub(crate) enum CriterionResult {
     /// It holds of this value.
     Holds(Value),
     /// It does not hold of this value.
@@ -151,32 +151,40 @@ pub(crate) enum Judgement {
 }
 
 /// Where a criterion is judged.
-pub(crate) struct Bench<'a> {
+pub(crate) struct CriterionContext<'a> {
     pub(crate) variable: &'a StateVariable,
     pub(crate) dimension: Dimension,
-    pub(crate) surroundings: &'a dyn Surroundings,
+    pub(crate) context: &'a dyn EvalContext,
     pub(crate) place: Place,
 }
 
-impl Bench<'_> {
+impl CriterionContext<'_> {
     /// Judges one criterion.
     ///
     /// # Errors
     /// When a right side cannot be evaluated or compared.
-    pub(crate) fn judge(&self, criterion: &Criterion, numbers: &Gathered) -> Result<Judgement, EvaluationError> {
+    pub(crate) fn judge(
+        &self,
+        criterion: &Criterion,
+        numbers: &RunStatistics,
+    ) -> Result<CriterionResult, EvaluationError> {
         let value = match &criterion.measure {
             Measure::Significance(level) => return self.significance(level, &numbers.moments),
             Measure::Custom => self.values(numbers.interval)?,
             Measure::Step => match numbers.last_two {
-                None => return Ok(Judgement::Undefined("fewer than two numbers: no step")),
+                None => return Ok(CriterionResult::Undefined("fewer than two numbers: no step")),
                 Some((before, last)) => {
                     let value = self.measured(last - before, &criterion.measure);
-                    return Ok(if numbers.bad_step { Judgement::Fails(value) } else { Judgement::Holds(value) });
+                    return Ok(if numbers.bad_step {
+                        CriterionResult::Fails(value)
+                    } else {
+                        CriterionResult::Holds(value)
+                    });
                 }
             },
             measure => match computed(measure, numbers) {
-                Err(reason) => return Ok(Judgement::Undefined(reason)),
-                Ok(number) if !number.is_finite() => return Ok(Judgement::Undefined("it is no finite number")),
+                Err(reason) => return Ok(CriterionResult::Undefined(reason)),
+                Ok(number) if !number.is_finite() => return Ok(CriterionResult::Undefined("it is no finite number")),
                 Ok(number) => self.measured(number, measure),
             },
         };
@@ -186,10 +194,10 @@ impl Bench<'_> {
             &value,
             || reading(criterion.bare),
             &mut Bindings::new(),
-            self.surroundings,
+            self.context,
             self.place,
         )?;
-        Ok(if holds { Judgement::Holds(value) } else { Judgement::Fails(value) })
+        Ok(if holds { CriterionResult::Holds(value) } else { CriterionResult::Fails(value) })
     }
 
     /// Does the step between two numbers satisfy the constraints on steps?
@@ -201,12 +209,12 @@ impl Bench<'_> {
         let mut bindings = Bindings::new();
         let read = || reading(criterion.bare);
         let Criterion { tests, constraints, .. } = criterion;
-        satisfies_all_as(tests, constraints, &value, read, &mut bindings, self.surroundings, self.place)
+        satisfies_all_as(tests, constraints, &value, read, &mut bindings, self.context, self.place)
     }
 
     fn measured(&self, number: f64, measure: &Measure) -> Value {
         let dimension = self.dimension;
-        let unit = unit_of(&self.variable.attribute, self.surroundings.library());
+        let unit = unit_of(&self.variable.attribute, self.context.library());
         match measure {
             Measure::Count => Value::Integer(number as i64),
             Measure::Variance | Measure::HeldVariance => Value::measured(number, dimension.times(dimension)),
@@ -220,24 +228,24 @@ impl Bench<'_> {
         &self,
         level: &apex_model::expression::Expr,
         moments: &Moments,
-    ) -> Result<Judgement, EvaluationError> {
-        let value = evaluate(level, self.surroundings)?;
+    ) -> Result<CriterionResult, EvaluationError> {
+        let value = evaluate(level, self.context)?;
         let Some((level_number, Dimension::NONE)) = value.as_number() else {
             let message = format!(":significance is {value}, which is no probability");
             return Err(EvaluationError { message, place: level.place });
         };
         Ok(match slope_by_chance(moments) {
-            None => Judgement::Undefined("fewer than three numbers or two instants: no significance"),
-            Some(chance) if chance <= level_number => Judgement::Holds(Value::Real(chance)),
-            Some(chance) => Judgement::Fails(Value::Real(chance)),
+            None => CriterionResult::Undefined("fewer than three numbers or two instants: no significance"),
+            Some(chance) if chance <= level_number => CriterionResult::Holds(Value::Real(chance)),
+            Some(chance) => CriterionResult::Fails(Value::Real(chance)),
         })
     }
 
     /// The values of the episode, oldest first.
     fn values(&self, (start, end): (Time, Time)) -> Result<Value, EvaluationError> {
-        let history = self.surroundings.histories().get(self.variable);
+        let history = self.context.histories().get(self.variable);
         let samples = history.into_iter().flat_map(|history| history.between(start, end));
-        let most = self.surroundings.limits().count(Limit::CustomValues);
+        let most = self.context.limits().count(Limit::CustomValues);
         let values: Vec<Value> = samples.take(most.saturating_add(1)).map(|sample| sample.value.clone()).collect();
         if values.len() > most {
             let message = format!("the limit {} = {most} of a condition was reached", Limit::CustomValues.constant());
@@ -247,7 +255,7 @@ impl Bench<'_> {
     }
 
     /// The evidence for a criterion that holds.
-    pub(crate) fn aggregate(&self, criterion: &Criterion, value: Value, numbers: &Gathered) -> Aggregate {
+    pub(crate) fn aggregate(&self, criterion: &Criterion, value: Value, numbers: &RunStatistics) -> Aggregate {
         let value = if criterion.measure == Measure::Custom { Value::truth(true) } else { value };
         Aggregate {
             variable: self.variable.clone(),
@@ -260,8 +268,8 @@ impl Bench<'_> {
 }
 
 /// The number that a measure gives, in SI; or why there is none.
-fn computed(measure: &Measure, numbers: &Gathered) -> Result<f64, &'static str> {
-    let Gathered { moments, held, median, .. } = numbers;
+fn computed(measure: &Measure, numbers: &RunStatistics) -> Result<f64, &'static str> {
+    let RunStatistics { moments, held, median, .. } = numbers;
     let none = "no number yet";
     let no_time = "no value has held for any time yet";
     let one_instant = "fewer than two distinct instants";

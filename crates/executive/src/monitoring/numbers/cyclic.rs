@@ -1,18 +1,18 @@
 //! Cyclic patterns (M&I)
 //! What: does a value go up and down in cycles of the wanted period and amplitude, often enough one after the other?
 //! Runs: on every sample of the watched variable.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the cyclic part of a monitor.
 //! Bound: O(1) per sample and object; a late sample looks back over the window again.
 //! PDL: `(:cyclic (ATTR OBJ) :period C [:amplitude C] [:cycles C] [:hysteresis V])`.
 //! Paper: section V.B, services for detecting cyclic patterns.
 
-use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::asking::Asking;
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::constraints::{Reading, all, unit_of};
-use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{Sampled, object_bindings};
-use crate::monitoring::samples::{Seen, known_variable};
+use crate::monitoring::samples::{SampleView, known_variable};
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::planted::{self, Bug};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::cyclic::{CycleRun, CyclicObject, CyclicPart, Extreme, Heading, Swing};
@@ -40,13 +40,13 @@ const CYCLES_DEFAULT: u64 = 2;
 /// When it cannot be, or is no number of the variable's unit.
 pub(crate) fn create(
     condition: &Arc<CyclicCondition>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<CyclicPart, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, context.library());
     let mut hysteresis = 0.0;
     for constraint in constraints_of(condition, "hysteresis") {
         let Constraint::Compare { right, .. } = constraint else { continue };
-        let found = evaluate(right, surroundings)?;
+        let found = evaluate(right, context)?;
         hysteresis = match (found.as_number(), unit) {
             (Some((number, Dimension::NONE)), Some(unit)) => number * unit.factor,
             (Some((number, _)), _) => number,
@@ -58,7 +58,7 @@ pub(crate) fn create(
     }
     Ok(CyclicPart {
         condition: Arc::clone(condition),
-        variable: known_variable(&condition.variable, surroundings),
+        variable: known_variable(&condition.variable, context),
         hysteresis,
         blind: false,
         settled: Vec::new(),
@@ -83,7 +83,7 @@ impl Sampled for CyclicPart {
         self.objects.get(object).map(|object| object.newest.0)
     }
 
-    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+    fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.settled.clear();
         self.objects.clear();
     }
@@ -92,25 +92,37 @@ impl Sampled for CyclicPart {
         self.blind = blind;
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 }
 
-fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
+fn feed(
+    part: &mut CyclicPart,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
     if site.keep == Keep::First && !part.settled.is_empty() {
         return;
     }
     let (number, dimension) = sample.value.as_number().unwrap_or((f64::NAN, Dimension::NONE));
     let object = &sample.variable.object;
     match part.objects.get(object).map(|state| state.newest.0) {
-        Some(newest) if sample.at > newest => settle(part, site, object, surroundings, troubles),
+        Some(newest) if sample.at > newest => settle(part, site, object, context, troubles),
         Some(_) => {}
         None if part.objects.len() >= MONITOR_OBJECTS_MAX => {
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
         None => {
-            let bindings = object_bindings(part, &[], site, sample, surroundings, troubles);
+            let bindings = object_bindings(part, &[], site, sample, context, troubles);
             let newest = (sample.at, number);
             let state = CyclicObject { rank: sample.sequence, bindings, newest, swing: Swing::default() };
             part.objects.insert(object.clone(), state);
@@ -124,8 +136,14 @@ fn feed(part: &mut CyclicPart, site: Site, sample: Seen<'_>, surroundings: &dyn 
 }
 
 /// Makes the newest sample of an object part of the past, because one of a later instant has come.
-fn settle(part: &mut CyclicPart, site: Site, object: &Value, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-    let judge = Judge { part, site, surroundings };
+fn settle(
+    part: &mut CyclicPart,
+    site: PartContext,
+    object: &Value,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
+) {
+    let judge = Judge { part, site, context };
     let Some(state) = part.objects.get(object) else { return };
     let (swing, found) = judge.with_newest(object, state, troubles);
     if let Some(state) = part.objects.get_mut(object) {
@@ -137,41 +155,41 @@ fn settle(part: &mut CyclicPart, site: Site, object: &Value, surroundings: &dyn 
 }
 
 /// All results up to now, earliest recognised first.
-pub(crate) fn results(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+pub(crate) fn results(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
         return results;
     }
-    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let judge = Judge { part, site, context: query.context };
     let mut objects: Vec<(&Value, &CyclicObject)> = part.objects.iter().collect();
     objects.sort_by_key(|(_, state)| state.rank);
     results.extend(
-        objects.into_iter().filter_map(|(object, state)| judge.with_newest(object, state, &mut asking.troubles).1),
+        objects.into_iter().filter_map(|(object, state)| judge.with_newest(object, state, &mut query.troubles).1),
     );
     results.sort_by_key(|result| result.recognised_at);
     results
 }
 
 /// Does nobody know whether cycles go on as is asked for?
-pub(crate) fn in_doubt(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> bool {
-    let judge = Judge { part, site, surroundings: asking.surroundings };
+pub(crate) fn in_doubt(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
+    let judge = Judge { part, site, context: query.context };
     let mut open = part.blind || part.objects.is_empty();
     for (object, state) in &part.objects {
-        let swing = judge.with_newest(object, state, &mut asking.troubles).0;
+        let swing = judge.with_newest(object, state, &mut query.troubles).0;
         open |= state.bindings.is_some() && !swing.contradicted;
     }
     open
 }
 
 /// Satisfied; contradicted by a complete cycle; or not known: not enough cycles yet, all those seen satisfy.
-pub(crate) fn truth(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+pub(crate) fn truth(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     if !part.settled.is_empty() {
         return Truth::True;
     }
-    let judge = Judge { part, site, surroundings: asking.surroundings };
+    let judge = Judge { part, site, context: query.context };
     let mut open = part.blind || part.objects.is_empty();
     for (object, state) in &part.objects {
-        let (swing, found) = judge.with_newest(object, state, &mut asking.troubles);
+        let (swing, found) = judge.with_newest(object, state, &mut query.troubles);
         if found.is_some() {
             return Truth::True;
         }
@@ -181,13 +199,13 @@ pub(crate) fn truth(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> T
 }
 
 /// What is known, for `apex why`: turning points, the last cycle, how many in a row.
-pub(crate) fn words(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> String {
-    let judge = Judge { part, site, surroundings: asking.surroundings };
+pub(crate) fn words(part: &CyclicPart, site: PartContext, query: &mut VerdictQuery<'_>) -> String {
+    let judge = Judge { part, site, context: query.context };
     let wanted = part.objects.iter().filter(|(_, state)| state.bindings.is_some());
     let Some((object, state)) = wanted.max_by_key(|(_, state)| state.newest.0) else {
         return "no sample yet".to_string();
     };
-    let (swing, _) = judge.with_newest(object, state, &mut asking.troubles);
+    let (swing, _) = judge.with_newest(object, state, &mut query.troubles);
     let variable = StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
     match (swing.last, swing.run, swing.turns) {
         (Some((start, end, amplitude)), run, _) => {
@@ -208,8 +226,8 @@ pub(crate) fn words(part: &CyclicPart, site: Site, asking: &mut Asking<'_>) -> S
 
 struct Judge<'a> {
     part: &'a CyclicPart,
-    site: Site,
-    surroundings: &'a dyn Surroundings,
+    site: PartContext,
+    context: &'a dyn EvalContext,
 }
 
 impl Judge<'_> {
@@ -218,7 +236,7 @@ impl Judge<'_> {
         &self,
         object: &Value,
         state: &CyclicObject,
-        troubles: &mut Troubles,
+        troubles: &mut ConditionFaults,
     ) -> (Swing, Option<Satisfaction>) {
         let mut swing = state.swing;
         let (at, number) = state.newest;
@@ -267,7 +285,7 @@ impl Judge<'_> {
     }
 
     fn satisfies(&self, start: Time, end: Time, amplitude: f64, dimension: Dimension) -> Result<bool, EvaluationError> {
-        let unit = unit_of(&self.part.condition.variable.attribute, self.surroundings.library());
+        let unit = unit_of(&self.part.condition.variable.attribute, self.context.library());
         let period = Value::Duration(end - start);
         let amplitude = Value::measured(amplitude, dimension);
         Ok(self.hold("period", &period, Reading::Span)? && self.hold("amplitude", &amplitude, Reading::Value(unit))?)
@@ -282,7 +300,7 @@ impl Judge<'_> {
 
     fn hold(&self, option: &str, value: &Value, reading: Reading) -> Result<bool, EvaluationError> {
         let constraints = constraints_of(&self.part.condition, option);
-        all(constraints, value, reading, &mut Bindings::new(), self.surroundings, self.site.place)
+        all(constraints, value, reading, &mut Bindings::new(), self.context, self.site.place)
     }
 
     fn result(
@@ -315,7 +333,7 @@ impl Judge<'_> {
 
     /// An amplitude in the declared unit.
     fn in_unit(&self, amplitude: f64, dimension: Dimension) -> Value {
-        match unit_of(&self.part.condition.variable.attribute, self.surroundings.library()) {
+        match unit_of(&self.part.condition.variable.attribute, self.context.library()) {
             Some(unit) if unit.dimension == dimension => {
                 crate::expression::arithmetic::with_unit(amplitude / unit.factor, unit)
             }

@@ -1,14 +1,14 @@
 //! Line crossing (M&I)
 //! What: the earliest instant of a window at which a line of least squares satisfies constraints on its value.
 //! Runs: when a regression is asked.
-//! Reads: surroundings.
+//! Reads: evaluation context.
 //! Writes: nothing.
 //! Bound: linear in the constraints.
 //! PDL: `:estimation :linear-regression`.
 //! Paper: Table 1, row 6.
 
 use crate::expression::arithmetic::described;
-use crate::expression::{EvaluationError, Surroundings, WithBindings, evaluate};
+use crate::expression::{EvalContext, EvaluationError, WithBindings, evaluate};
 use crate::monitoring::constraints::{Reading, read};
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::Moments;
@@ -59,8 +59,8 @@ pub(crate) struct Scale {
 ///
 /// # Errors
 /// When it cannot be evaluated, or is of another dimension.
-pub(crate) fn number_of(expr: &Expr, scale: Scale, surroundings: &dyn Surroundings) -> Result<f64, EvaluationError> {
-    let value = read(evaluate(expr, surroundings)?, Reading::Value(scale.unit), expr.place)?;
+pub(crate) fn number_of(expr: &Expr, scale: Scale, context: &dyn EvalContext) -> Result<f64, EvaluationError> {
+    let value = read(evaluate(expr, context)?, Reading::Value(scale.unit), expr.place)?;
     match value.as_number() {
         Some((number, dimension)) if dimension == scale.dimension => Ok(number),
         _ => {
@@ -78,11 +78,11 @@ pub(crate) fn band(
     constraints: &[Constraint],
     scale: Scale,
     bindings: &Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
     place: Place,
 ) -> Result<Band, EvaluationError> {
     let mut band = Band { least: (f64::NEG_INFINITY, true), greatest: (f64::INFINITY, true), binds: Vec::new() };
-    let seen = WithBindings { below: surroundings, bindings };
+    let seen = WithBindings { below: context, bindings };
     for constraint in constraints {
         match constraint {
             Constraint::Compare { relation: Relation::Equal, right, tolerance: None }
@@ -128,7 +128,7 @@ pub(crate) fn band(
 }
 
 /// The variable that the right side is, if nothing is bound to it yet.
-fn free(right: &Expr, seen: &dyn Surroundings) -> Option<Symbol> {
+fn free(right: &Expr, seen: &dyn EvalContext) -> Option<Symbol> {
     match &right.kind {
         ExprKind::Variable { name, must_be_bound: false } => seen.variable(name).is_none().then(|| name.clone()),
         _ => None,

@@ -3,9 +3,9 @@
 pub(crate) mod aggregates;
 pub(crate) mod cyclic;
 pub(crate) mod line_crossing;
-pub(crate) mod number_runs;
 pub(crate) mod persistence;
 pub(crate) mod regression;
 pub(crate) mod significance;
 pub(crate) mod sliding_window;
+pub(crate) mod statistic_runs;
 pub(crate) mod statistics;

@@ -1,19 +1,19 @@
 //! Persistence (M&I)
 //! What: does a sample that holds until the next one, or until it expires, satisfy the constraints at some instant?
 //! Runs: on every sample of the watched variable, and at the instant at which the window begins.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the persisted part of a monitor.
 //! Bound: O(1) per sample and object; a late sample looks back over the window again.
 //! PDL: `:estimation :persist`, `(:persist :with-timeout D)`.
 //! Paper: Table 1, row 5.
 
-use crate::expression::{EvaluationError, Surroundings};
-use crate::monitoring::asking::Asking;
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::constraints::{prepare, unit_of};
-use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::{SampleConstraints, Sampled};
-use crate::monitoring::samples::{Seen, concerns, known_variable, seen_of};
+use crate::monitoring::samples::{SampleView, concerns, known_variable, seen_of};
 use crate::monitoring::time_bounds::{TICK, TimeBounds, bounds, duration_of};
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::monitor::{Keep, Satisfaction};
 use crate::state::monitors::numbers::{PersistedPart, PersistedSample};
@@ -36,13 +36,13 @@ use std::sync::Arc;
 pub(crate) fn create(
     condition: &Arc<MeasurementCondition>,
     timeout: Option<&Expr>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<PersistedPart, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
-    let timeout = timeout.map(|timeout| duration_of(timeout, surroundings)).transpose()?;
+    let unit = unit_of(&condition.variable.attribute, context.library());
+    let timeout = timeout.map(|timeout| duration_of(timeout, context)).transpose()?;
     Ok(PersistedPart {
-        tests: prepare(&condition.value, unit, surroundings)?,
-        variable: known_variable(&condition.variable, surroundings),
+        tests: prepare(&condition.value, unit, context)?,
+        variable: known_variable(&condition.variable, context),
         timeout: timeout.unwrap_or(Duration::MAX),
         blind: false,
         settled: Vec::new(),
@@ -54,9 +54,9 @@ pub(crate) fn create(
 /// Forgets everything but the sample that holds into the window.
 pub(crate) fn begin_again(
     part: &mut PersistedPart,
-    site: Site,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     part.settled.clear();
     part.objects.clear();
@@ -64,10 +64,10 @@ pub(crate) fn begin_again(
     let condition = Arc::clone(&part.condition);
     let attribute = &condition.variable.attribute;
     if site.window.after_sequence.is_none() {
-        for (variable, history) in surroundings.histories().of_attribute(attribute) {
+        for (variable, history) in context.histories().of_attribute(attribute) {
             let carried = history.before(site.window.start).filter(|_| concerns(known.as_ref(), attribute, variable));
             if let Some(sample) = carried {
-                feed(part, site, seen_of(variable, history, sample), surroundings, troubles);
+                feed(part, site, seen_of(variable, history, sample), context, troubles);
             }
         }
     }
@@ -76,10 +76,10 @@ pub(crate) fn begin_again(
 /// A sample has arrived.
 pub(crate) fn notice(
     part: &mut PersistedPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if !concerns(part.variable.as_ref(), &part.condition.variable.attribute, sample.variable) {
         return;
@@ -87,12 +87,12 @@ pub(crate) fn notice(
     let newest = part.objects.get(&sample.variable.object);
     // One that came late from before the window may still be valid at its start.
     if sample.at < site.window.start || newest.is_some_and(|newest| sample.at < newest.at) {
-        let history = surroundings.histories().get(sample.variable);
+        let history = context.histories().get(sample.variable);
         if history.is_some_and(|history| history.covers(site.window.start)) {
-            part.look_back(site, surroundings, troubles);
+            part.backfill(site, context, troubles);
         }
     } else if site.window.contains(sample.at, sample.sequence) {
-        feed(part, site, sample, surroundings, troubles);
+        feed(part, site, sample, context, troubles);
     }
 }
 
@@ -109,25 +109,31 @@ impl Sampled for PersistedPart {
         self.objects.get(object).map(|newest| newest.at)
     }
 
-    fn begin_again(&mut self, site: Site, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        begin_again(self, site, surroundings, troubles);
+    fn begin_again(&mut self, site: PartContext, context: &dyn EvalContext, troubles: &mut ConditionFaults) {
+        begin_again(self, site, context, troubles);
     }
 
     fn note_blind(&mut self, blind: bool, _: Option<Time>) {
         self.blind = blind;
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 }
 
 fn feed(
     part: &mut PersistedPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if site.keep == Keep::First && !part.settled.is_empty() {
         return;
@@ -138,19 +144,19 @@ fn feed(
             let rank = before.rank;
             if sample.at > before.at
                 && let Some(result) =
-                    judged(part, site, sample.variable, before, (sample.at - TICK, true), surroundings, troubles)
+                    judged(part, site, sample.variable, before, (sample.at - TICK, true), context, troubles)
             {
                 remember(&mut part.settled, result, site, troubles);
             }
             rank
         }
-        None if part.objects.len() >= surroundings.limits().count(Limit::MonitorObjects) => {
-            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+        None if part.objects.len() >= context.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, context, site.place);
         }
         None => sample.sequence,
     };
     let mut bindings = Bindings::new();
-    let holds = match holds(part, site, sample, &mut bindings, surroundings) {
+    let holds = match holds(part, site, sample, &mut bindings, context) {
         Ok(holds) => holds.then_some(bindings),
         Err(error) => {
             troubles.add(error);
@@ -162,10 +168,10 @@ fn feed(
 
 fn holds(
     part: &PersistedPart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     bindings: &mut Bindings,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<bool, EvaluationError> {
     let condition = &part.condition;
     let constraints = SampleConstraints {
@@ -175,12 +181,12 @@ fn holds(
         tests: &part.tests,
         known: part.variable.is_some(),
     };
-    constraints.hold(site, sample, bindings, surroundings)
+    constraints.hold(site, sample, bindings, context)
 }
 
 /// The instants that count: from the window's start on, or as `:timestamp` says.
-fn window(part: &PersistedPart, site: Site, surroundings: &dyn Surroundings) -> Result<TimeBounds, EvaluationError> {
-    let stated = bounds(&part.condition.timestamp, surroundings, site.place)?;
+fn window(part: &PersistedPart, site: PartContext, context: &dyn EvalContext) -> Result<TimeBounds, EvaluationError> {
+    let stated = bounds(&part.condition.timestamp, context, site.place)?;
     Ok(TimeBounds { from: Some(stated.from.unwrap_or(site.window.start).max(site.window.start)), to: stated.to })
 }
 
@@ -194,15 +200,15 @@ fn valid(part: &PersistedPart, within: TimeBounds, sample: &PersistedSample) -> 
 /// The result of a sample that is asked about at `horizon`, after which the next one comes if it is `over` then.
 fn judged(
     part: &PersistedPart,
-    site: Site,
+    site: PartContext,
     variable: &StateVariable,
     sample: &PersistedSample,
     (horizon, over): (Time, bool),
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> Option<Satisfaction> {
     let bindings = sample.holds.as_ref()?;
-    let within = match window(part, site, surroundings) {
+    let within = match window(part, site, context) {
         Ok(within) => within,
         Err(error) => {
             troubles.add(error);
@@ -236,7 +242,7 @@ fn judged(
 }
 
 /// All results up to now, earliest recognised first.
-pub(crate) fn results(part: &PersistedPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+pub(crate) fn results(part: &PersistedPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
         return results;
@@ -245,8 +251,8 @@ pub(crate) fn results(part: &PersistedPart, site: Site, asking: &mut Asking<'_>)
     newest.sort_by_key(|(_, sample)| sample.rank);
     for (object, sample) in newest {
         let variable = StateVariable { attribute: part.condition.variable.attribute.clone(), object: object.clone() };
-        let (now, surroundings) = (asking.now, asking.surroundings);
-        results.extend(judged(part, site, &variable, sample, (now, false), surroundings, &mut asking.troubles));
+        let (now, context) = (query.now, query.context);
+        results.extend(judged(part, site, &variable, sample, (now, false), context, &mut query.troubles));
     }
     let rank = |result: &Satisfaction| match result.evidence.iter().next() {
         Some(Evidence::Sample { variable, .. }) => part.objects.get(&variable.object).map(|sample| sample.rank),
@@ -262,22 +268,22 @@ pub(crate) fn in_doubt(part: &PersistedPart, now: Time) -> bool {
 }
 
 /// Satisfied; unknown without a sample that is valid now; else not satisfied. A window to come is waited for.
-pub(crate) fn truth(part: &PersistedPart, site: Site, asking: &mut Asking<'_>) -> Truth {
-    if !results(part, site, asking).is_empty() {
+pub(crate) fn truth(part: &PersistedPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
+    if !results(part, site, query).is_empty() {
         return Truth::True;
     }
-    let within = match window(part, site, asking.surroundings) {
+    let within = match window(part, site, query.context) {
         Ok(within) => within,
         Err(error) => {
-            asking.troubles.add(error);
+            query.troubles.add(error);
             return Truth::Unknown;
         }
     };
     for sample in part.objects.values() {
-        let opens = valid(part, within, sample).filter(|(first, _)| sample.holds.is_some() && *first > asking.now);
+        let opens = valid(part, within, sample).filter(|(first, _)| sample.holds.is_some() && *first > query.now);
         if let Some((first, _)) = opens {
-            asking.wake_at_after_now(first);
+            query.wake_at_after_now(first);
         }
     }
-    Truth::of(false, in_doubt(part, asking.now))
+    Truth::of(false, in_doubt(part, query.now))
 }

@@ -1,21 +1,21 @@
 //! Linear regression (M&I)
 //! What: does the line of least squares through the samples satisfy the constraints at some instant of the window?
 //! Runs: on every sample of the watched variable, and at the instant at which the line meets the constraint.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the regression part of a monitor.
 //! Bound: O(1) per sample and object; a late sample fits all again.
 //! PDL: `:estimation :linear-regression` and its options.
 //! Paper: Table 1, row 6; Appendix B, constraints on estimators.
 
-use crate::expression::{EvaluationError, Surroundings, evaluate};
-use crate::monitoring::asking::Asking;
+use crate::expression::{EvalContext, EvaluationError, evaluate};
 use crate::monitoring::constraints::unit_of;
 use crate::monitoring::numbers::aggregates::in_unit;
 use crate::monitoring::numbers::line_crossing::{Scale, band, bind, earliest, number_of};
-use crate::monitoring::part::{Site, Troubles, Truth};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth};
 use crate::monitoring::sampled::{Sampled, object_bindings};
-use crate::monitoring::samples::{Seen, known_variable};
+use crate::monitoring::samples::{SampleView, known_variable};
 use crate::monitoring::time_bounds::{bounds, duration_of, instant_of};
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::planted::{self, Bug};
 use crate::state::monitors::moments::{MAGNITUDE_MAX, Moments};
 use crate::state::monitors::monitor::{Satisfaction, Window};
@@ -40,7 +40,7 @@ const POINTS_MIN: u64 = 2;
 
 /// Why there is no line to trust.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Refusal {
+pub(crate) enum FitFailure {
     /// No sample of the variable is in the fit interval.
     NoSample,
     /// Older samples of the fit interval are no longer kept.
@@ -57,16 +57,16 @@ pub(crate) enum Refusal {
     Difference { difference: Value, most: Value },
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for FitFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refusal::NoSample => f.write_str("no sample yet"),
-            Refusal::Blind => f.write_str("older samples are no longer kept"),
-            Refusal::TooFew { samples, least } => write!(f, "{samples} of at least {least} samples for a line"),
-            Refusal::OneInstant => f.write_str("all samples are of one instant: no line"),
-            Refusal::Gap { gap, most } => write!(f, "no line across a gap of {gap} > {most}"),
-            Refusal::Error { error, most } => write!(f, "the line's error {} > {}", computed(error), computed(most)),
-            Refusal::Difference { difference, most } => {
+            FitFailure::NoSample => f.write_str("no sample yet"),
+            FitFailure::Blind => f.write_str("older samples are no longer kept"),
+            FitFailure::TooFew { samples, least } => write!(f, "{samples} of at least {least} samples for a line"),
+            FitFailure::OneInstant => f.write_str("all samples are of one instant: no line"),
+            FitFailure::Gap { gap, most } => write!(f, "no line across a gap of {gap} > {most}"),
+            FitFailure::Error { error, most } => write!(f, "the line's error {} > {}", computed(error), computed(most)),
+            FitFailure::Difference { difference, most } => {
                 let (difference, most) = (computed(difference), computed(most));
                 write!(f, "the extrapolated value is {difference} from the nearest sample's, more than {most}")
             }
@@ -81,17 +81,17 @@ impl fmt::Display for Refusal {
 pub(crate) fn create(
     condition: &Arc<MeasurementCondition>,
     options: &[(Symbol, Expr)],
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<RegressionPart, EvaluationError> {
     let option = |name: &str| options.iter().find(|(found, _)| found.is(name)).map(|(_, expr)| expr);
-    let (unit, declared) = declared_scale(&condition.variable.attribute, surroundings);
+    let (unit, declared) = declared_scale(&condition.variable.attribute, context);
     let number = |expr: &Expr| {
-        let dimension = evaluate(expr, surroundings)?.as_number().map_or(Dimension::NONE, |(_, dimension)| dimension);
+        let dimension = evaluate(expr, context)?.as_number().map_or(Dimension::NONE, |(_, dimension)| dimension);
         let dimension = declared.unwrap_or(dimension);
-        number_of(expr, Scale { unit, dimension }, surroundings)
+        number_of(expr, Scale { unit, dimension }, context)
     };
     let points_min = match option("minimum-points") {
-        Some(expr) => match evaluate(expr, surroundings)? {
+        Some(expr) => match evaluate(expr, context)? {
             Value::Integer(points) if points >= 0 => points.unsigned_abs(),
             other => {
                 let message = format!(":minimum-points is {other}, which is no number of samples");
@@ -102,15 +102,15 @@ pub(crate) fn create(
     };
     Ok(RegressionPart {
         condition: Arc::clone(condition),
-        variable: known_variable(&condition.variable, surroundings),
+        variable: known_variable(&condition.variable, context),
         dimension: declared,
         points_min: points_min.max(POINTS_MIN),
         error_max: option("maximum-error").map(number).transpose()?,
         difference_max: option("maximum-difference").map(number).transpose()?,
-        gap_max: option("minimum-frequency").map(|expr| duration_of(expr, surroundings)).transpose()?,
+        gap_max: option("minimum-frequency").map(|expr| duration_of(expr, context)).transpose()?,
         fit: (
-            option("start").map(|expr| instant_of(expr, surroundings)).transpose()?,
-            option("end").map(|expr| instant_of(expr, surroundings)).transpose()?,
+            option("start").map(|expr| instant_of(expr, context)).transpose()?,
+            option("end").map(|expr| instant_of(expr, context)).transpose()?,
         ),
         blind: false,
         objects: BTreeMap::new(),
@@ -120,15 +120,15 @@ pub(crate) fn create(
 /// The unit and dimension that values of `attribute` are declared with.
 pub(crate) fn declared_scale(
     attribute: &Symbol,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> (Option<&'static apex_model::quantity::Unit>, Option<Dimension>) {
-    let unit = unit_of(attribute, surroundings.library());
-    let declared = surroundings.library().state_variables.get(attribute);
+    let unit = unit_of(attribute, context.library());
+    let declared = context.library().state_variables.get(attribute);
     (unit, declared.filter(|declared| declared.unit.is_some()).map(|declared| declared.dimension))
 }
 
 /// From where samples are fitted: `:start`, else the window's start.
-fn fit_window(part: &RegressionPart, site: Site) -> Window {
+fn fit_window(part: &RegressionPart, site: PartContext) -> Window {
     match part.fit.0 {
         Some(start) => Window::from(start),
         None => site.window,
@@ -148,7 +148,7 @@ impl Sampled for RegressionPart {
         self.objects.get(object).and_then(Fit::last).map(|(at, _)| at)
     }
 
-    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+    fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.objects.clear();
     }
 
@@ -156,16 +156,22 @@ impl Sampled for RegressionPart {
         self.blind = blind;
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 
-    fn window(&self, site: Site) -> Window {
+    fn window(&self, site: PartContext) -> Window {
         fit_window(self, site)
     }
 
     // It takes the place of one that does not stand apart any longer, since what is no number came after it.
-    fn must_look_back(&self, sample: Seen<'_>) -> bool {
+    fn must_backfill(&self, sample: SampleView<'_>) -> bool {
         let fit = self.objects.get(&sample.variable.object);
         fit.is_some_and(|fit| fit.newest.is_none() && fit.last().map(|(at, _)| at) == Some(sample.at))
     }
@@ -173,10 +179,10 @@ impl Sampled for RegressionPart {
 
 fn feed(
     part: &mut RegressionPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if part.fit.1.is_some_and(|end| sample.at > end) {
         return;
@@ -186,7 +192,7 @@ fn feed(
         if part.objects.len() >= MONITOR_OBJECTS_MAX {
             return troubles.limit("MONITOR_OBJECTS_MAX", MONITOR_OBJECTS_MAX, site.place);
         }
-        let bindings = object_bindings(part, &part.condition.object, site, sample, surroundings, troubles);
+        let bindings = object_bindings(part, &part.condition.object, site, sample, context, troubles);
         part.objects.insert(object.clone(), Fit { rank: sample.sequence, bindings, ..Fit::default() });
     }
     let Some(fit) = part.objects.get_mut(object) else { return };
@@ -208,7 +214,7 @@ fn feed(
     fit.add(sample.at, number);
 }
 
-fn no_number(sample: Seen<'_>, site: Site) -> EvaluationError {
+fn no_number(sample: SampleView<'_>, site: PartContext) -> EvaluationError {
     let message =
         format!("{} = {} is no number of the kind before it: no line is fitted", sample.variable, sample.value);
     EvaluationError { message, place: site.place }
@@ -233,24 +239,24 @@ impl Line {
 ///
 /// # Errors
 /// With the reason for which there is none.
-fn line(part: &RegressionPart, fit: &Fit, surroundings: &dyn Surroundings) -> Result<Line, Refusal> {
-    let Some(last) = fit.last() else { return Err(Refusal::NoSample) };
+fn line(part: &RegressionPart, fit: &Fit, context: &dyn EvalContext) -> Result<Line, FitFailure> {
+    let Some(last) = fit.last() else { return Err(FitFailure::NoSample) };
     if part.blind {
-        return Err(Refusal::Blind);
+        return Err(FitFailure::Blind);
     }
     let (moments, gap) = fit.with_newest();
-    let (unit, _) = declared_scale(&part.condition.variable.attribute, surroundings);
+    let (unit, _) = declared_scale(&part.condition.variable.attribute, context);
     let scale = Scale { unit, dimension: part.dimension.unwrap_or_default() };
     let line = Line { moments, last, scale };
     if moments.count() < part.points_min {
-        return Err(Refusal::TooFew { samples: moments.count(), least: part.points_min });
+        return Err(FitFailure::TooFew { samples: moments.count(), least: part.points_min });
     }
     if let Some(most) = part.gap_max.filter(|most| gap > *most && !planted::is(Bug::GapOfLineForgotten)) {
-        return Err(Refusal::Gap { gap, most });
+        return Err(FitFailure::Gap { gap, most });
     }
-    let Some(error) = moments.error() else { return Err(Refusal::OneInstant) };
+    let Some(error) = moments.error() else { return Err(FitFailure::OneInstant) };
     match part.error_max.filter(|most| error > *most) {
-        Some(most) => Err(Refusal::Error { error: line.value(error), most: line.value(most) }),
+        Some(most) => Err(FitFailure::Error { error: line.value(error), most: line.value(most) }),
         None => Ok(line),
     }
 }
@@ -264,7 +270,7 @@ pub(crate) enum Saying {
     /// It does not.
     Unmet(Line),
     /// There is no line, or the window cannot be told.
-    Unknown(Refusal),
+    Unknown(FitFailure),
 }
 
 /// What the line of `object` says at `now`.
@@ -273,19 +279,19 @@ pub(crate) enum Saying {
 /// When a bound cannot be evaluated.
 pub(crate) fn says(
     part: &RegressionPart,
-    site: Site,
+    site: PartContext,
     (object, fit): (&Value, &Fit),
     now: Time,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Saying, EvaluationError> {
-    let line = match line(part, fit, surroundings) {
+    let line = match line(part, fit, context) {
         Ok(line) => line,
         Err(refusal) => return Ok(Saying::Unknown(refusal)),
     };
     let mut bindings = fit.bindings.clone().unwrap_or_default();
-    let wanted = band(&part.condition.value, line.scale, &bindings, surroundings, site.place)?;
-    let stated = bounds(&part.condition.timestamp, surroundings, site.place)?;
-    let Some((first_at, last_at)) = line.moments.span() else { return Ok(Saying::Unknown(Refusal::NoSample)) };
+    let wanted = band(&part.condition.value, line.scale, &bindings, context, site.place)?;
+    let stated = bounds(&part.condition.timestamp, context, site.place)?;
+    let Some((first_at, last_at)) = line.moments.span() else { return Ok(Saying::Unknown(FitFailure::NoSample)) };
     let from = match site.window.start {
         Time::BEGINNING => stated.from.unwrap_or(first_at),
         start => stated.from.map_or(start, |from| from.max(start)),
@@ -303,7 +309,7 @@ pub(crate) fn says(
         let difference = libm::fabs(value - nearest);
         if difference > most {
             let (difference, most) = (line.value(difference), line.value(most));
-            return Ok(Saying::Unknown(Refusal::Difference { difference, most }));
+            return Ok(Saying::Unknown(FitFailure::Difference { difference, most }));
         }
     }
     if part.gap_max.is_some_and(|most| recognised_at - last_at > most) {
@@ -336,54 +342,54 @@ pub(crate) fn says(
 fn unmet(part: &RegressionPart, line: Line, now: Time) -> Saying {
     let gap = now.min(part.fit.1.unwrap_or(Time::END)) - line.last.0;
     match part.gap_max.filter(|most| gap > *most) {
-        Some(most) => Saying::Unknown(Refusal::Gap { gap, most }),
+        Some(most) => Saying::Unknown(FitFailure::Gap { gap, most }),
         None => Saying::Unmet(line),
     }
 }
 
 /// What the lines of all wanted objects say, in order of first appearance.
-pub(crate) fn all(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Vec<Saying> {
+pub(crate) fn all(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Saying> {
     let wanted = |fit: &Fit| fit.bindings.is_some() && fit.last().is_some();
     let mut objects: Vec<(&Value, &Fit)> = part.objects.iter().filter(|(_, fit)| wanted(fit)).collect();
     objects.sort_by_key(|(_, fit)| fit.rank);
     let mut sayings = Vec::new();
     for object in objects {
-        match says(part, site, object, asking.now, asking.surroundings) {
+        match says(part, site, object, query.now, query.context) {
             Ok(saying) => sayings.push(saying),
-            Err(error) => asking.troubles.add(error),
+            Err(error) => query.troubles.add(error),
         }
     }
     sayings
 }
 
 /// What the lines say now, earliest recognised first.
-pub(crate) fn results(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+pub(crate) fn results(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let met = |saying| match saying {
         Saying::Met(result) => Some(result),
         Saying::WillBe(..) | Saying::Unmet(_) | Saying::Unknown(_) => None,
     };
-    let mut results: Vec<Satisfaction> = all(part, site, asking).into_iter().filter_map(met).collect();
+    let mut results: Vec<Satisfaction> = all(part, site, query).into_iter().filter_map(met).collect();
     results.sort_by_key(|result| result.recognised_at);
     results
 }
 
 /// Is there no line to trust for some object?
-pub(crate) fn in_doubt(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> bool {
+pub(crate) fn in_doubt(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let silent = part.objects.values().all(|fit| fit.last().is_none());
-    silent || all(part, site, asking).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
+    silent || all(part, site, query).iter().any(|saying| matches!(saying, Saying::Unknown(_)))
 }
 
 /// Satisfied; unknown without a line to trust; else not satisfied. The instant at which a line will meet the
 /// constraint is waited for.
-pub(crate) fn truth(part: &RegressionPart, site: Site, asking: &mut Asking<'_>) -> Truth {
-    let sayings = all(part, site, asking);
+pub(crate) fn truth(part: &RegressionPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
+    let sayings = all(part, site, query);
     // An object that is not wanted was heard of, as for other conditions.
     let mut unknown = part.objects.values().all(|fit| fit.last().is_none());
     let mut met = false;
     for saying in sayings {
         match saying {
             Saying::Met(_) => met = true,
-            Saying::WillBe(at, ..) => asking.wake_at_after_now(at),
+            Saying::WillBe(at, ..) => query.wake_at_after_now(at),
             Saying::Unknown(_) => unknown = true,
             Saying::Unmet(_) => {}
         }

@@ -1,22 +1,22 @@
 //! Statistics (M&I)
 //! What: is there a run, or a window of the wanted length, whose statistics and trends satisfy the constraints?
 //! Runs: on every sample of the watched variable, and at instants that the sampling quality licenses.
-//! Reads: histories, surroundings.
+//! Reads: histories, evaluation context.
 //! Writes: the statistical part of a monitor.
 //! Bound: amortised O(1) per sample and object, a median O(log n); a late sample looks back over the window again.
 //! PDL: `:episode` with `:stats` or `:trend`.
 //! Paper: Table 1, rows 8 and 9.
 
-use crate::expression::{EvaluationError, Surroundings};
-use crate::monitoring::asking::Asking;
+use crate::expression::{EvalContext, EvaluationError};
 use crate::monitoring::constraints::{Reading, all, prepare, satisfies_all, unit_of};
-use crate::monitoring::numbers::aggregates::{Judgement, criteria, name};
-use crate::monitoring::numbers::number_runs::{Evaluated, Evaluation, Outcome, contradicted, take_in};
+use crate::monitoring::numbers::aggregates::{CriterionResult, criteria, name};
 use crate::monitoring::numbers::regression::declared_scale;
-use crate::monitoring::part::{Site, Troubles, Truth, remember};
+use crate::monitoring::numbers::statistic_runs::{CriteriaVerdict, Evaluated, Evaluation, contradicted, take_in};
+use crate::monitoring::part::{ConditionFaults, PartContext, Truth, remember};
 use crate::monitoring::sampled::Sampled;
-use crate::monitoring::samples::{Seen, known_variable, object_holds};
+use crate::monitoring::samples::{SampleView, known_variable, object_holds};
 use crate::monitoring::time_bounds::duration_of;
+use crate::monitoring::verdict_query::VerdictQuery;
 use crate::state::bindings::Bindings;
 use crate::state::monitors::moments::MAGNITUDE_MAX;
 use crate::state::monitors::monitor::{Keep, Satisfaction};
@@ -39,27 +39,27 @@ use std::sync::Arc;
 /// When they cannot be.
 pub(crate) fn create(
     condition: &Arc<EpisodeCondition>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<StatisticalPart, EvaluationError> {
-    let unit = unit_of(&condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&condition.variable.attribute, context.library());
     let gap_max = match &condition.quality {
         Quality::NoConstraints => None,
-        Quality::MaximumGap(gap) => Some(duration_of(gap, surroundings)?),
+        Quality::MaximumGap(gap) => Some(duration_of(gap, context)?),
     };
     let timing = &condition.timing;
     let mut duration_min = Duration::ZERO;
     for constraint in &timing.duration {
-        duration_min = duration_min.max(least_duration(constraint, surroundings)?);
+        duration_min = duration_min.max(least_duration(constraint, context)?);
     }
     let of_run =
         [&condition.value, &condition.first_value, &condition.last_value].into_iter().any(|all| !all.is_empty());
     let slides = !of_run && duration_min > Duration::ZERO;
     let lower = |constraint: &Constraint| crate::monitoring::constraints::is_lower_bound(constraint);
     Ok(StatisticalPart {
-        tests: prepare(&condition.value, unit, surroundings)?,
-        criteria: criteria(condition, surroundings)?,
-        variable: known_variable(&condition.variable, surroundings),
-        dimension: declared_scale(&condition.variable.attribute, surroundings).1,
+        tests: prepare(&condition.value, unit, context)?,
+        criteria: criteria(condition, context)?,
+        variable: known_variable(&condition.variable, context),
+        dimension: declared_scale(&condition.variable.attribute, context).1,
         gap_max,
         duration_min,
         slides,
@@ -73,15 +73,15 @@ pub(crate) fn create(
 }
 
 /// The least duration that a constraint allows; of a window that slides the wanted one.
-fn least_duration(constraint: &Constraint, surroundings: &dyn Surroundings) -> Result<Duration, EvaluationError> {
+fn least_duration(constraint: &Constraint, context: &dyn EvalContext) -> Result<Duration, EvaluationError> {
     let tick = Duration(1);
     Ok(match constraint {
-        Constraint::Compare { relation: Relation::Greater, right, .. } => duration_of(right, surroundings)? + tick,
+        Constraint::Compare { relation: Relation::Greater, right, .. } => duration_of(right, context)? + tick,
         Constraint::Compare { relation: Relation::Equal, right, tolerance: Some(around) } => {
-            duration_of(right, surroundings)? - duration_of(around, surroundings)?
+            duration_of(right, context)? - duration_of(around, context)?
         }
         Constraint::Compare { relation: Relation::GreaterOrEqual | Relation::Equal, right, .. }
-        | Constraint::Range(Some(right), _) => duration_of(right, surroundings)?,
+        | Constraint::Range(Some(right), _) => duration_of(right, context)?,
         _ => Duration::ZERO,
     })
 }
@@ -99,7 +99,7 @@ impl Sampled for StatisticalPart {
         self.objects.get(object).map(|state| state.newest.at)
     }
 
-    fn begin_again(&mut self, _: Site, _: &dyn Surroundings, _: &mut Troubles) {
+    fn begin_again(&mut self, _: PartContext, _: &dyn EvalContext, _: &mut ConditionFaults) {
         self.settled.clear();
         self.objects.clear();
     }
@@ -109,17 +109,23 @@ impl Sampled for StatisticalPart {
         self.first_known = first.filter(|_| blind);
     }
 
-    fn feed(&mut self, site: Site, sample: Seen<'_>, surroundings: &dyn Surroundings, troubles: &mut Troubles) {
-        feed(self, site, sample, surroundings, troubles);
+    fn feed(
+        &mut self,
+        site: PartContext,
+        sample: SampleView<'_>,
+        context: &dyn EvalContext,
+        troubles: &mut ConditionFaults,
+    ) {
+        feed(self, site, sample, context, troubles);
     }
 }
 
 fn feed(
     part: &mut StatisticalPart,
-    site: Site,
-    sample: Seen<'_>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    site: PartContext,
+    sample: SampleView<'_>,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) {
     if site.keep == Keep::First && !part.settled.is_empty() {
         return;
@@ -127,14 +133,14 @@ fn feed(
     let object = &sample.variable.object;
     let objects = part.objects.len();
     let mut state = match part.objects.get_mut(object).map(std::mem::take) {
-        Some(state) if sample.at > state.newest.at => settle(part, site, sample, state, surroundings, troubles),
+        Some(state) if sample.at > state.newest.at => settle(part, site, sample, state, context, troubles),
         Some(state) => state,
-        None if objects >= surroundings.limits().count(Limit::MonitorObjects) => {
-            return troubles.reached(Limit::MonitorObjects, surroundings, site.place);
+        None if objects >= context.limits().count(Limit::MonitorObjects) => {
+            return troubles.reached(Limit::MonitorObjects, context, site.place);
         }
         None => NumberRun { rank: sample.sequence, ..NumberRun::default() },
     };
-    state.newest = judge(part, site, sample, state.run.as_deref(), surroundings, troubles);
+    state.newest = judge(part, site, sample, state.run.as_deref(), context, troubles);
     match part.objects.get_mut(object) {
         Some(slot) => *slot = state,
         None => drop(part.objects.insert(object.clone(), state)),
@@ -144,13 +150,13 @@ fn feed(
 /// Makes the newest sample part of the past, because one of a later instant, `next`, has come.
 fn settle(
     part: &mut StatisticalPart,
-    site: Site,
-    next: Seen<'_>,
+    site: PartContext,
+    next: SampleView<'_>,
     mut state: NumberRun,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> NumberRun {
-    let evaluation = Evaluation { part, site, object: &next.variable.object, surroundings };
+    let evaluation = Evaluation { part, site, object: &next.variable.object, context };
     let Evaluated { found, over, .. } = evaluation.up_to(&state, next.at - Duration(1), troubles);
     for result in over {
         remember(&mut part.settled, result, site, troubles);
@@ -162,18 +168,18 @@ fn settle(
         }
         found => found,
     };
-    take_in(part, site, &mut state, next.at, surroundings, troubles);
+    take_in(part, site, &mut state, next.at, context, troubles);
     state
 }
 
 /// Does the sample belong to the run, and which number is it?
 fn judge(
     part: &mut StatisticalPart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     run: Option<&Totals>,
-    surroundings: &dyn Surroundings,
-    troubles: &mut Troubles,
+    context: &dyn EvalContext,
+    troubles: &mut ConditionFaults,
 ) -> NumberSample {
     let mut newest = NumberSample {
         at: sample.at,
@@ -187,7 +193,7 @@ fn judge(
     if run.is_some_and(|run| part.gap_max.is_some_and(|most| sample.at - run.last > most)) {
         newest.joins = false;
     }
-    match held_values(part, site, sample, run.filter(|_| newest.joins), surroundings) {
+    match held_values(part, site, sample, run.filter(|_| newest.joins), context) {
         Ok(Some((bindings, joins))) => {
             newest.joins &= joins;
             newest.holds = Some(bindings);
@@ -195,19 +201,20 @@ fn judge(
         Ok(None) => {}
         Err(error) => troubles.add(error),
     }
-    let unit = unit_of(&part.condition.variable.attribute, surroundings.library());
+    let unit = unit_of(&part.condition.variable.attribute, context.library());
     let Some(bindings) = &mut newest.holds else { return newest };
     for (constraints, holds) in
         [(&part.condition.first_value, &mut newest.first_holds), (&part.condition.last_value, &mut newest.last_holds)]
     {
-        *holds = all(constraints, sample.value, Reading::Value(unit), bindings, surroundings, site.place)
-            .unwrap_or_else(|error| {
+        *holds = all(constraints, sample.value, Reading::Value(unit), bindings, context, site.place).unwrap_or_else(
+            |error| {
                 troubles.add(error);
                 false
-            });
+            },
+        );
     }
     if let (Some((_, before)), Some(number), true) = (run.and_then(|run| run.previous), newest.number, newest.joins) {
-        let evaluation = Evaluation { part, site, object: &sample.variable.object, surroundings };
+        let evaluation = Evaluation { part, site, object: &sample.variable.object, context };
         newest.bad_step = !evaluation.step_holds(before, number, troubles);
     }
     newest
@@ -216,27 +223,19 @@ fn judge(
 /// What the sample binds when it satisfies the value constraints, and whether it agrees with the run before it.
 fn held_values(
     part: &StatisticalPart,
-    site: Site,
-    sample: Seen<'_>,
+    site: PartContext,
+    sample: SampleView<'_>,
     run: Option<&Totals>,
-    surroundings: &dyn Surroundings,
+    context: &dyn EvalContext,
 ) -> Result<Option<(Bindings, bool)>, EvaluationError> {
     let condition = &part.condition;
     let known = part.variable.is_some();
     let attempt = |mut bindings: Bindings| -> Result<Option<Bindings>, EvaluationError> {
-        let Seen { variable, value, .. } = sample;
+        let SampleView { variable, value, .. } = sample;
         let attribute = &variable.attribute;
         let holds =
-            object_holds(&condition.variable, &condition.object, known, variable, &mut bindings, site, surroundings)?
-                && satisfies_all(
-                    &part.tests,
-                    &condition.value,
-                    value,
-                    attribute,
-                    &mut bindings,
-                    surroundings,
-                    site.place,
-                )?;
+            object_holds(&condition.variable, &condition.object, known, variable, &mut bindings, site, context)?
+                && satisfies_all(&part.tests, &condition.value, value, attribute, &mut bindings, context, site.place)?;
         Ok(holds.then_some(bindings))
     };
     if let Some(run) = run
@@ -251,7 +250,12 @@ fn held_values(
 }
 
 /// The sample's number in SI. What is not finite is missing; where only samples are counted anything is a number.
-fn number(part: &mut StatisticalPart, site: Site, sample: Seen<'_>, troubles: &mut Troubles) -> Option<f64> {
+fn number(
+    part: &mut StatisticalPart,
+    site: PartContext,
+    sample: SampleView<'_>,
+    troubles: &mut ConditionFaults,
+) -> Option<f64> {
     let counts = |measure: &Measure| matches!(measure, Measure::Count | Measure::Frequency | Measure::Custom);
     match sample.value.as_number() {
         Some((number, _)) if number.is_nan() || libm::fabs(number) > MAGNITUDE_MAX => None,
@@ -259,7 +263,7 @@ fn number(part: &mut StatisticalPart, site: Site, sample: Seen<'_>, troubles: &m
         _ if part.criteria.iter().all(|criterion| counts(&criterion.measure)) => Some(0.0),
         _ => {
             let names: Vec<&str> = part.criteria.iter().map(|criterion| name(&criterion.measure)).collect();
-            let Seen { variable, value, .. } = sample;
+            let SampleView { variable, value, .. } = sample;
             let message = format!(
                 "{variable} = {value} is no number of the kind before it: it is left out of the {}",
                 names.join(", ")
@@ -271,14 +275,14 @@ fn number(part: &mut StatisticalPart, site: Site, sample: Seen<'_>, troubles: &m
 }
 
 /// All results up to now, earliest recognised first.
-pub(crate) fn results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
+pub(crate) fn results(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
     let mut results = part.settled.clone();
     if site.keep == Keep::First && !results.is_empty() {
         return results;
     }
     for (object, state) in in_order(part) {
-        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
-        let evaluated = evaluation.up_to(state, asking.now, &mut asking.troubles);
+        let evaluation = Evaluation { part, site, object, context: query.context };
+        let evaluated = evaluation.up_to(state, query.now, &mut query.troubles);
         results.extend(evaluated.over);
         results.extend(evaluated.closed_by_time);
         results.extend(evaluated.found);
@@ -297,15 +301,23 @@ pub(crate) fn results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_
 }
 
 /// Results that grow as long as their statistics go on holding.
-pub(crate) fn open_results(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<Satisfaction> {
-    open(part, site, asking).into_iter().map(|(_, result)| result).collect()
+pub(crate) fn open_results(
+    part: &StatisticalPart,
+    site: PartContext,
+    query: &mut VerdictQuery<'_>,
+) -> Vec<Satisfaction> {
+    open(part, site, query).into_iter().map(|(_, result)| result).collect()
 }
 
-fn open<'a>(part: &'a StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Vec<(&'a Value, Satisfaction)> {
+fn open<'a>(
+    part: &'a StatisticalPart,
+    site: PartContext,
+    query: &mut VerdictQuery<'_>,
+) -> Vec<(&'a Value, Satisfaction)> {
     let mut open = Vec::new();
     for (object, state) in &part.objects {
-        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
-        let found = evaluation.up_to(state, asking.now, &mut asking.troubles).found;
+        let evaluation = Evaluation { part, site, object, context: query.context };
+        let found = evaluation.up_to(state, query.now, &mut query.troubles).found;
         open.extend(found.map(|result| (object, result)));
     }
     open
@@ -314,29 +326,29 @@ fn open<'a>(part: &'a StatisticalPart, site: Site, asking: &mut Asking<'_>) -> V
 /// The same, each with its variable.
 pub(crate) fn open_of_variables(
     part: &StatisticalPart,
-    site: Site,
-    asking: &mut Asking<'_>,
+    site: PartContext,
+    query: &mut VerdictQuery<'_>,
 ) -> Vec<(StateVariable, Satisfaction)> {
     let variable = |object: &Value| StateVariable::new(part.condition.variable.attribute.clone(), object.clone());
-    open(part, site, asking).into_iter().map(|(object, result)| (variable(object), result)).collect()
+    open(part, site, query).into_iter().map(|(object, result)| (variable(object), result)).collect()
 }
 
 /// Does nobody know whether the newest run of some object is what is asked for?
-pub(crate) fn in_doubt(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> bool {
+pub(crate) fn in_doubt(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> bool {
     let mut doubt = part.blind || part.objects.is_empty();
     for (object, state) in &part.objects {
-        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
-        let outcome = evaluation.up_to(state, asking.now, &mut asking.troubles).outcome;
-        doubt |= doubtful(part, state, outcome, asking.now);
+        let evaluation = Evaluation { part, site, object, context: query.context };
+        let outcome = evaluation.up_to(state, query.now, &mut query.troubles).outcome;
+        doubt |= doubtful(part, state, outcome, query.now);
     }
     doubt
 }
 
-fn doubtful(part: &StatisticalPart, state: &NumberRun, outcome: Outcome, now: Time) -> bool {
+fn doubtful(part: &StatisticalPart, state: &NumberRun, outcome: CriteriaVerdict, now: Time) -> bool {
     let stale = part.gap_max.is_some_and(|gap| now - state.newest.at > gap);
     match outcome {
-        Outcome::Early | Outcome::Undefined => !contradicted(part, state) || stale,
-        Outcome::OutOfRun | Outcome::Holds | Outcome::Fails => stale,
+        CriteriaVerdict::Early | CriteriaVerdict::Undefined => !contradicted(part, state) || stale,
+        CriteriaVerdict::OutOfRun | CriteriaVerdict::Holds | CriteriaVerdict::Fails => stale,
     }
 }
 
@@ -348,19 +360,19 @@ fn in_order(part: &StatisticalPart) -> Vec<(&Value, &NumberRun)> {
 
 /// Satisfied; unknown while a statistic is not defined, a run not long enough, or samples are missing; else not. The
 /// next instant at which time alone decides is waited for.
-pub(crate) fn truth(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>) -> Truth {
+pub(crate) fn truth(part: &StatisticalPart, site: PartContext, query: &mut VerdictQuery<'_>) -> Truth {
     let mut met = !part.settled.is_empty();
     if met && site.keep == Keep::First {
         return Truth::True;
     }
     let mut open = part.blind || part.objects.is_empty();
     for (object, state) in &part.objects {
-        let evaluation = Evaluation { part, site, object, surroundings: asking.surroundings };
-        let evaluated = evaluation.up_to(state, asking.now, &mut asking.troubles);
+        let evaluation = Evaluation { part, site, object, context: query.context };
+        let evaluated = evaluation.up_to(state, query.now, &mut query.troubles);
         met |= evaluated.found.is_some() || evaluated.closed_by_time.is_some() || !evaluated.over.is_empty();
-        open |= doubtful(part, state, evaluated.outcome, asking.now);
+        open |= doubtful(part, state, evaluated.outcome, query.now);
         if !met || site.keep == Keep::Every {
-            evaluation.foresee(state, evaluated.outcome, asking);
+            evaluation.foresee(state, evaluated.outcome, query);
         }
     }
     Truth::of(met, open)
@@ -369,27 +381,30 @@ pub(crate) fn truth(part: &StatisticalPart, site: Site, asking: &mut Asking<'_>)
 /// What is known about the newest run, for explanations: each criterion with what it says, and since when the run is.
 pub(crate) fn standing(
     part: &StatisticalPart,
-    site: Site,
-    asking: &Asking<'_>,
-) -> Option<crate::monitoring::numbers::number_runs::Standing> {
+    site: PartContext,
+    query: &VerdictQuery<'_>,
+) -> Option<crate::monitoring::numbers::statistic_runs::RunSummary> {
     let (object, state) = part.objects.iter().max_by_key(|(_, state)| state.newest.at)?;
-    Evaluation { part, site, object, surroundings: asking.surroundings }.standing(state, asking.now)
+    Evaluation { part, site, object, context: query.context }.standing(state, query.now)
 }
 
 /// One criterion in words: `mean = 3 does not satisfy (> 5)`.
-pub(crate) fn judgement_words(criterion: &crate::state::monitors::numbers::Criterion, judgement: &Judgement) -> String {
+pub(crate) fn judgement_words(
+    criterion: &crate::state::monitors::numbers::Criterion,
+    judgement: &CriterionResult,
+) -> String {
     let constraints: Vec<String> = criterion.constraints.iter().map(|each| Brief.constraint(each)).collect();
     let (name, wanted) = (name(&criterion.measure), constraints.join(" "));
     match judgement {
-        Judgement::Undefined(reason) => format!("no {name}: {reason}"),
-        Judgement::Holds(_) | Judgement::Fails(_) if criterion.measure == Measure::Custom => {
+        CriterionResult::Undefined(reason) => format!("no {name}: {reason}"),
+        CriterionResult::Holds(_) | CriterionResult::Fails(_) if criterion.measure == Measure::Custom => {
             format!("{name} {wanted} is false")
         }
-        Judgement::Holds(value) => format!("{name} = {}", computed(value)),
+        CriterionResult::Holds(value) => format!("{name} = {}", computed(value)),
         // Only the level of significance has no constraints of its own.
-        Judgement::Fails(value) if wanted.is_empty() => {
+        CriterionResult::Fails(value) if wanted.is_empty() => {
             format!("such a slope comes by chance with probability {}", computed(value))
         }
-        Judgement::Fails(value) => format!("{name} = {}, wanted {wanted}", computed(value)),
+        CriterionResult::Fails(value) => format!("{name} = {}, wanted {wanted}", computed(value)),
     }
 }

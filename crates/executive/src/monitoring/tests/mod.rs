@@ -1,9 +1,9 @@
 //! Monitors against their definition: incremental detection must agree with a plain evaluation of the whole history.
 
 mod against_definition;
+mod backfill;
 mod combinations;
 mod limits;
-mod look_back;
 mod numbers;
 mod patterns;
 mod relation_chains;
@@ -15,13 +15,13 @@ mod traces;
 
 use super::combination::interest::{interests, lasting_interest, threshold};
 use super::combination::monitors::*;
-use super::episodes::plain_episode;
+use super::episodes::threshold_episode;
 use super::memory::histories::{record_event, record_sample};
 use super::memory::retention::prepare;
-use super::part::{Site, Troubles, Truth};
+use super::part::{ConditionFaults, PartContext, Truth};
 use super::stimulus::Stimulus;
 use crate::state::clause::MonitorId;
-use crate::state::episode_bank::{EpisodeBank, LeafId, PlainEpisode, Taken};
+use crate::state::episode_index::{EpisodeIndex, LeafId, Taken, ThresholdEpisode};
 use crate::state::monitors::monitor::{Keep, Monitor, PartKind, Verdict, Window};
 use crate::test_support::View;
 use apex_model::condition::{
@@ -123,7 +123,7 @@ struct World {
     view: View,
     monitor: Monitor,
     told: Monitor,
-    bank: Option<EpisodeBank>,
+    bank: Option<EpisodeIndex>,
     sequence: u64,
 }
 
@@ -150,19 +150,19 @@ impl World {
 
     /// Lets a bank watch the monitor, if it can. Another monitor is there already, which has seen nothing.
     fn lie_down(&mut self) {
-        let Some((wanted, run)) = plain_episode::bankable(&self.monitor, &self.view) else { return };
-        let mut bank = EpisodeBank::new(wanted.dimension);
-        let other = PlainEpisode { gap_max: Duration(1), duration_min: Duration(1_000), ..wanted };
+        let Some((wanted, run)) = threshold_episode::bankable(&self.monitor, &self.view) else { return };
+        let mut bank = EpisodeIndex::new(wanted.dimension);
+        let other = ThresholdEpisode { gap_max: Duration(1), duration_min: Duration(1_000), ..wanted };
         assert!(bank.insert(LeafId::whole(MonitorId(3)), &other, None) && bank.insert(HERE, &wanted, run));
         self.bank = Some(bank);
-        plain_episode::lie_down(&mut self.monitor);
+        threshold_episode::lie_down(&mut self.monitor);
     }
 
     fn stand_up(&mut self) {
         if let Some(run) = self.bank.take().and_then(|mut bank| bank.take(HERE)) {
-            plain_episode::stand_up(&mut self.monitor, run);
+            threshold_episode::stand_up(&mut self.monitor, run);
         }
-        let plain = plain_episode::variable(&self.monitor).is_some();
+        let plain = threshold_episode::variable(&self.monitor).is_some();
         assert!(
             !plain || self.monitor.root == self.told.root,
             "{:#?}\nwas told {:#?}",
@@ -181,7 +181,7 @@ impl World {
         let Some(stimulus) = recording.stimulus else { return };
         notice(&mut self.told, &stimulus, &self.view);
         let Stimulus::Sample { variable, value, at, newest, .. } = &stimulus else { return };
-        let watched = plain_episode::variable(&self.monitor) == Some(variable);
+        let watched = threshold_episode::variable(&self.monitor) == Some(variable);
         let Some(bank) = self.bank.as_mut().filter(|_| watched) else {
             return notice(&mut self.monitor, &stimulus, &self.view);
         };
@@ -191,14 +191,14 @@ impl World {
                 bank.sample(*at, number, &mut told);
                 bank.take_decided(&told, &mut taken);
                 if let Some((_, run)) = taken.into_iter().find(|(id, _)| *id == HERE) {
-                    plain_episode::stand_up(&mut self.monitor, run);
+                    threshold_episode::stand_up(&mut self.monitor, run);
                     self.bank = None;
                 }
             }
             None => {
                 let run = bank.take(HERE).flatten();
                 self.bank = None;
-                plain_episode::stand_up(&mut self.monitor, run);
+                threshold_episode::stand_up(&mut self.monitor, run);
                 notice(&mut self.monitor, &stimulus, &self.view);
                 self.lie_down();
             }

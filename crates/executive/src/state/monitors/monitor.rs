@@ -109,15 +109,15 @@ pub struct Notes {
     /// When a delay at the end of an order is over, as the last verdict found.
     pub delay_over_at: Option<Time>,
     /// Errors met while judging, not yet reported.
-    pub troubles: Vec<Trouble>,
+    pub troubles: Vec<ConditionFault>,
     /// Errors already reported: each is told once.
-    pub told: Vec<Trouble>,
+    pub told: Vec<ConditionFault>,
 }
 
 /// An error inside a condition's expression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Trouble {
-    /// What went wrong, for people.
+pub struct ConditionFault {
+    /// What went wrong, for operators.
     pub message: String,
     /// Where.
     pub place: Place,
@@ -176,7 +176,7 @@ pub enum PartKind {
     InOrder(Box<Composite>),
     /// No result of the part.
     Not(Box<Part>),
-    /// An instant, or a span of instants, has come.
+    /// An instant, or a span of instants, has arrived.
     Timestamp(Box<TimePart>),
     /// So long after the window's start.
     Delay(Box<TimePart>),

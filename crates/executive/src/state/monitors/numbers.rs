@@ -289,7 +289,7 @@ impl Fit {
         self.newest = Some((at, number));
     }
 
-    /// What is no number has come at this instant: if the newest sample is of it, the fit is without that again.
+    /// What is no number has arrived at this instant: if the newest sample is of it, the fit is without that again.
     pub fn miss(&mut self, at: Time) {
         self.newest = self.newest.filter(|(newest_at, _)| *newest_at != at);
     }

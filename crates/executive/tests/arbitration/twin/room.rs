@@ -1,4 +1,4 @@
-//! Room: what fits beside whom, who keeps a place in the line, and when one who was refused can begin.
+//! Room: what fits next to whom, who keeps a place in the line, and when one who was refused can begin.
 
 use super::{Awaited, State, Twin};
 
@@ -43,7 +43,7 @@ impl Twin {
         ends?.into_iter().min()
     }
 
-    /// Is there room for what the task needs of this resource, or does it stay within what its family has?
+    /// Is there space for what the task needs of this resource, or does it stay within what its family has?
     pub(super) fn fits(&self, task: usize, which: usize, uses: &[usize]) -> bool {
         let before = self.used(uses, which);
         let after = self.used(&[uses, &[task]].concat(), which);

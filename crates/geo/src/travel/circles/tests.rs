@@ -1,7 +1,7 @@
 //! Circles by hand, against trying everything, and flown in small steps.
 
 use super::*;
-use crate::travel::{Air, Circling, Network, PlaceId, PlaneZone};
+use crate::travel::{Air, Circling, EndpointId, Network, PlaneZone};
 use apex_model::problem::{WindField, WindLayer};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -89,7 +89,7 @@ fn blowing(wind: Point, until_s: f64) -> Air {
         until_s,
         wind_east_mps: wind.x,
         wind_north_mps: wind.y,
-        turbulence: 0.0,
+        edr: 0.0,
     };
     Air::new(&WindField { layers: vec![layer], blend: false }, 100.0, 10.0, 0.0, ALL_DAY.1)
 }
@@ -115,9 +115,9 @@ fn zones() -> impl Strategy<Value = Vec<PlaneZone>> {
     prop::collection::vec(one, 0..4)
 }
 
-fn network(zones: &[PlaneZone], margin: f64, turn: f64, air: Air, places: &[Point]) -> (Network, Vec<PlaceId>) {
+fn network(zones: &[PlaneZone], margin: f64, turn: f64, air: Air, places: &[Point]) -> (Network, Vec<EndpointId>) {
     let mut network = Network::circling_on_plane(zones, (margin, turn), air, ALL_DAY, true).unwrap();
-    let ids: Vec<PlaceId> = places.iter().map(|place| network.add_point(*place).unwrap()).collect();
+    let ids: Vec<EndpointId> = places.iter().map(|place| network.add_point(*place).unwrap()).collect();
     ids.iter().for_each(|place| network.circle(*place));
     (network, ids)
 }

@@ -1,17 +1,17 @@
 //! The head of a TSPLIB file: keys with values.
 
 use super::super::distance::Metric;
-use super::super::instance::Question;
+use super::super::instance::ProblemKind;
 use super::super::pose;
-use super::super::words::{self, Word};
+use super::super::words::{self, TextToken};
 use super::HELP;
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 
 /// What the head says.
 #[derive(Default)]
 pub(super) struct Header {
     pub(super) name: Option<String>,
-    pub(super) question: Option<Question>,
+    pub(super) question: Option<ProblemKind>,
     /// Nodes with the depot.
     pub(super) dimension: Option<usize>,
     /// The metric; `Some(None)` where weights are given as numbers.
@@ -23,7 +23,7 @@ pub(super) struct Header {
 }
 
 /// The key and the value of the line that `first` begins.
-pub(super) fn split(first: &Word<'_>) -> (String, String) {
+pub(super) fn split(first: &TextToken<'_>) -> (String, String) {
     let line = first.whole_line.trim_start_matches('\u{feff}');
     let (key, value) = match line.split_once(':') {
         Some((key, value)) => (key, value),
@@ -34,12 +34,12 @@ pub(super) fn split(first: &Word<'_>) -> (String, String) {
 
 impl Header {
     /// Takes one key.
-    pub(super) fn set(&mut self, key: &str, value: String, at: &Word<'_>) -> Result<(), FormatTrouble> {
+    pub(super) fn set(&mut self, key: &str, value: String, at: &TextToken<'_>) -> Result<(), FormatError> {
         let upper = value.to_uppercase();
         // Mistakes are shown where the value begins.
         let column = at.whole_line.find(value.as_str()).filter(|_| !value.is_empty());
         let chars = column.and_then(|column| at.whole_line.get(..column)).map(|before| before.chars().count() + 1);
-        let word = Word { text: value.as_str(), column: chars.unwrap_or(at.column), ..*at };
+        let word = TextToken { text: value.as_str(), column: chars.unwrap_or(at.column), ..*at };
         match key {
             "NAME" => self.name = Some(words::cut(&value)).filter(|name| !name.is_empty()),
             "COMMENT" | "NODE_COORD_TYPE" | "DISPLAY_DATA_TYPE" => {}
@@ -68,10 +68,10 @@ impl Header {
     }
 }
 
-fn question(value: &str, at: &Word<'_>) -> Result<Question, FormatTrouble> {
+fn question(value: &str, at: &TextToken<'_>) -> Result<ProblemKind, FormatError> {
     match value.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default() {
-        "TSP" | "ATSP" => Ok(Question::Tour),
-        "OP" => Ok(Question::Orienteering),
+        "TSP" | "ATSP" => Ok(ProblemKind::Tour),
+        "OP" => Ok(ProblemKind::Orienteering),
         _ => {
             let reason = "read are TSP, ATSP and OP";
             Err(at.trouble(format!("problems of type {} are not planned for", words::cut(value)), reason, HELP))

@@ -6,10 +6,10 @@
 mod header;
 mod weights;
 
-use super::instance::{Instance, Question};
+use super::instance::{Instance, ProblemKind};
 use super::pose::{self, Frame, Vertex};
-use super::words::{self, Word, ends_early};
-use crate::format_error::FormatTrouble;
+use super::words::{self, TextToken, ends_early};
+use crate::format_error::FormatError;
 use header::Header;
 use weights::Weights;
 
@@ -35,7 +35,7 @@ struct Sections {
 }
 
 /// Reads a file.
-pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
+pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatError> {
     let mut header = Header::default();
     let mut sections = Sections::default();
     let mut lines = words::lines(text).filter(|line| !line.is_empty()).peekable();
@@ -49,7 +49,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Instance, FormatTrouble> {
             header.set(&key, value, &first)?;
             continue;
         }
-        let mut numbers: Vec<Word<'_>> = line.iter().skip(1).filter(|word| word.text != ":").copied().collect();
+        let mut numbers: Vec<TextToken<'_>> = line.iter().skip(1).filter(|word| word.text != ":").copied().collect();
         while let Some(more) = lines.next_if(|line| line.first().is_some_and(|word| begins_number(word.text))) {
             numbers.extend(more);
         }
@@ -64,11 +64,11 @@ fn begins_number(text: &str) -> bool {
 
 fn section(
     key: &str,
-    at: &Word<'_>,
-    numbers: &[Word<'_>],
+    at: &TextToken<'_>,
+    numbers: &[TextToken<'_>],
     header: &Header,
     sections: &mut Sections,
-) -> Result<(), FormatTrouble> {
+) -> Result<(), FormatError> {
     let count = header.dimension.ok_or_else(|| {
         at.trouble(format!("{key} comes before DIMENSION"), "its length depends on it", "put DIMENSION into the head")
     })?;
@@ -96,11 +96,11 @@ fn section(
 
 /// Rows of a node's number and `N` numbers, for each node from 1 to `count` in any order.
 fn numbered<const N: usize>(
-    at: &Word<'_>,
-    numbers: &[Word<'_>],
+    at: &TextToken<'_>,
+    numbers: &[TextToken<'_>],
     count: usize,
     what: &str,
-) -> Result<Vec<[f64; N]>, FormatTrouble> {
+) -> Result<Vec<[f64; N]>, FormatError> {
     let mut rows: Vec<Option<[f64; N]>> = vec![None; count];
     for row in numbers.chunks(N + 1) {
         let Some((node, values)) = row.split_first() else { continue };
@@ -134,7 +134,7 @@ fn numbered<const N: usize>(
 }
 
 /// The index of the one depot; none where the section is empty.
-fn depot(at: &Word<'_>, numbers: &[Word<'_>], count: usize) -> Result<Option<usize>, FormatTrouble> {
+fn depot(at: &TextToken<'_>, numbers: &[TextToken<'_>], count: usize) -> Result<Option<usize>, FormatError> {
     let mut listed = numbers.iter().take_while(|word| word.text != "-1");
     let Some(first) = listed.next() else { return Ok(None) };
     if let Some(second) = listed.next() {
@@ -145,7 +145,7 @@ fn depot(at: &Word<'_>, numbers: &[Word<'_>], count: usize) -> Result<Option<usi
     number.checked_sub(1).map(Some).ok_or_else(none)
 }
 
-fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result<Instance, FormatTrouble> {
+fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result<Instance, FormatError> {
     let missing = |what: &str| ends_early(text, format!("{what} is missing"), "without it there is no problem");
     let count = header.dimension.ok_or_else(|| missing("DIMENSION"))?;
     let question = header.question.ok_or_else(|| missing("TYPE"))?;
@@ -160,11 +160,11 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
     // The depot comes first, the others keep their order and their numbers.
     let order: Vec<usize> = std::iter::once(depot).chain((0..count).filter(|node| *node != depot)).collect();
     let limit = match (question, header.limit) {
-        (Question::Orienteering, None) => return Err(missing("COST_LIMIT")),
-        (Question::Orienteering, Some(limit)) => limit,
+        (ProblemKind::Orienteering, None) => return Err(missing("COST_LIMIT")),
+        (ProblemKind::Orienteering, Some(limit)) => limit,
         _ => weights.longest(count) * (count as f64 + 1.0) + 1.0,
     };
-    if question == Question::Orienteering && sections.scores.is_none() {
+    if question == ProblemKind::Orienteering && sections.scores.is_none() {
         return Err(missing("NODE_SCORE_SECTION"));
     }
     let place = |node: usize| sections.places.as_ref().and_then(|places| places.get(node)).copied();
@@ -184,7 +184,7 @@ fn finish(name: &str, text: &str, header: &Header, sections: Sections) -> Result
         _ => apex_model::problem::UNREACHABLE_S,
     };
     let problem = pose::problem(&vertices, frame, &time);
-    let format = if question == Question::Orienteering { "OPLib" } else { "TSPLIB" };
+    let format = if question == ProblemKind::Orienteering { "OPLib" } else { "TSPLIB" };
     Ok(Instance {
         name: header.name.clone().unwrap_or_else(|| name.to_string()),
         format,

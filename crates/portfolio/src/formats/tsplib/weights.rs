@@ -1,10 +1,10 @@
 //! Distances of a TSPLIB file: by a metric of places, or written out.
 
 use super::super::distance::Metric;
-use super::super::words::Word;
+use super::super::words::TextToken;
 use super::HELP;
 use super::header::Header;
-use crate::format_error::FormatTrouble;
+use crate::format_error::FormatError;
 use apex_model::problem::UNREACHABLE_S;
 
 /// Where distances come from.
@@ -65,11 +65,11 @@ fn cells(layout: &str, count: usize) -> Option<Box<dyn Iterator<Item = (usize, u
 
 /// The whole matrix.
 pub(super) fn read(
-    at: &Word<'_>,
-    numbers: &[Word<'_>],
+    at: &TextToken<'_>,
+    numbers: &[TextToken<'_>],
     count: usize,
     header: &Header,
-) -> Result<Vec<f64>, FormatTrouble> {
+) -> Result<Vec<f64>, FormatError> {
     let layout = header.layout.as_deref().unwrap_or("");
     let order = cells(layout, count).ok_or_else(|| {
         let reason = "read are FULL_MATRIX, UPPER_ROW, LOWER_ROW, UPPER_DIAG_ROW, LOWER_DIAG_ROW and their _COL twins";

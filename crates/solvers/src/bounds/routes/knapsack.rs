@@ -1,12 +1,12 @@
-//! A bound from the shortest legs alone: each visit takes half of the shortest leg to it and half of that from it.
+//! Knapsack bound from the shortest legs alone: each visit weighs half of the shortest leg to it and half of that from it.
 
-use crate::planners::single_visit::steady::network::{END, Network, START};
+use crate::routing::network::{END, Network, START};
 
-/// The most value whose halves of legs fit into the flight, the last target in part.
+/// Greatest value whose weights fit into the flight, the last target in part (linear relaxation).
 pub(super) fn bound(network: &Network) -> f64 {
     let shortest = |legs: &mut dyn Iterator<Item = i32>| f64::from(legs.min().unwrap_or(0));
     let others = |node: u32| network.visits().filter(move |other| *other != node);
-    // For each target the most valuable and the quickest of its nodes: no route does better.
+    // Combines the greatest value and the least weight of each target's nodes: no route does better.
     let mut value = vec![0.0_f64; network.targets];
     let mut takes = vec![f64::INFINITY; network.targets];
     for node in network.visits() {

@@ -1,89 +1,102 @@
-//! The best route of few targets, proven: labels from both ends, each with the other end's for a bound, under prices.
+//! Exact search for the best route of few targets: labels from both ends, each bounded by the labels of the other end.
 //!
-//! First prices are found under which walks hardly gain by coming back to a target. Then labels run from the start to the
-//! end, from the end to the start, and so on: a label goes on only where what the last run from the other end knows lets it
-//! come to what is wanted. After each run the targets between two visits of one remember that one, so walks get nearer to
-//! routes and labels fewer (decremental state space relaxation: Righini and Salani 2008). Where the best walk visits no
-//! target twice and yet is worth less than its bound, because of prices for targets it leaves out, labels count values
-//! themselves, and prices are given back only for what may still be seen.
+//! First, subgradient steps find multipliers under which walks gain little from revisits. Then labels run from the start,
+//! from the end, and so on; each run prunes labels by the completion bounds of the run before. After each run, a target that
+//! the best walk revisits joins the ng-sets of the targets between its visits (decremental state space relaxation: Righini and
+//! Salani 2008). If the best walk visits no target twice and still has less profit than its bound, because multipliers of unvisited
+//! targets are refunded, a last run counts full values and refunds only multipliers of targets that may still be visited.
 
-use super::completion::Completion;
-use super::grain::Grain;
-use super::labels::{Ahead, Found, Given, STEPS_PER_UNIT, Search};
-use super::late::Late;
-use super::memory::{self, Targets};
-use super::prices::Rounds;
-use super::rest::Rest;
+use super::label_completion::LabelCompletion;
+use super::labels::{CompletionBound, Labelling, LabellingResult, MultiplierRefund, STEPS_PER_UNIT};
+use super::latest_departures::LatestDepartures;
+use super::ng_sets::{self, Targets};
+use super::subgradient::SubgradientAscent;
+use super::value_step::ValueStep;
+use super::walk_completion::WalkCompletion;
 use super::walks::Layout;
-use super::{Proven, worths};
-use crate::planners::single_visit::steady::network::Network;
+use super::{Proven, reduced_profits};
+use crate::routing::network::Network;
 use apex_planning::solver::Budget;
 
-/// Targets that each one remembers in the beginning, itself included. Tests have few targets, and want walks that come back.
-const REMEMBERED: usize = if cfg!(test) { 3 } else { 8 };
-/// What they remember in the first runs: these have walks alone for a bound, so their labels must be few.
-const FIRST_REMEMBERED: [usize; 4] = if cfg!(test) { [1, 2, 3, 4] } else { [3, 4, 5, 6] };
-/// Runs under the same prices.
+/// Sizes of ng-sets and of completion bounds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MemorySizes {
+    /// Initial size of an ng-set, its own target included.
+    pub(super) remembered: usize,
+    /// Sizes in the first runs. These have only walks as completion bounds, so their labels must be few.
+    pub(super) first_remembered: [usize; 4],
+    /// Pairs kept per node and time bucket; of the others, only the highest value.
+    pub(super) listed_max: usize,
+}
+
+impl MemorySizes {
+    /// The sizes that ship. Tests with few targets also use smaller ones, with which walks revisit targets.
+    pub(super) const SHIPPED: MemorySizes =
+        MemorySizes { remembered: 8, first_remembered: [3, 4, 5, 6], listed_max: 64 };
+}
+
+/// Maximum number of runs under the same multipliers.
 const RUNS_MAX: usize = 100;
-/// How prices are found, and labels tried under them.
+/// Parameters of one pass: subgradient steps, then labels.
 #[derive(Clone, Copy)]
-struct Turn {
-    /// The first steps of prices as a share of the gap, and the least.
+struct ProofPass {
+    /// Initial and least step length, as shares of the gap.
     share: f64,
     least: f64,
-    /// Rounds without a better bound after which steps are halved.
+    /// Steps without a better bound after which their length is halved.
     patience: u32,
-    /// The targets that a visit may be followed by meanwhile.
+    /// Number of nearest targets that may follow a visit during the steps.
     near: usize,
-    /// The share of the units left that labels may take.
+    /// Share of the remaining units that labels may take.
     of_left: f64,
 }
 
-/// In a hurry, which is enough where windows are narrow.
-const QUICK: [Turn; 3] = [
-    Turn { share: 1.0, least: 0.3, patience: 4, near: 14, of_left: 0.95 },
-    Turn { share: 0.5, least: 0.3, patience: 4, near: 14, of_left: 0.7 },
-    Turn { share: 0.5, least: 0.3, patience: 4, near: 24, of_left: 1.0 },
+/// Fast passes, sufficient for narrow time windows.
+const FAST_PASSES: [ProofPass; 3] = [
+    ProofPass { share: 1.0, least: 0.3, patience: 4, near: 14, of_left: 0.95 },
+    ProofPass { share: 0.5, least: 0.3, patience: 4, near: 14, of_left: 0.7 },
+    ProofPass { share: 0.5, least: 0.3, patience: 4, near: 24, of_left: 1.0 },
 ];
-/// With care.
-const CAREFUL: [Turn; 3] = [
-    Turn { share: 1.0, least: 0.05, patience: 6, near: 14, of_left: 0.95 },
-    Turn { share: 0.5, least: 0.05, patience: 6, near: 24, of_left: 0.7 },
-    Turn { share: 0.5, least: 0.05, patience: 6, near: 64, of_left: 1.0 },
+/// Fine passes.
+const FINE_PASSES: [ProofPass; 3] = [
+    ProofPass { share: 1.0, least: 0.05, patience: 6, near: 14, of_left: 0.95 },
+    ProofPass { share: 0.5, least: 0.05, patience: 6, near: 24, of_left: 0.7 },
+    ProofPass { share: 0.5, least: 0.05, patience: 6, near: 64, of_left: 1.0 },
 ];
-/// Buckets of the whole flight for bounds of walks: wanted, wanted while prices are sought in a hurry, and allowed.
+/// Time buckets of the whole flight for completion bounds of walks: of labels, of the steps of a fast pass, and at most.
 const BUCKETS: i32 = 500;
-const BUCKETS_IN_A_HURRY: i32 = 70;
+const COARSE_BUCKETS: i32 = 70;
 const BUCKETS_MAX: i32 = 20_000;
-/// The share of the units that the very first labels may take: where they take more, all that follows would take too long.
+/// Share of the units that the first labels may take: if they need more, the runs after them would take too long.
 const FIRST_SHARE: f64 = 0.25;
-/// Ways through another node that are looked at for one unit of work, from both ends.
+/// Paths through another node inspected per unit of work, from both ends.
 const WAYS_PER_UNIT: u64 = 1_000;
 
-/// A proof on its way.
+/// State of the search.
 pub(super) struct Proof<'n> {
     network: &'n Network,
+    sizes: MemorySizes,
     /// The network with its ends exchanged.
     turned: Network,
-    late: [Late; 2],
-    /// Of each of the two, for each node those that may follow it.
-    onward: [Vec<Vec<u32>>; 2],
+    latest_departures: [LatestDepartures; 2],
+    /// The nodes that may follow each node, in both networks.
+    successors: [Vec<Vec<u32>>; 2],
     layout: Layout,
-    layout_in_a_hurry: Layout,
-    grain: Grain,
-    prices: Vec<f64>,
+    coarse_layout: Layout,
+    value_step: ValueStep,
+    multipliers: Vec<f64>,
     sampled: Vec<Targets>,
-    remembers: Vec<Targets>,
-    /// What some route is worth.
-    reached: f64,
+    ng_sets: Vec<Targets>,
+    /// Profit of the best known route.
+    incumbent: f64,
     known: Proven,
-    /// Are turns taken with care? The one that is on, and whether its prices are found.
-    is_careful: bool,
-    turn: usize,
+    /// Whether passes are fine; the current pass; whether its multipliers are found.
+    is_fine_pass: bool,
+    pass: usize,
     priced: bool,
 }
 
-/// Buckets short enough that every leg takes one at least; none where these are too many.
+/// Buckets so short that every leg takes at least one; `None` if these are more than [`BUCKETS_MAX`].
 fn layout(network: &Network, buckets: i32) -> Option<Layout> {
     let legs = network.visits().flat_map(|from| network.visits().map(move |to| (from, to)));
     let shortest = legs.filter(|(from, to)| from != to).map(|(from, to)| network.leg(from, to)).min()?;
@@ -91,8 +104,8 @@ fn layout(network: &Network, buckets: i32) -> Option<Layout> {
     (shortest > 0 && network.limit() / bucket <= BUCKETS_MAX).then(|| Layout::new(network, bucket))
 }
 
-/// For each node the visits that are in time after it at its earliest.
-pub(super) fn onward(network: &Network) -> Vec<Vec<u32>> {
+/// For each node the visits that are in time after its earliest time.
+pub(super) fn successors(network: &Network) -> Vec<Vec<u32>> {
     let follows = |node: u32, next: u32| {
         let (here, there) = (network.node(node), network.node(next));
         next != node && here.open + network.leg(node, next) <= there.close
@@ -102,101 +115,100 @@ pub(super) fn onward(network: &Network) -> Vec<Vec<u32>> {
 }
 
 impl<'n> Proof<'n> {
-    /// Work of `new`: the quickest ways through any other node, from either end.
+    /// Work of `new`: shortest paths through any other node, from either end.
     pub(super) fn units_to_begin(network: &Network) -> u64 {
         let nodes = network.nodes.len() as u64;
         1 + nodes.saturating_mul(nodes).saturating_mul(nodes) / WAYS_PER_UNIT
     }
 
-    /// A proof that begins without prices, and the bound that is known; none where there are too many targets, or legs of no
-    /// time.
-    pub(super) fn new(network: &'n Network, bound: f64) -> Option<Proof<'n>> {
-        if network.targets > memory::TARGETS_MAX {
+    /// A search without multipliers that knows `bound`. `None` if there are too many targets, or a leg takes no time.
+    pub(super) fn new(network: &'n Network, bound: f64, sizes: MemorySizes) -> Option<Proof<'n>> {
+        if network.targets > ng_sets::TARGETS_MAX {
             return None;
         }
-        let (layout, layout_in_a_hurry) = (layout(network, BUCKETS)?, layout(network, BUCKETS_IN_A_HURRY)?);
+        let (layout, coarse_layout) = (layout(network, BUCKETS)?, layout(network, COARSE_BUCKETS)?);
         let turned = network.turned();
         Some(Proof {
             network,
-            late: [Late::new(network), Late::new(&turned)],
-            onward: [onward(network), onward(&turned)],
+            sizes,
+            latest_departures: [LatestDepartures::new(network), LatestDepartures::new(&turned)],
+            successors: [successors(network), successors(&turned)],
             turned,
             layout,
-            layout_in_a_hurry,
-            grain: Grain::new(network),
-            prices: vec![0.0; network.targets],
-            sampled: memory::nearest(network, REMEMBERED),
-            remembers: vec![0; network.targets],
-            reached: f64::NEG_INFINITY,
+            coarse_layout,
+            value_step: ValueStep::new(network),
+            multipliers: vec![0.0; network.targets],
+            sampled: ng_sets::nearest(network, sizes.remembered),
+            ng_sets: vec![0; network.targets],
+            incumbent: f64::NEG_INFINITY,
             known: Proven { bound, better: None },
-            is_careful: false,
-            turn: 0,
+            is_fine_pass: false,
+            pass: 0,
             priced: false,
         })
     }
 
-    /// Begins with these prices, where no labels have come to an end yet.
-    pub(super) fn begin_with(&mut self, prices: Vec<f64>) {
-        self.prices = prices;
+    /// Begins with these multipliers; only before the first labels.
+    pub(super) fn begin_with(&mut self, multipliers: Vec<f64>) {
+        self.multipliers = multipliers;
     }
 
-    /// Begins anew with care, and with these prices if any are known: what was learnt in a hurry makes labels many.
-    pub(super) fn begin_with_care(&mut self, prices: Option<Vec<f64>>) {
-        self.prices = prices.unwrap_or_else(|| vec![0.0; self.network.targets]);
-        (self.is_careful, self.turn, self.priced) = (true, 0, false);
-        self.sampled = memory::nearest(self.network, REMEMBERED);
-        self.remembers.fill(0);
+    /// Restarts with fine passes and these multipliers, if any: ng-sets of the fast passes would make labels many.
+    pub(super) fn restart_fine(&mut self, multipliers: Option<Vec<f64>>) {
+        self.multipliers = multipliers.unwrap_or_else(|| vec![0.0; self.network.targets]);
+        (self.is_fine_pass, self.pass, self.priced) = (true, 0, false);
+        self.sampled = ng_sets::nearest(self.network, self.sizes.remembered);
+        self.ng_sets.fill(0);
     }
 
-    /// The least bound known when the budget has used `until`, and a route that is worth more than `reached`, which is what
-    /// some route is worth, if one was found. Goes on where the last call ended. False where even the first labels take too
-    /// long: nothing is known then that was not known before.
-    pub(super) fn run(&mut self, reached: f64, until: u64, budget: &mut dyn Budget) -> bool {
-        (self.reached, self.known.better) = (reached, None);
-        while let Some(turn) = self.turns().get(self.turn).copied() {
-            if !self.priced && !self.find_prices(turn, (until, budget)) {
-                return self.turn > 0;
+    /// Continues until the budget has used `until`, and updates the least bound and the best route ([`Proof::known`]). `incumbent`
+    /// is the profit of a known route. Returns false if even the first labels did not end: then nothing new is known.
+    pub(super) fn run(&mut self, incumbent: f64, until: u64, budget: &mut dyn Budget) -> bool {
+        (self.incumbent, self.known.better) = (incumbent, None);
+        while let Some(pass) = self.passes().get(self.pass).copied() {
+            if !self.priced && !self.find_multipliers(pass, (until, budget)) {
+                return self.pass > 0;
             }
-            // In a hurry what prices are by then is good enough to go on with.
-            if self.is_careful && (budget.used() >= until || budget.exhausted()) {
+            // In a fast pass the multipliers found by then suffice.
+            if self.is_fine_pass && (budget.used() >= until || budget.exhausted()) {
                 break;
             }
             self.priced = true;
             let left = until.saturating_sub(budget.used()) as f64;
-            let settled = self.alternate(budget.used() + (turn.of_left * left) as u64, budget);
+            let settled = self.alternate(budget.used() + (pass.of_left * left) as u64, budget);
             if settled || budget.used() >= until || budget.exhausted() {
                 break;
             }
-            (self.turn, self.priced) = (self.turn + 1, false);
+            (self.pass, self.priced) = (self.pass + 1, false);
         }
         true
     }
 
-    fn turns(&self) -> [Turn; 3] {
-        if self.is_careful { CAREFUL } else { QUICK }
+    fn passes(&self) -> [ProofPass; 3] {
+        if self.is_fine_pass { FINE_PASSES } else { FAST_PASSES }
     }
 
-    /// What is known by now.
+    /// The present bound and best route.
     pub(super) fn known(&self) -> &Proven {
         &self.known
     }
 
-    /// Finds prices; false where not even the first labels come to an end.
-    fn find_prices(&mut self, turn: Turn, (until, budget): (u64, &mut dyn Budget)) -> bool {
-        let Turn { share, least, patience, near, .. } = turn;
+    /// Finds multipliers. Returns false if even the first labels did not end.
+    fn find_multipliers(&mut self, pass: ProofPass, (until, budget): (u64, &mut dyn Budget)) -> bool {
+        let ProofPass { share, least, patience, near, .. } = pass;
         let network = self.network;
-        let (reached, wanted) = (self.reached, self.grain.above(self.reached));
-        let layout = if self.is_careful { &self.layout } else { &self.layout_in_a_hurry };
-        let rounds = Rounds {
+        let (incumbent, cutoff) = (self.incumbent, self.value_step.above(self.incumbent));
+        let layout = if self.is_fine_pass { &self.layout } else { &self.coarse_layout };
+        let rounds = SubgradientAscent {
             network,
-            late: &self.late[0],
-            onward: &self.onward[0],
+            latest_departures: &self.latest_departures[0],
+            successors: &self.successors[0],
             layout,
             near,
             least,
             patience,
-            reached,
-            wanted,
+            incumbent,
+            cutoff,
         };
         let mut best: Option<(f64, Vec<u32>)> = None;
         let mut hear = |walk: &[u32]| {
@@ -206,61 +218,63 @@ impl<'n> Proof<'n> {
             }
         };
         let first = budget.used() + (FIRST_SHARE * until.saturating_sub(budget.used()) as f64) as u64;
-        let found = rounds.run(&mut self.prices, &mut self.sampled, share, (first, until, budget), &mut hear);
+        let found = rounds.run(&mut self.multipliers, &mut self.sampled, share, (first, until, budget), &mut hear);
         if let Some((_, walk)) = best {
             self.hear(walk);
         }
-        self.remembers.iter_mut().zip(&self.sampled).for_each(|(all, sampled)| *all |= sampled);
+        self.ng_sets.iter_mut().zip(&self.sampled).for_each(|(all, sampled)| *all |= sampled);
         found
     }
 
-    /// Keeps a route that is better than what was reached.
+    /// Keeps a route of more profit than the incumbent. Returns true if it was kept.
     fn hear(&mut self, walk: Vec<u32>) -> bool {
         let value = value_of(self.network, &walk).unwrap_or(f64::NEG_INFINITY);
-        let better = value >= self.grain.above(self.reached);
+        let better = value >= self.value_step.above(self.incumbent);
         if better {
-            self.reached = value;
+            self.incumbent = value;
             self.known.better = Some(walk);
         }
         better
     }
 
-    /// Labels from both ends in turn: true where the best is proven, false where labels or units did not suffice.
+    /// Runs labels from both ends alternately. Returns true if the best route is proven, false if labels or units did not suffice.
     fn alternate(&mut self, until: u64, budget: &mut dyn Budget) -> bool {
-        let worth = worths(self.network, &self.prices);
-        let given = Given::All(self.prices.iter().sum());
-        let (completion, steps) = Completion::new(self.network, &self.layout, &self.onward[0], &self.prices);
+        let reduced_profit = reduced_profits(self.network, &self.multipliers);
+        let refund = MultiplierRefund::All(self.multipliers.iter().sum());
+        let (completion, steps) =
+            WalkCompletion::new(self.network, &self.layout, &self.successors[0], &self.multipliers);
         budget.charge(1 + steps / STEPS_PER_UNIT);
-        let mut rest: Option<Rest> = None;
+        let mut rest: Option<LabelCompletion> = None;
         let began = budget.used();
         for run in 0..RUNS_MAX {
             let end = run % 2;
-            let first = FIRST_REMEMBERED.get(run).map(|size| {
-                let few = memory::nearest(self.network, *size);
-                few.iter().zip(&self.remembers).map(|(few, all)| few & all).collect::<Vec<Targets>>()
+            let first = self.sizes.first_remembered.get(run).map(|size| {
+                let few = ng_sets::nearest(self.network, *size);
+                few.iter().zip(&self.ng_sets).map(|(few, all)| few & all).collect::<Vec<Targets>>()
             });
-            let ahead = rest.as_ref().map_or(Ahead::Walks(&completion), Ahead::Labels);
-            let remembers = first.as_ref().unwrap_or(&self.remembers);
-            let Some(found) = self.search(end, &worth, remembers, (ahead, given)).run(until, budget) else {
+            let completion_bound = rest.as_ref().map_or(CompletionBound::Walks(&completion), CompletionBound::Labels);
+            let ng_sets = first.as_ref().unwrap_or(&self.ng_sets);
+            let Some(found) = self.search(end, &reduced_profit, ng_sets, (completion_bound, refund)).run(until, budget)
+            else {
                 return false;
             };
             let walk = in_order(end, &found.walk);
             let mut stuck = first.is_none();
             if stuck {
-                stuck = !memory::grow(&mut self.remembers, self.network, &walk, u32::MAX);
-                let others = if self.is_careful { &[] } else { found.others.as_slice() };
+                stuck = !ng_sets::grow(&mut self.ng_sets, self.network, &walk, u32::MAX);
+                let others = if self.is_fine_pass { &[] } else { found.others.as_slice() };
                 for other in others.iter().map(|other| in_order(end, other)) {
-                    memory::grow(&mut self.remembers, self.network, &other, u32::MAX);
+                    ng_sets::grow(&mut self.ng_sets, self.network, &other, u32::MAX);
                 }
             }
             let better = self.hear(walk);
             if self.settles(&found) {
                 return true;
             }
-            let next = self.rest(end, &found, &worth, budget);
+            let next = self.rest(end, &found, &reduced_profit, budget);
             if stuck && !better {
-                // Either it is quickly done, or other prices help more.
-                let last = self.turn + 1 == CAREFUL.len() && self.is_careful;
+                // Either this ends soon, or other multipliers help more.
+                let last = self.pass + 1 == FINE_PASSES.len() && self.is_fine_pass;
                 let until = if last { until } else { until.min(budget.used() + (budget.used() - began)) };
                 return self.finish(1 - end, &next, until, budget);
             }
@@ -269,54 +283,70 @@ impl<'n> Proof<'n> {
         false
     }
 
-    /// Labels that remember everything and count values themselves, from an end whose other end's labels say what is left: as
-    /// `alternate`.
-    fn finish(&mut self, end: usize, rest: &Rest, until: u64, budget: &mut dyn Budget) -> bool {
-        let worth = worths(self.network, &[]);
-        let all = vec![Targets::MAX; self.remembers.len()];
-        let (ahead, given) = (Ahead::Labels(rest), Given::Open(&self.prices));
-        let Some(found) = self.search(end, &worth, &all, (ahead, given)).run(until, budget) else {
+    /// Runs labels with full memory and full values from `end`, bounded by the labels of the other end. Returns as `alternate`.
+    fn finish(&mut self, end: usize, rest: &LabelCompletion, until: u64, budget: &mut dyn Budget) -> bool {
+        let reduced_profit = reduced_profits(self.network, &[]);
+        let all = vec![Targets::MAX; self.ng_sets.len()];
+        let (completion_bound, refund) =
+            (CompletionBound::Labels(rest), MultiplierRefund::Unvisited(&self.multipliers));
+        let Some(found) = self.search(end, &reduced_profit, &all, (completion_bound, refund)).run(until, budget) else {
             return false;
         };
         self.hear(in_order(end, &found.walk));
-        self.known.bound = self.known.bound.min(self.reached);
+        self.known.bound = self.known.bound.min(self.incumbent);
         true
     }
 
     fn search<'a>(
         &'a self,
         end: usize,
-        worth: &'a [f64],
-        remembers: &'a [Targets],
-        (ahead, given): (Ahead<'a>, Given<'a>),
-    ) -> Search<'a> {
-        let [first, second] = &self.onward;
-        let (network, late, onward) = match end {
-            0 => (self.network, &self.late[0], first),
-            _ => (&self.turned, &self.late[1], second),
+        reduced_profit: &'a [f64],
+        ng_sets: &'a [Targets],
+        (completion_bound, refund): (CompletionBound<'a>, MultiplierRefund<'a>),
+    ) -> Labelling<'a> {
+        let [first, second] = &self.successors;
+        let (network, latest_departures, successors) = match end {
+            0 => (self.network, &self.latest_departures[0], first),
+            _ => (&self.turned, &self.latest_departures[1], second),
         };
-        let wanted = self.grain.above(self.reached);
-        Search { network, late, worth, remembers, onward, ahead, given, wanted, slack: 0.0 }
+        let cutoff = self.value_step.above(self.incumbent);
+        Labelling {
+            network,
+            latest_departures,
+            reduced_profit,
+            ng_sets,
+            successors,
+            completion_bound,
+            refund,
+            cutoff,
+            slack: 0.0,
+        }
     }
 
-    /// What labels from `end` say to those from the other.
-    fn rest(&self, end: usize, found: &Found, worth: &[f64], budget: &mut dyn Budget) -> Rest {
+    /// Completion bounds for the other end from the labels of `end`.
+    fn rest(
+        &self,
+        end: usize,
+        found: &LabellingResult,
+        reduced_profit: &[f64],
+        budget: &mut dyn Budget,
+    ) -> LabelCompletion {
         let mut steps = 0;
-        let rest = Rest::new(if end == 0 { self.network } else { &self.turned }, &found.labels, worth, &mut steps);
+        let network = if end == 0 { self.network } else { &self.turned };
+        let rest = LabelCompletion::new(network, &found.labels, reduced_profit, self.sizes.listed_max, &mut steps);
         budget.charge(1 + steps / STEPS_PER_UNIT);
         rest
     }
 
-    /// Takes what a search has proven: no route that is better is worth more than its best walk. True where that is no
-    /// more than what was reached.
-    fn settles(&mut self, found: &Found) -> bool {
-        let bound = if found.is_nothing() { self.reached } else { found.value };
+    /// Updates the bound by the result of a run. Returns true if it is no greater than the incumbent.
+    fn settles(&mut self, found: &LabellingResult) -> bool {
+        let bound = if found.is_nothing() { self.incumbent } else { found.value };
         self.known.bound = self.known.bound.min(bound);
-        self.grain.below(self.known.bound) <= self.reached
+        self.value_step.below(self.known.bound) <= self.incumbent
     }
 }
 
-/// A walk that labels from `end` have found, from the start.
+/// A walk found from `end`, in order from the start.
 fn in_order(end: usize, walk: &[u32]) -> Vec<u32> {
     let mut walk = walk.to_vec();
     if end == 1 {
@@ -325,11 +355,11 @@ fn in_order(end: usize, walk: &[u32]) -> Vec<u32> {
     walk
 }
 
-/// What a walk is worth, where it sees no target twice.
+/// Profit of a walk; `None` if it visits a target twice.
 pub(super) fn value_of(network: &Network, walk: &[u32]) -> Option<f64> {
     let (mut seen, mut value) = (0, 0.0);
     for node in walk.iter().map(|node| network.node(*node)) {
-        let bit = memory::bit_of(node.target);
+        let bit = ng_sets::bit_of(node.target);
         if seen & bit != 0 {
             return None;
         }

@@ -1,17 +1,20 @@
-//! Bounds and what they are made of against naive twins, on networks where nothing is symmetric.
+//! Bounds and what they are made of against naive twins, on networks if nothing is symmetric.
 
-use super::front::Front;
-use super::grain::Grain;
-use super::labels::{Ahead, Given, Search};
-use super::late::Late;
-use super::memory::Targets;
-use super::rest::Rest;
+use super::label_completion::LabelCompletion;
+use super::labels::{CompletionBound, Labelling, MultiplierRefund};
+use super::latest_departures::LatestDepartures;
+use super::ng_sets::Targets;
+use super::pareto_front::ParetoFront;
+use super::value_step::ValueStep;
 use super::walks::Layout;
 use super::*;
-use crate::planners::single_visit::steady::network::{END, FIRST, NO_WAY, Network, Node, START};
+use crate::routing::network::{END, FIRST, NO_WAY, Network, Node, START};
 use apex_planning::random::Generator;
 use apex_planning::solver::WorkBudget;
 use proptest::prelude::*;
+
+/// Sizes with which walks over few targets revisit some, and pairs are left out.
+const SMALL: MemorySizes = MemorySizes { remembered: 3, first_remembered: [1, 2, 3, 4], listed_max: 2 };
 
 /// Up to eight targets with one or two nodes each; windows wide and narrow, waiting, one-way legs of any length. Of every
 /// other network the targets that can be visited are far apart in the list of all.
@@ -26,33 +29,33 @@ fn parts(seed: u64) -> (Vec<Node>, Vec<i32>, usize) {
 
 /// Only every so many-th target can be visited.
 fn parts_apart(seed: u64, apart: u32) -> (Vec<Node>, Vec<i32>, usize) {
-    let mut chance = Generator::new(seed);
-    let targets = 3 + chance.below(6);
-    let limit = 100 + chance.below(120) as i32;
+    let mut rng = Generator::new(seed);
+    let targets = 3 + rng.below(6);
+    let limit = 100 + rng.below(120) as i32;
     let terminal = |close| Node { target: u32::MAX, manoeuvre: 0, open: 0, close, value: 0.0 };
     let mut nodes = vec![terminal(0), terminal(limit)];
     for target in 0..targets as u32 {
-        for manoeuvre in 0..1 + u32::from(chance.below(4) == 0) {
-            let open = chance.below(limit as usize) as i32;
-            let wide = chance.below(2) == 0;
-            let (open, close) = if wide { (0, limit) } else { (open, open + chance.below(40) as i32) };
+        for manoeuvre in 0..1 + u32::from(rng.below(4) == 0) {
+            let open = rng.below(limit as usize) as i32;
+            let wide = rng.below(2) == 0;
+            let (open, close) = if wide { (0, limit) } else { (open, open + rng.below(40) as i32) };
             let value = match seed % 3 {
-                0 => 10.0 * (1 + chance.below(5)) as f64,
-                1 => 0.1 * (1 + chance.below(30)) as f64,
-                _ => 0.01 + chance.unit(),
+                0 => 10.0 * (1 + rng.below(5)) as f64,
+                1 => 0.1 * (1 + rng.below(30)) as f64,
+                _ => 0.01 + rng.unit(),
             };
             let target = target * apart;
             nodes.push(Node { target, manoeuvre, open, close, value });
         }
     }
-    let leg = |from: usize, to: usize, chance: &mut Generator| {
+    let leg = |from: usize, to: usize, rng: &mut Generator| {
         let same = nodes[from].target == nodes[to].target;
-        if same || to as u32 == START || from as u32 == END || chance.below(12) == 0 {
+        if same || to as u32 == START || from as u32 == END || rng.below(12) == 0 {
             return if from as u32 == START && to as u32 == END { 0 } else { NO_WAY };
         }
-        3 + chance.below(45) as i32
+        3 + rng.below(45) as i32
     };
-    let legs = (0..nodes.len() * nodes.len()).map(|it| leg(it / nodes.len(), it % nodes.len(), &mut chance)).collect();
+    let legs = (0..nodes.len() * nodes.len()).map(|it| leg(it / nodes.len(), it % nodes.len(), &mut rng)).collect();
     (nodes, legs, (targets - 1) * apart as usize + 1)
 }
 
@@ -100,9 +103,9 @@ fn most(routes: &[(f64, Vec<u32>)]) -> f64 {
 }
 
 /// Prices of any height, some of them nothing.
-fn random_prices(network: &Network, chance: &mut Generator) -> Vec<f64> {
+fn random_multipliers(network: &Network, rng: &mut Generator) -> Vec<f64> {
     let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len() as f64;
-    (0..network.targets).map(|_| (1.5 * chance.unit() - 0.4).max(0.0) * mean).collect()
+    (0..network.targets).map(|_| (1.5 * rng.unit() - 0.4).max(0.0) * mean).collect()
 }
 
 proptest! {
@@ -111,19 +114,27 @@ proptest! {
     fn what_is_proven_is_the_most_that_any_route_is_worth(seed in 0..100_000u64, share in 0..3u32) {
         let network = random(seed);
         let best = most(&routes(&network));
-        let reached = f64::from(share) * 0.5 * best;
+        let incumbent = f64::from(share) * 0.5 * best;
         let sum: f64 = network.nodes.iter().map(|node| node.value).sum();
-        let mut proof = Proof::new(&network, sum).unwrap();
-        prop_assert!(proof.run(reached, 1 << 40, &mut WorkBudget::new(1 << 40)));
-        let found = proof.known();
-        let bound = Grain::new(&network).below(found.bound).max(reached);
-        prop_assert!(bound >= best - 1e-9 && bound <= best + 1e-5, "{bound} of {best}");
-        match &found.better {
-            Some(route) => {
-                prop_assert!(flies(&network, route));
-                prop_assert!((proof::value_of(&network, route).unwrap() - best).abs() < 1e-9);
+        for sizes in [SMALL, MemorySizes::SHIPPED] {
+            let mut proof = Proof::new(&network, sum, sizes).unwrap();
+            let (mut reached, mut bound) = (incumbent, f64::INFINITY);
+            // The fast passes may leave a gap, which the fine ones close.
+            for is_fine in [false, true] {
+                if is_fine {
+                    proof.restart_fine(None);
+                }
+                prop_assert!(proof.run(reached, 1 << 40, &mut WorkBudget::new(1 << 40)));
+                let found = proof.known();
+                if let Some(route) = &found.better {
+                    prop_assert!(flies(&network, route));
+                    reached = proof::value_of(&network, route).unwrap();
+                }
+                bound = ValueStep::new(&network).below(found.bound).max(reached);
+                prop_assert!(bound >= best - 1e-9, "{bound} of {best}");
             }
-            None => prop_assert!(reached >= best - 1e-9),
+            prop_assert!(bound <= best + 1e-5, "{bound} of {best}");
+            prop_assert!((reached - best.max(incumbent)).abs() < 1e-9, "{reached} of {best}");
         }
     }
 
@@ -148,33 +159,33 @@ proptest! {
     fn a_question_asked_bit_by_bit_is_answered_as_one_asked_at_once(seed in 0..100_000u64, units in 1..40u64) {
         let network = random(seed);
         let best = most(&routes(&network));
-        let (mut question, budget) = (Question::new(&network), &mut WorkBudget::new(1 << 40));
-        let mut reached = 0.0;
+        let (mut question, budget) = (BoundSearch::new(&network), &mut WorkBudget::new(1 << 40));
+        let mut incumbent = 0.0;
         for ask in 0..12 {
             match ask % 3 {
-                2 => question.answer(reached, units, budget),
-                _ => question.ask_labels(reached, units, budget),
+                2 => question.answer(incumbent, units, budget),
+                _ => question.ask_labels(incumbent, units, budget),
             }
             let told = question.told();
             prop_assert!(told.bound >= best - 1e-9, "{} of {best}", told.bound);
             if let Some(route) = told.better {
                 prop_assert!(flies(&network, &route));
                 let value = proof::value_of(&network, &route).unwrap();
-                prop_assert!(value > reached && value <= best + 1e-9, "{value} after {reached} of {best}");
-                reached = value;
+                prop_assert!(value > incumbent && value <= best + 1e-9, "{value} after {incumbent} of {best}");
+                incumbent = value;
             }
         }
-        question.answer(reached, 1 << 30, budget);
+        question.answer(incumbent, 1 << 30, budget);
         let told = question.told();
         prop_assert!((told.bound - best).abs() < 1e-5, "{} of {best}", told.bound);
-        prop_assert_eq!(told.better.is_some(), reached < best - 1e-9);
+        prop_assert_eq!(told.better.is_some(), incumbent < best - 1e-9);
     }
 
     #[test]
     fn of_targets_that_fit_into_no_set_walks_alone_say_what_they_can(seed in 0..100_000u64, units in 0..20_000u64) {
         let (nodes, legs, targets) = parts_apart(seed, 64);
         let network = Network::given(nodes, legs, targets);
-        prop_assert_eq!(Proof::new(&network, 0.0).is_some(), targets <= 128);
+        prop_assert_eq!(Proof::new(&network, 0.0, SMALL).is_some(), targets <= 128);
         let found = highest_value(&network, 0.0, units, &mut WorkBudget::new(1 << 40));
         prop_assert!(found.bound >= most(&routes(&network)) - 1e-9);
         prop_assert!(found.better.is_none() || targets <= 128);
@@ -184,40 +195,51 @@ proptest! {
     fn labels_of_either_end_find_what_no_route_beats_whatever_prices_and_memory(seed in 0..100_000u64) {
         let network = random(seed);
         let turned = network.turned();
-        let mut chance = Generator::new(seed);
+        let mut rng = Generator::new(seed);
         let all = routes(&network);
         let best = most(&all);
-        let prices = random_prices(&network, &mut chance);
-        let worth = worths(&network, &prices);
+        let multipliers = random_multipliers(&network, &mut rng);
+        let reduced_profit = reduced_profits(&network, &multipliers);
         let shortest = network.visits().flat_map(|a| network.visits().map(move |b| (a, b))).filter(|(a, b)| a != b);
         let shortest = shortest.map(|(a, b)| network.leg(a, b)).min().unwrap();
-        let layout = Layout::new(&network, 1 + chance.below(shortest as usize) as i32);
-        let (completion, _) = completion::Completion::new(&network, &layout, &proof::onward(&network), &prices);
-        let wanted = best * chance.unit();
-        let given = Given::All(prices.iter().sum());
+        let layout = Layout::new(&network, 1 + rng.below(shortest as usize) as i32);
+        let (completion, _) = walk_completion::WalkCompletion::new(&network, &layout, &proof::successors(&network), &multipliers);
+        let cutoff = best * rng.unit();
+        let refund = MultiplierRefund::All(multipliers.iter().sum());
         let (mut rest, mut steps) = (None, 0);
         for run in 0..4 {
-            let (network, late) = if run % 2 == 0 { (&network, Late::new(&network)) } else { (&turned, Late::new(&turned)) };
-            let mut any = || Targets::from(chance.bits()) << 64 | Targets::from(chance.bits());
-            let remembers: Vec<Targets> =
-                (0..network.targets as u32).map(|target| memory::bit_of(target) | any() & any()).collect();
-            let ahead = rest.as_ref().map_or(Ahead::Walks(&completion), Ahead::Labels);
-            let onward = proof::onward(network);
-            let (worth, remembers, onward) = (worth.as_slice(), remembers.as_slice(), onward.as_slice());
-            let search = Search { network, late: &late, worth, remembers, onward, ahead, given, wanted, slack: 0.0 };
+            let network = if run % 2 == 0 { &network } else { &turned };
+            let latest_departures = &LatestDepartures::new(network);
+            let mut any = || Targets::from(rng.bits()) << 64 | Targets::from(rng.bits());
+            let ng_sets: Vec<Targets> =
+                (0..network.targets as u32).map(|target| ng_sets::bit_of(target) | any() & any()).collect();
+            let completion_bound = rest.as_ref().map_or(CompletionBound::Walks(&completion), CompletionBound::Labels);
+            let successors = proof::successors(network);
+            let (reduced_profit, ng_sets, successors) = (reduced_profit.as_slice(), ng_sets.as_slice(), successors.as_slice());
+            let search = Labelling {
+                network,
+                latest_departures,
+                reduced_profit,
+                ng_sets,
+                successors,
+                completion_bound,
+                refund,
+                cutoff,
+                slack: 0.0,
+            };
             let found = search.run(u64::MAX, &mut WorkBudget::new(u64::MAX)).unwrap();
             prop_assert!(found.value >= best - 1e-9, "run {run}: {} of {best}", found.value);
             prop_assert!(flies(network, &found.walk));
-            // What is left counts the values themselves, and is exact where everything is remembered.
+            // A run with full values and full memory is exact.
             if let Some(rest) = &rest {
-                let (all, values) = (vec![Targets::MAX; network.targets], worths(network, &[]));
-                let (worth, given) = (values.as_slice(), Given::Open(&prices));
-                let ahead = Ahead::Labels(rest);
-                let search = Search { network, late: &late, worth, remembers: &all, onward, ahead, given, wanted, slack: 0.0 };
+                let (all, values) = (vec![Targets::MAX; network.targets], reduced_profits(network, &[]));
+                let (reduced_profit, refund) = (values.as_slice(), MultiplierRefund::Unvisited(&multipliers));
+                let completion_bound = CompletionBound::Labels(rest);
+                let search = Labelling { reduced_profit, ng_sets: &all, completion_bound, refund, ..search };
                 let found = search.run(u64::MAX, &mut WorkBudget::new(u64::MAX)).unwrap();
                 prop_assert!((found.value - best).abs() < 1e-9, "run {run}: {} is not {best}", found.value);
             }
-            rest = Some(Rest::new(network, &found.labels, worth, &mut steps));
+            rest = Some(LabelCompletion::new(network, &found.labels, reduced_profit, SMALL.listed_max, &mut steps));
         }
     }
 
@@ -236,13 +258,13 @@ proptest! {
     #[test]
     fn what_is_missed_is_in_no_route_that_goes_on(seed in 0..100_000u64) {
         let network = random(seed);
-        let late = Late::new(&network);
+        let latest_departures = LatestDepartures::new(&network);
         for (_, route) in routes(&network) {
             let (mut here, mut time, mut missed) = (START, 0, 0);
             for next in route {
-                prop_assert_eq!(missed & memory::bit_of(network.node(next).target), 0);
+                prop_assert_eq!(missed & ng_sets::bit_of(network.node(next).target), 0);
                 time = (time + network.leg(here, next)).max(network.node(next).open);
-                missed = late.missed(next, time);
+                missed = latest_departures.missed(next, time);
                 here = next;
             }
         }
@@ -250,10 +272,10 @@ proptest! {
 
     #[test]
     fn a_front_beats_what_one_of_all_pairs_beats(seed in 0..100_000u64) {
-        let mut chance = Generator::new(seed);
-        let (mut front, mut all, mut steps) = (Front::default(), Vec::<(f64, Targets)>::new(), 0);
+        let mut rng = Generator::new(seed);
+        let (mut front, mut all, mut steps) = (ParetoFront::default(), Vec::<(f64, Targets)>::new(), 0);
         for _ in 0..60 {
-            let (value, seen) = (chance.below(12) as f64, Targets::from(chance.below(64) as u64) << 61);
+            let (value, seen) = (rng.below(12) as f64, Targets::from(rng.below(64) as u64) << 61);
             let beaten = all.iter().any(|(other, set)| *other >= value && set & !seen == 0);
             prop_assert_eq!(front.beats(value, seen, &mut steps), beaten);
             if !beaten {
@@ -264,12 +286,12 @@ proptest! {
     }
 }
 
-fn valued(values: &[f64]) -> Grain {
+fn valued(values: &[f64]) -> ValueStep {
     let node = |target: u32, value: f64| Node { target, manoeuvre: 0, open: 0, close: 10, value };
     let nodes: Vec<Node> = [0.0, 0.0].iter().chain(values).zip(0..).map(|(value, it)| node(it, *value)).collect();
     assert_eq!(nodes.len() as u32, FIRST + values.len() as u32);
     let legs = vec![1; nodes.len() * nodes.len()];
-    Grain::new(&Network::given(nodes, legs, values.len()))
+    ValueStep::new(&Network::given(nodes, legs, values.len()))
 }
 
 #[test]

@@ -1,25 +1,25 @@
-//! The best walk from start to end through nodes and buckets of time, without going back at once to where it came from.
+//! Best walk from start to end through nodes and time buckets, without returning directly to the preceding node.
 
-use crate::planners::single_visit::steady::network::{END, Network, START};
+use crate::routing::network::{END, Network, START};
 
-/// States kept at most: some tens of megabytes.
+/// Maximum number of states: some tens of megabytes.
 const STATES_MAX: usize = 1_500_000;
-/// Buckets of the whole flight at least, or the bound is not worth its time.
+/// Minimum number of buckets of the whole flight; with fewer, the bound is too weak for its time.
 const BUCKETS_MIN: i32 = 60;
 /// No node.
 const NONE: u32 = u32::MAX;
 
-/// A way to be at a node in a bucket: what it gathered, and the state it came from.
+/// State of the dynamic program at a node and a bucket: its profit, and the state before it.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct WalkState {
     value: f64,
     node: u32,
     state: u32,
-    /// Was the state left by its second way?
+    /// Whether the predecessor is the second entry of its state.
     second: bool,
 }
 
-const NO_WALK: Way = Way { value: f64::NEG_INFINITY, node: NONE, state: NONE, second: false };
+const NO_WALK: WalkState = WalkState { value: f64::NEG_INFINITY, node: NONE, state: NONE, second: false };
 
 /// States of nodes and buckets of time, side by side.
 #[derive(Clone, Debug)]
@@ -54,18 +54,17 @@ impl Layout {
     }
 }
 
-/// The states, used again for other prices.
+/// The states, reused for other multipliers.
 pub(super) struct Walks {
     layout: Layout,
-    /// Each state's best way, and its best from another node.
-    states: Vec<[Way; 2]>,
-    /// How often the last best walk sees each target.
+    /// For each state the best walk, and the best with another preceding node.
+    states: Vec<[WalkState; 2]>,
+    /// Visits of each target by the last best walk.
     counts: Vec<u32>,
 }
 
 impl Walks {
-    /// Room for walks of which one search takes not many more than `steps`; none where buckets would be too long, or legs
-    /// are shorter than a bucket.
+    /// Allocates states such that one search takes about `steps`; `None` if buckets would be too long, or longer than a leg.
     pub(super) fn new(network: &Network, steps: u64) -> Option<Walks> {
         let nodes = network.nodes.len() as u64;
         let shortest = network.visits().flat_map(|from| network.visits().map(move |to| (from, to)));
@@ -83,24 +82,24 @@ impl Walks {
         Some(Walks { layout, states, counts: vec![0; network.targets] })
     }
 
-    /// How often the last best walk sees each target.
+    /// Visits of each target by the last best walk.
     pub(super) fn counts(&self) -> &[u32] {
         &self.counts
     }
 
-    /// The value of the best walk where each visit pays the price of its target, and the steps that were looked at.
-    pub(super) fn best(&mut self, network: &Network, prices: &[f64]) -> (f64, u64) {
+    /// Returns the profit of the best walk, whose visits are charged their multipliers, and the steps taken.
+    pub(super) fn best(&mut self, network: &Network, multipliers: &[f64]) -> (f64, u64) {
         self.states.fill([NO_WALK; 2]);
         let mut steps = 2 * self.states.len() as u64;
-        let worth: Vec<f64> = network
+        let reduced_profit: Vec<f64> = network
             .nodes
             .iter()
-            .map(|node| node.value - prices.get(node.target as usize).copied().unwrap_or(0.0))
+            .map(|node| node.value - multipliers.get(node.target as usize).copied().unwrap_or(0.0))
             .collect();
         let mut home = NO_WALK;
-        let start = Way { value: 0.0, node: NONE, state: NONE, second: false };
-        self.leave(network, (START, NONE, 0), [start, NO_WALK], &worth, &mut home);
-        // What was reached earlier is at least as good: a state must beat it to be looked at.
+        let start = WalkState { value: 0.0, node: NONE, state: NONE, second: false };
+        self.leave(network, (START, NONE, 0), [start, NO_WALK], &reduced_profit, &mut home);
+        // An earlier state is at least as good: a state must exceed it to be extended.
         let mut beaten = vec![f64::NEG_INFINITY; network.nodes.len()];
         for bucket in 0..=network.limit() / self.layout.bucket {
             for node in network.visits() {
@@ -113,37 +112,37 @@ impl Walks {
                 *beaten = beaten.max(ways[1].value);
                 steps += network.nodes.len() as u64;
                 let time = (bucket * self.layout.bucket).max(network.node(node).open);
-                self.leave(network, (node, state as u32, time), ways, &worth, &mut home);
+                self.leave(network, (node, state as u32, time), ways, &reduced_profit, &mut home);
             }
         }
         self.count(network, home);
         (home.value.max(0.0), steps)
     }
 
-    /// Goes on from a state to every node that can be reached in time.
+    /// Extends a state to every node that it reaches in time.
     fn leave(
         &mut self,
         network: &Network,
         (node, from, time): (u32, u32, i32),
-        [best, other]: [Way; 2],
-        worth: &[f64],
-        home: &mut Way,
+        [best, other]: [WalkState; 2],
+        reduced_profit: &[f64],
+        home: &mut WalkState,
     ) {
         if time + network.leg(node, END) <= network.limit() && best.value > home.value {
-            *home = Way { value: best.value, node, state: from, second: false };
+            *home = WalkState { value: best.value, node, state: from, second: false };
         }
-        for (to, worth) in network.visits().zip(worth.iter().skip(2)) {
+        for (to, reduced_profit) in network.visits().zip(reduced_profit.iter().skip(2)) {
             let data = network.node(to);
             let arrive = time + network.leg(node, to);
             if arrive > data.close {
                 continue;
             }
             let second = best.node == to;
-            let value = if second { other.value } else { best.value } + worth;
+            let value = if second { other.value } else { best.value } + reduced_profit;
             let bucket = arrive.max(data.open).div_euclid(self.layout.bucket);
             let Some(state) = self.layout.state(to, bucket) else { continue };
             let Some(ways) = self.states.get_mut(state) else { continue };
-            let way = Way { value, node, state: from, second };
+            let way = WalkState { value, node, state: from, second };
             if value > ways[0].value {
                 if ways[0].node != node {
                     ways[1] = ways[0];
@@ -155,8 +154,8 @@ impl Walks {
         }
     }
 
-    /// Follows the best walk back and counts its visits.
-    fn count(&mut self, network: &Network, home: Way) {
+    /// Traces the best walk back and counts its visits.
+    fn count(&mut self, network: &Network, home: WalkState) {
         self.counts.fill(0);
         let mut way = home;
         while way.node != NONE && way.node != START {

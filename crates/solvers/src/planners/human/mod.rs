@@ -2,7 +2,7 @@
 //! checked and scored like any other (paper, section V.C: a person is one of the planners that are compared).
 //!
 //! Of surveillance the order is flown once, or again and again until the mission ends. Of single visits each is made in the way
-//! (manoeuvre, waiting for a better time) that is worth most beside the others.
+//! (manoeuvre, waiting for a better time) that is worth most next to the others.
 //! Bound: O(visits) of surveillance; of single visits O(visits^2 x ways of a target).
 
 pub mod brought;

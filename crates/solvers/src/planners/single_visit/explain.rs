@@ -1,14 +1,14 @@
-//! Why a target is not visited, in words for people.
+//! Why a target is not visited, as text for operators.
 
-use super::schedule::{Choice, Judged, Refusal, Schedule};
-use super::travel::Node;
+use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
+use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
 use apex_planning::solver::{Budget, WorkBudget};
 
 /// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
 const GAPS_EXPLAINED: usize = 6;
 
-/// For each target the reason why it cannot be visited even if it were the only one (but for those that must come
+/// For each target the reason why it cannot be visited even if it were the only one (except for those that must come
 /// earlier); none where it can.
 pub(super) fn alone(schedule: &mut Schedule<'_>) -> Vec<Option<String>> {
     let mut troubles: Vec<Option<String>> = Vec::new();
@@ -53,11 +53,11 @@ fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
         }
         match outcome {
             Ok(()) => {}
-            Err(Refusal::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
-            Err(Refusal::Impossible(trouble)) => {
+            Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
+            Err(Infeasibility::Impossible(trouble)) => {
                 first_trouble.get_or_insert(trouble);
             }
-            Err(Refusal::Order) => {}
+            Err(Infeasibility::Order) => {}
         }
     }
     if least_over_s.is_finite() {
@@ -77,24 +77,24 @@ fn window_trouble(schedule: &Schedule<'_>, target: usize, trouble: String) -> St
 
 /// Can the one target be flown to, observed and flown home from, leaving at `start_s`? Names airspace before anything
 /// else.
-fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Refusal> {
-    let entry = Node::Entry(choice.target, choice.manoeuvre);
-    let exit = Node::Exit(choice.target, choice.manoeuvre);
-    let there = schedule.travel.way(Node::Start, entry, start_s).map_err(Refusal::Impossible)?;
+fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Result<(), Infeasibility> {
+    let entry = PointKey::Entry(choice.target, choice.manoeuvre);
+    let exit = PointKey::Exit(choice.target, choice.manoeuvre);
+    let there = schedule.travel.way(PointKey::Start, entry, start_s).map_err(Infeasibility::Impossible)?;
     let manoeuvre =
         schedule.problem.targets.get(choice.target).and_then(|target| target.manoeuvres.get(choice.manoeuvre));
     let mut end_s = there.arrive_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
     if schedule.problem.base.is_some() {
-        let home = schedule.travel.way(exit, Node::Base, end_s);
-        end_s = home.map_err(|trouble| Refusal::Impossible(format!("on the way home {trouble}")))?.arrive_s;
+        let home = schedule.travel.way(exit, PointKey::Base, end_s);
+        end_s = home.map_err(|trouble| Infeasibility::Impossible(format!("on the way home {trouble}")))?.arrive_s;
     }
     let over_s = end_s - schedule.limit_s;
     if over_s > 0.0 {
-        return Err(Refusal::TooLate { over_s });
+        return Err(Infeasibility::TooLate { over_s });
     }
-    let visit = schedule.visit(Node::Start, start_s, choice)?;
+    let visit = schedule.visit(PointKey::Start, start_s, choice)?;
     let end_s = schedule.home_at_s(exit, visit.end_s)?;
-    if end_s > schedule.limit_s { Err(Refusal::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
+    if end_s > schedule.limit_s { Err(Infeasibility::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 
 /// The sentence for a problem in which nothing can be visited: the commonest reason first.
@@ -147,7 +147,7 @@ pub(super) fn left_out_quickly(
         .collect()
 }
 
-/// Why a target that could be visited alone does not fit beside the others.
+/// Why a target that could be visited alone does not fit next to the others.
 fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged, target: usize) -> String {
     let earlier =
         schedule.earlier(target).iter().find(|earlier| !order.iter().any(|choice| choice.target == **earlier));
@@ -165,9 +165,9 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
             with.insert(at, Choice { target, manoeuvre, not_before_s: f64::NEG_INFINITY });
             match schedule.judge(&with, budget) {
                 Ok(with) => best_score = best_score.max(with.score),
-                Err(Refusal::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
-                Err(Refusal::Impossible(why)) => trouble = format!("does not fit between the others: {why}"),
-                Err(Refusal::Order) => {}
+                Err(Infeasibility::TooLate { over_s }) => least_over_s = least_over_s.min(over_s),
+                Err(Infeasibility::Impossible(why)) => trouble = format!("does not fit between the others: {why}"),
+                Err(Infeasibility::Order) => {}
             }
         }
     }
@@ -187,13 +187,13 @@ fn reason_beside(schedule: &mut Schedule<'_>, order: &[Choice], judged: &Judged,
 
 /// The places in `order` where `target` adds the shortest detour as the crow flies.
 fn nearest_gaps(schedule: &Schedule<'_>, order: &[Choice], target: usize, manoeuvre: usize) -> Vec<usize> {
-    let (entry, exit) = (Node::Entry(target, manoeuvre), Node::Exit(target, manoeuvre));
+    let (entry, exit) = (PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre));
     let travel = &schedule.travel;
     let detour_s = |at: usize| {
         let before = at.checked_sub(1).and_then(|before| order.get(before));
-        let before = before.map_or(Node::Start, |choice| Node::Exit(choice.target, choice.manoeuvre));
-        let next = order.get(at).map(|choice| Node::Entry(choice.target, choice.manoeuvre));
-        let next = next.or(schedule.problem.base.map(|_| Node::Base));
+        let before = before.map_or(PointKey::Start, |choice| PointKey::Exit(choice.target, choice.manoeuvre));
+        let next = order.get(at).map(|choice| PointKey::Entry(choice.target, choice.manoeuvre));
+        let next = next.or(schedule.problem.base.map(|_| PointKey::Base));
         let direct_s = next.map_or(0.0, |next| travel.time_s_min(before, next));
         travel.time_s_min(before, entry) + next.map_or(0.0, |next| travel.time_s_min(exit, next)) - direct_s
     };

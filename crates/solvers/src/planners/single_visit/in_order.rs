@@ -1,8 +1,8 @@
 //! Visits in an order that is given: each first in the way that ends first, then in the way that is worth most beside the others.
 
-use super::schedule::{Choice, Refusal, Schedule};
 use super::search::{Candidate, inserted};
 use super::{explain, plan};
+use crate::routing::schedule::{Choice, Infeasibility, Schedule};
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use apex_planning::solver::{Budget, Environment};
 
@@ -72,11 +72,11 @@ fn added(
                     first = Some(found);
                 }
             }
-            Err(Refusal::TooLate { over_s }) => {
+            Err(Infeasibility::TooLate { over_s }) => {
                 trouble = format!("the flight would end {over_s:.0} s after what {} allows", schedule.limit_name);
             }
-            Err(Refusal::Impossible(why)) => trouble = why,
-            Err(Refusal::Order) => trouble = "another target must be visited before it".to_string(),
+            Err(Infeasibility::Impossible(why)) => trouble = why,
+            Err(Infeasibility::Order) => trouble = "another target must be visited before it".to_string(),
         }
     }
     first.ok_or(trouble)

@@ -10,14 +10,14 @@ mod explain;
 mod in_order;
 mod moves;
 mod plan;
-pub mod schedule;
+
 mod search;
-pub(crate) mod steady;
-mod travel;
+mod time_independent;
 
 pub use in_order::in_order;
 pub use plan::scored;
 
+use crate::routing::{schedule, travel};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_planning::meter::Meter;
 use apex_planning::solver::{Environment, Solver};
@@ -53,16 +53,16 @@ impl Solver for SingleVisit {
 /// As planning: a zone makes no sense.
 pub fn turns_s(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> Result<(usize, f64), String> {
     let mut travel = travel::Travel::new(problem)?;
-    let (mut here, mut ready_s) = (travel::Node::Start, problem.start_s);
+    let (mut here, mut ready_s) = (travel::PointKey::Start, problem.start_s);
     let (mut ways, mut sum_s) = (0, 0.0);
     for visit in &plan.visits {
         let Some(target) = problem.targets.iter().position(|target| target.name == visit.target) else { continue };
-        sum_s += travel.turns_s(here, travel::Node::Entry(target, visit.manoeuvre), ready_s);
+        sum_s += travel.turns_s(here, travel::PointKey::Entry(target, visit.manoeuvre), ready_s);
         ways += 1;
-        (here, ready_s) = (travel::Node::Exit(target, visit.manoeuvre), visit.end_s);
+        (here, ready_s) = (travel::PointKey::Exit(target, visit.manoeuvre), visit.end_s);
     }
     if problem.base.is_some() && !plan.visits.is_empty() {
-        sum_s += travel.turns_s(here, travel::Node::Base, ready_s);
+        sum_s += travel.turns_s(here, travel::PointKey::Base, ready_s);
         ways += 1;
     }
     Ok((ways, sum_s))
@@ -88,7 +88,7 @@ fn solve(
         }
     };
     let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
-    let Some(found) = steady::run(&mut schedule, &usable, previous, environment, &mut tell) else {
+    let Some(found) = time_independent::run(&mut schedule, &usable, previous, environment, &mut tell) else {
         let best = search::run(&mut schedule, &troubles, previous, environment);
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
@@ -121,7 +121,9 @@ pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, me
     let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
     let troubles = explain::alone(&mut schedule);
     let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
-    let Some(found) = steady::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else { return };
+    let Some(found) = time_independent::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else {
+        return;
+    };
     plan.benefits_bound = Some(plan.benefits_bound.map_or(found, |claimed| claimed.min(found)));
     plan.summary = plan::summary(problem, plan);
 }

@@ -1,9 +1,9 @@
 //! The plan made of the best order: routes, times, fuel, costs, reasons.
 
 use super::explain;
-use super::schedule::{Choice, Judged, Schedule};
 use super::search::Candidate;
-use super::travel::{Node, Way};
+use crate::routing::schedule::{Choice, Judged, Schedule};
+use crate::routing::travel::{PointKey, TimedPath};
 use apex_metrics::mission_score;
 use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 
@@ -22,15 +22,16 @@ pub(super) fn plan_of(
     left_out: Reasons,
 ) -> Result<SingleVisitPlan, String> {
     let mut visits = Vec::with_capacity(best.order.len());
-    let mut node = Node::Start;
+    let mut node = PointKey::Start;
     let mut ready_s = schedule.problem.start_s;
     for (choice, timed) in best.order.iter().zip(&best.judged.visits) {
-        let entry = Node::Entry(choice.target, choice.manoeuvre);
+        let entry = PointKey::Entry(choice.target, choice.manoeuvre);
         let way = schedule.travel.way(node, entry, ready_s)?;
         ready_s = timed.end_s;
-        node = Node::Exit(choice.target, choice.manoeuvre);
+        node = PointKey::Exit(choice.target, choice.manoeuvre);
         let target = schedule.problem.targets.get(choice.target).ok_or("a visit names no target")?;
         visits.push(PlannedVisit {
+            quality: None,
             target: target.name.clone(),
             manoeuvre: choice.manoeuvre,
             route: way.route,
@@ -44,8 +45,8 @@ pub(super) fn plan_of(
         });
     }
     let back = match schedule.problem.base {
-        Some(_) => schedule.travel.way(node, Node::Base, ready_s)?,
-        None => Way { route: Vec::new(), path: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
+        Some(_) => schedule.travel.way(node, PointKey::Base, ready_s)?,
+        None => TimedPath { route: Vec::new(), path: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
     };
     let left_out = left_out(schedule, &best.order, &best.judged, troubles);
     Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
@@ -65,7 +66,7 @@ fn assembled(
     schedule: &Schedule<'_>,
     solver: &str,
     best: &Candidate,
-    (visits, back, left_out): (Vec<PlannedVisit>, Way, Vec<LeftOut>),
+    (visits, back, left_out): (Vec<PlannedVisit>, TimedPath, Vec<LeftOut>),
     troubles: &[Option<String>],
 ) -> SingleVisitPlan {
     let problem = schedule.problem;
@@ -94,7 +95,7 @@ fn assembled(
     scored(problem, plan)
 }
 
-/// The plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for people.
+/// The plan with what follows from its visits and its end: fuel, benefits, costs, score and the line for operators.
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
     plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;
@@ -105,7 +106,7 @@ pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Single
     plan
 }
 
-/// One line for people.
+/// One line for operators.
 pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> String {
     format!(
         "{} of {} targets in {}; worth {:.2} of at most {:.2}, costs {:.2}, score {:.2}.",

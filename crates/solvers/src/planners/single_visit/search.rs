@@ -1,6 +1,6 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
 
-use super::schedule::{Choice, Judged, Schedule};
+use crate::routing::schedule::{Choice, Judged, Schedule};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_planning::random::Generator;
 use apex_planning::solver::{Budget, Environment, WorkBudget};
@@ -27,7 +27,7 @@ pub(super) struct Candidate {
     pub(super) judged: Judged,
 }
 
-pub(super) struct Search<'s, 'p, 'b> {
+pub(super) struct LocalSearch<'s, 'p, 'b> {
     pub(super) schedule: &'s mut Schedule<'p>,
     usable: Vec<usize>,
     troubles: &'s [Option<String>],
@@ -50,7 +50,7 @@ pub(super) fn run(
     let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
     let random = Generator::new(seed);
     let mut search =
-        Search { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
+        LocalSearch { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     search.fill(&mut best, 0.0);
@@ -106,13 +106,13 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
     }
 }
 
-fn tell(search: &mut Search<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {
+fn tell(search: &mut LocalSearch<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {
     if let Some(plan) = super::plan::sketch(search.schedule, "single-visit", best, search.troubles) {
         report(&Plan::SingleVisit(plan));
     }
 }
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Judges `order`, whose first `same` visits are those of `current`.
     pub(super) fn judge(&mut self, current: &Candidate, same: usize, order: &[Choice]) -> Option<Judged> {
         if self.budget.exhausted() {

@@ -64,7 +64,7 @@ pub fn best_cycle(
     budget: &mut dyn Budget,
     report: Report<'_>,
 ) -> (f64, Vec<usize>) {
-    let mut search = subset::Search::new(scenario);
+    let mut search = subset::SubsetSearch::new(scenario);
     if let Some(start) = start {
         search.offer(start, budget, report);
     }

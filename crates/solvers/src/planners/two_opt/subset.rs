@@ -9,15 +9,15 @@ use apex_planning::tour;
 const DETOUR_NS: u64 = 20;
 
 /// The best cycle so far.
-pub(super) struct Search<'s, 'p> {
+pub(super) struct SubsetSearch<'s, 'p> {
     pub(super) scenario: &'s Scenario<'p>,
     pub(super) best: Vec<usize>,
     pub(super) best_cost: f64,
 }
 
-impl<'s, 'p> Search<'s, 'p> {
-    pub(super) fn new(scenario: &'s Scenario<'p>) -> Search<'s, 'p> {
-        Search { scenario, best: Vec::new(), best_cost: f64::INFINITY }
+impl<'s, 'p> SubsetSearch<'s, 'p> {
+    pub(super) fn new(scenario: &'s Scenario<'p>) -> SubsetSearch<'s, 'p> {
+        SubsetSearch { scenario, best: Vec::new(), best_cost: f64::INFINITY }
     }
 
     pub(super) fn into_best(self) -> Vec<usize> {
@@ -71,7 +71,7 @@ impl<'s, 'p> Search<'s, 'p> {
     /// Begins anew with the single best target and adds as long as it helps: reaches small cycles that dropping from
     /// the full set cannot.
     pub(super) fn grow_from_one(&mut self, budget: &mut dyn Budget, report: Report<'_>) {
-        let mut grown = Search::new(self.scenario);
+        let mut grown = SubsetSearch::new(self.scenario);
         for target in self.scenario.usable() {
             if budget.exhausted() && !grown.best.is_empty() {
                 return;

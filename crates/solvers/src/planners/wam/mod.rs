@@ -1,9 +1,9 @@
 //! WAM (paper, section V.C): best-first search with replacement that builds the full plan bit by bit.
 //!
-//! From where the vehicle is, a window of time is searched: open nodes are partial words, each expanded to the targets
+//! From where the vehicle is, a window of time is searched: open nodes are partial tours, each expanded to the targets
 //! with the highest `importance x obsolescence / transit`; a node is worth the expected cost of ignorance over the whole
 //! window, so that all nodes are compared over the same span. The list of open nodes is bounded and better nodes replace
-//! worse ones. The first visit of the best word is committed and the search begins again from there.
+//! worse ones. The first visit of the best tour is committed and the search begins again from there.
 //! Windows and list sizes are tried from small to large while the budget lasts; the best full plan wins.
 //! Bound: O(visits x depth x open x children) per pass.
 
@@ -18,7 +18,7 @@ const PASSES: &[(f64, usize, usize)] =
     &[(2.0, 1, 4), (4.0, 8, 4), (8.0, 8, 4), (16.0, 8, 4), (8.0, 32, 6), (16.0, 32, 6), (32.0, 32, 6), (24.0, 128, 8)];
 /// Visits that one window may hold.
 const DEPTH_MAX: usize = 64;
-/// What the priority of a visit takes in nanoseconds, and a node of the search besides its copy.
+/// What the priority of a visit takes in nanoseconds, and a node of the search in addition its copy.
 const PRIORITY_NS: u64 = 30;
 const CHILD_NS: u64 = 230;
 
@@ -39,27 +39,27 @@ impl Solver for Wam {
         let Problem::Surveillance(problem) = problem else { return Err("wam plans surveillance only.".to_string()) };
         let scenario = Scenario::new(problem)?;
         let report = &mut *environment.report;
-        let mut tell = |word: &[usize]| report(&Plan::Surveillance(scenario.plan("wam", word.iter().copied())));
+        let mut tell = |tour: &[usize]| report(&Plan::Surveillance(scenario.plan("wam", tour.iter().copied())));
         let left = previous::better(&scenario, environment.previous, f64::INFINITY, environment.budget);
-        let least = left.as_ref().map_or(f64::INFINITY, |(cost, word)| {
-            tell(word);
+        let least = left.as_ref().map_or(f64::INFINITY, |(cost, tour)| {
+            tell(tour);
             *cost
         });
-        let (cost, mut word) = best_of_passes(&scenario, environment.budget, &mut |cost, word| {
+        let (cost, mut tour) = best_of_passes(&scenario, environment.budget, &mut |cost, tour| {
             if cost < least {
-                tell(word);
+                tell(tour);
             }
         });
         if let Some((_, before)) = left.filter(|(least, _)| *least < cost) {
-            word = before;
+            tour = before;
         }
-        Ok(Plan::Surveillance(scenario.plan(self.name(), word)))
+        Ok(Plan::Surveillance(scenario.plan(self.name(), tour)))
     }
 }
 
-/// The best word found within the budget; `report` sees each better one. The greedy pass is always made to its end.
+/// The best tour found within the budget; `report` sees each better one. The greedy pass is always made to its end.
 pub fn best_word(scenario: &Scenario<'_>, budget: &mut dyn Budget, report: &mut dyn FnMut(&[usize])) -> Vec<usize> {
-    best_of_passes(scenario, budget, &mut |_, word| report(word)).1
+    best_of_passes(scenario, budget, &mut |_, tour| report(tour)).1
 }
 
 /// How many passes there are.
@@ -72,12 +72,12 @@ pub fn weight(number: usize) -> f64 {
     PASSES.get(number).map_or(0.0, |(window, open, children)| window * (open * children) as f64)
 }
 
-/// The word of one pass; none where the budget ran out or there is no such pass.
+/// The tour of one pass; none where the budget ran out or there is no such pass.
 pub fn pass(scenario: &Scenario<'_>, number: usize, budget: &mut dyn Budget) -> Option<Vec<usize>> {
     build(scenario, *PASSES.get(number)?, false, budget)
 }
 
-/// The best word of all passes with its cost, which `report` hears too.
+/// The best tour of all passes with its cost, which `report` hears too.
 fn best_of_passes(
     scenario: &Scenario<'_>,
     budget: &mut dyn Budget,
@@ -85,10 +85,10 @@ fn best_of_passes(
 ) -> (f64, Vec<usize>) {
     let mut best: (f64, Vec<usize>) = (f64::INFINITY, Vec::new());
     for (number, pass) in PASSES.iter().enumerate() {
-        let Some(word) = build(scenario, *pass, number == 0, budget) else { break };
-        let cost = scenario.cost(word.iter().copied(), budget);
+        let Some(tour) = build(scenario, *pass, number == 0, budget) else { break };
+        let cost = scenario.cost(tour.iter().copied(), budget);
         if best.1.is_empty() || cost < best.0 {
-            best = (cost, word);
+            best = (cost, tour);
             report(best.0, &best.1);
         }
     }
@@ -104,7 +104,7 @@ struct State {
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct SearchNode {
     state: State,
     first: Option<Stop>,
     cost: f64,
@@ -121,17 +121,17 @@ fn build(
     let window_s = pass.0 * scenario.mean_transit_s();
     let ages = problem.targets.iter().map(|target| -target.initial_age_s).collect();
     let mut state = State { place: None, time_s: 0.0, last_s: ages };
-    let mut word = Vec::new();
-    while word.len() < apex_planning::surveillance::scenario::VISITS_MAX {
+    let mut tour = Vec::new();
+    while tour.len() < apex_planning::surveillance::scenario::VISITS_MAX {
         if budget.exhausted() && !certain {
             return None;
         }
         let until_s = (state.time_s + window_s).min(problem.horizon_s);
         let Some(stop) = best_first(scenario, &state, until_s, (pass.1, pass.2), budget) else { break };
         visit(&mut state, stop);
-        word.push(stop.target);
+        tour.push(stop.target);
     }
-    Some(word)
+    Some(tour)
 }
 
 fn visit(state: &mut State, stop: Stop) {
@@ -141,7 +141,7 @@ fn visit(state: &mut State, stop: Stop) {
     (state.place, state.time_s) = (Some(stop.target), stop.end_s);
 }
 
-/// The first visit of the word with the least expected cost over the window; none where no visit is possible any more.
+/// The first visit of the tour with the least expected cost over the window; none where no visit is possible any more.
 fn best_first(
     scenario: &Scenario<'_>,
     state: &State,
@@ -149,10 +149,10 @@ fn best_first(
     (open_max, children_max): (usize, usize),
     budget: &mut dyn Budget,
 ) -> Option<Stop> {
-    let mut open = vec![Node { state: state.clone(), first: None, cost: 0.0 }];
+    let mut open = vec![SearchNode { state: state.clone(), first: None, cost: 0.0 }];
     let mut best: Option<(f64, Stop)> = None;
     for _ in 0..DEPTH_MAX {
-        let mut next: Vec<Node> = Vec::new();
+        let mut next: Vec<SearchNode> = Vec::new();
         for node in &open {
             for stop in children(scenario, &node.state, children_max, budget) {
                 scenario.spend(CHILD_NS + scenario.problem().targets.len() as u64 / 2);
@@ -227,8 +227,8 @@ mod tests {
             let problem = examples::random(10, seed);
             let scenario = Scenario::new(&problem).unwrap();
             let cost = |units| {
-                let word = best_word(&scenario, &mut WorkBudget::new(units), &mut |_| {});
-                scenario.cost(word, &mut WorkBudget::new(u64::MAX))
+                let tour = best_word(&scenario, &mut WorkBudget::new(units), &mut |_| {});
+                scenario.cost(tour, &mut WorkBudget::new(u64::MAX))
             };
             let (greedy, thorough) = (cost(0), cost(30_000));
             assert!(thorough <= greedy);
@@ -244,7 +244,7 @@ mod tests {
         problem.targets[2].initial_age_s = 5000.0;
         problem.targets[2].rate = apex_model::problem::EventRate::constant(20.0);
         let scenario = Scenario::new(&problem).unwrap();
-        let word = best_word(&scenario, &mut WorkBudget::new(2_000), &mut |_| {});
-        assert_eq!(word[0], 2);
+        let tour = best_word(&scenario, &mut WorkBudget::new(2_000), &mut |_| {});
+        assert_eq!(tour[0], 2);
     }
 }

@@ -1,8 +1,8 @@
 //! Two visits in each other's place.
 
-use super::super::search::{Candidate, Search};
+use super::super::search::{Candidate, LocalSearch};
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Exchanges the visits `from` and `to`. Says whether that was better.
     pub(super) fn exchange(&mut self, current: &mut Candidate, from: usize, to: usize) -> bool {
         let mut exchanged = current.order.clone();

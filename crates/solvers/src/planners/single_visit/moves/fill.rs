@@ -1,9 +1,9 @@
 //! Missing targets in, those that are worth most for the time that they add first.
 
-use super::super::schedule::{Choice, UNITS_PER_LEG};
-use super::super::search::{Candidate, Search, inserted};
-use super::super::travel::Node;
+use super::super::search::{Candidate, LocalSearch, inserted};
 use super::{arrival, exit_before};
+use crate::routing::schedule::{Choice, UNITS_PER_LEG};
+use crate::routing::travel::PointKey;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -41,7 +41,7 @@ impl PartialEq for Offer {
 
 impl Eq for Offer {}
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Inserts missing targets, each time the one with the most gain per added time, while the score grows.
     /// `noise` blurs the choice so that repeated fillings differ.
     pub(in super::super) fn fill(&mut self, current: &mut Candidate, noise: f64) {
@@ -96,8 +96,8 @@ impl Search<'_, '_, '_> {
 
     /// Inserting `choice` adds no less than this to the legs at `at`.
     fn added_s_min(&self, current: &Candidate, at: usize, choice: Choice, duration_s: f64) -> f64 {
-        let entry = Node::Entry(choice.target, choice.manoeuvre);
-        let exit = Node::Exit(choice.target, choice.manoeuvre);
+        let entry = PointKey::Entry(choice.target, choice.manoeuvre);
+        let exit = PointKey::Exit(choice.target, choice.manoeuvre);
         let travel = &self.schedule.travel;
         let onward_s = self.entry_at(current, at).map_or(0.0, |next| travel.time_s_min(exit, next));
         let least_s = travel.time_s_min(exit_before(current, at), entry) + duration_s + onward_s;
@@ -106,7 +106,7 @@ impl Search<'_, '_, '_> {
 
     /// Gain per added time of inserting `choice`, by its own legs; none where it cannot be worth it.
     fn merit(&mut self, current: &Candidate, at: usize, choice: Choice) -> Option<f64> {
-        let exit = Node::Exit(choice.target, choice.manoeuvre);
+        let exit = PointKey::Exit(choice.target, choice.manoeuvre);
         self.budget.charge(2 * UNITS_PER_LEG + self.schedule.travel.take_work());
         let visit = self.schedule.visit(exit_before(current, at), self.end_before(current, at), choice).ok()?;
         let onward_s = match self.entry_at(current, at) {

@@ -1,8 +1,8 @@
 //! A visit less.
 
-use super::super::search::{Candidate, Search};
+use super::super::search::{Candidate, LocalSearch};
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Leaves out the first visit without which the plan is better. Says whether there is one.
     pub(super) fn leave_out(&mut self, current: &mut Candidate) -> bool {
         (0..current.order.len()).any(|at| {

@@ -1,4 +1,4 @@
-//! The moves of the search, one a file: insertion of missing targets and changes of an order.
+//! The moves of the search, one per file: insertion of missing targets and changes of an order.
 //!
 //! Most candidates are turned away by an estimate: the legs that change, flown at the times known from the order as it is.
 //! Only what may be better by it is judged as a whole, with all that follows later or earlier.
@@ -11,16 +11,16 @@ mod relocate;
 mod replace;
 mod turn;
 
-use super::schedule::{Choice, UNITS_PER_LEG};
-use super::search::{Candidate, Search};
-use super::travel::Node;
+use super::search::{Candidate, LocalSearch};
+use crate::routing::schedule::{Choice, UNITS_PER_LEG};
+use crate::routing::travel::PointKey;
 
 /// An estimate may be wrong by this where winds and zones change with the time of day.
 const ESTIMATE_SLACK_S: f64 = 60.0;
 /// And by this share of the flight that is left.
 const ESTIMATE_SLACK_SHARE: f64 = 0.01;
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Applies improving moves until there is none.
     pub(super) fn descend(&mut self, current: &mut Candidate) {
         while !self.budget.exhausted()
@@ -67,7 +67,7 @@ impl Search<'_, '_, '_> {
         for at in first..=last {
             let choice = order.get(at).filter(|_| at < last);
             let entry = match choice {
-                Some(choice) => Some(Node::Entry(choice.target, choice.manoeuvre)),
+                Some(choice) => Some(PointKey::Entry(choice.target, choice.manoeuvre)),
                 None => self.entry_at(current, at),
             };
             let Some(entry) = entry else { break };
@@ -81,7 +81,7 @@ impl Search<'_, '_, '_> {
             let target = self.schedule.problem.targets.get(choice.target);
             let manoeuvre = target.and_then(|target| target.manoeuvres.get(choice.manoeuvre));
             time_s += leg_s + manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s);
-            node = Node::Exit(choice.target, choice.manoeuvre);
+            node = PointKey::Exit(choice.target, choice.manoeuvre);
         }
         true
     }
@@ -106,18 +106,18 @@ impl Search<'_, '_, '_> {
     }
 
     /// Where the visit at `at` begins; the base after the last; none where the flight may end anywhere.
-    fn entry_at(&self, current: &Candidate, at: usize) -> Option<Node> {
+    fn entry_at(&self, current: &Candidate, at: usize) -> Option<PointKey> {
         match current.order.get(at) {
-            Some(choice) => Some(Node::Entry(choice.target, choice.manoeuvre)),
-            None => self.schedule.problem.base.map(|_| Node::Base),
+            Some(choice) => Some(PointKey::Entry(choice.target, choice.manoeuvre)),
+            None => self.schedule.problem.base.map(|_| PointKey::Base),
         }
     }
 }
 
 /// Where the visit before the one at `at` ends.
-fn exit_before(current: &Candidate, at: usize) -> Node {
+fn exit_before(current: &Candidate, at: usize) -> PointKey {
     let before = at.checked_sub(1).and_then(|before| current.order.get(before));
-    before.map_or(Node::Start, |choice| Node::Exit(choice.target, choice.manoeuvre))
+    before.map_or(PointKey::Start, |choice| PointKey::Exit(choice.target, choice.manoeuvre))
 }
 
 /// When the vehicle is at the visit at `at`; after the last, when the flight ends.

@@ -1,8 +1,8 @@
 //! Another manoeuvre or another time for a visit.
 
-use super::super::search::{Candidate, Search};
+use super::super::search::{Candidate, LocalSearch};
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Another manoeuvre or another time for one visit. Says whether anything got better.
     pub(super) fn rechoose(&mut self, current: &mut Candidate) -> bool {
         let mut better = false;

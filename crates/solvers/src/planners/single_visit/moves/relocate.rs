@@ -1,12 +1,12 @@
 //! A visit or a short run of visits to another place, also turned round.
 
-use super::super::schedule::Choice;
-use super::super::search::{Candidate, Search};
+use super::super::search::{Candidate, LocalSearch};
+use crate::routing::schedule::Choice;
 
 /// Longest run of visits that is moved to another place.
 const RUN_MAX: usize = 3;
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Moves one visit or a short run of visits to another place, also turned round. Says whether anything got better.
     pub(super) fn relocate(&mut self, current: &mut Candidate) -> bool {
         let mut better = false;

@@ -1,11 +1,11 @@
 //! Another target in place of one.
 
-use super::super::search::{Candidate, Search, inserted};
+use super::super::search::{Candidate, LocalSearch, inserted};
 
 /// Insertions judged in place of one visit taken out.
 const REPLACEMENTS_MAX: usize = 12;
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// One visit out, another target or the same in another way in at any place.
     pub(super) fn replace(&mut self, current: &mut Candidate) -> bool {
         for out in 0..current.order.len() {

@@ -1,8 +1,8 @@
 //! A part of the order turned round.
 
-use super::super::search::{Candidate, Search};
+use super::super::search::{Candidate, LocalSearch};
 
-impl Search<'_, '_, '_> {
+impl LocalSearch<'_, '_, '_> {
     /// Turns the visits `from` to `to` round. Says whether that was better.
     pub(super) fn turn(&mut self, current: &mut Candidate, from: usize, to: usize) -> bool {
         let mut turned = current.order.clone();

@@ -1,0 +1,94 @@
+//! Evaluation context: all that an expression can read, namely variables of the task, time, tasks, histories, library.
+
+use crate::state::bindings::Bindings;
+use crate::state::histories::history::Histories;
+use apex_model::agent_limits::Limits;
+use apex_model::host::HostFunctions;
+use apex_model::library::Library;
+use apex_model::symbol::Symbol;
+use apex_model::task::{TaskId, TaskState};
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// The view that a task has of its agent. Task control implements it; tests implement it small.
+pub(crate) trait EvalContext {
+    /// The value of the pattern variable `name` (without `?`); step tags are `Value::Task`.
+    fn variable(&self, name: &Symbol) -> Option<Value>;
+    /// The value of a primitive's `locals` variable, outside of [`super::run`].
+    fn local(&self, name: &Symbol) -> Option<Value> {
+        let _ = name;
+        None
+    }
+    /// The instant of this step.
+    fn now(&self) -> Time;
+    /// `+this-task+`.
+    fn this_task(&self) -> Option<TaskId>;
+    /// `+self+`.
+    fn agent_name(&self) -> &Symbol;
+    /// When the task became ongoing, or was created while it has not.
+    fn task_start(&self, task: TaskId) -> Option<Time>;
+    /// When the task ended; none while it lives.
+    fn task_end(&self, task: TaskId) -> Option<Time>;
+    /// The task's state; none for a task that is not known.
+    fn task_state(&self, task: TaskId) -> Option<TaskState>;
+    /// `+tot+`: how long the task has been ongoing, without interruptions.
+    fn task_time_ongoing(&self, task: TaskId) -> Option<Duration>;
+    /// What was measured and what happened.
+    fn histories(&self) -> &Histories;
+    /// The checked library.
+    fn library(&self) -> &Library;
+    /// Registered host functions.
+    fn host(&self) -> &HostFunctions;
+    /// The agent's limits.
+    fn limits(&self) -> &Limits;
+}
+
+/// EvalContext with further variables on top: pattern bindings, a task's own bindings.
+pub(crate) struct WithBindings<'a> {
+    /// Below.
+    pub(crate) below: &'a dyn EvalContext,
+    /// On top.
+    pub(crate) bindings: &'a Bindings,
+}
+
+impl EvalContext for WithBindings<'_> {
+    fn variable(&self, name: &Symbol) -> Option<Value> {
+        self.bindings.get(name).cloned().or_else(|| self.below.variable(name))
+    }
+    fn local(&self, name: &Symbol) -> Option<Value> {
+        self.below.local(name)
+    }
+    fn now(&self) -> Time {
+        self.below.now()
+    }
+    fn this_task(&self) -> Option<TaskId> {
+        self.below.this_task()
+    }
+    fn agent_name(&self) -> &Symbol {
+        self.below.agent_name()
+    }
+    fn task_start(&self, task: TaskId) -> Option<Time> {
+        self.below.task_start(task)
+    }
+    fn task_end(&self, task: TaskId) -> Option<Time> {
+        self.below.task_end(task)
+    }
+    fn task_state(&self, task: TaskId) -> Option<TaskState> {
+        self.below.task_state(task)
+    }
+    fn task_time_ongoing(&self, task: TaskId) -> Option<Duration> {
+        self.below.task_time_ongoing(task)
+    }
+    fn histories(&self) -> &Histories {
+        self.below.histories()
+    }
+    fn library(&self) -> &Library {
+        self.below.library()
+    }
+    fn host(&self) -> &HostFunctions {
+        self.below.host()
+    }
+    fn limits(&self) -> &Limits {
+        self.below.limits()
+    }
+}

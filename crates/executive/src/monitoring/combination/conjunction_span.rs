@@ -1,0 +1,84 @@
+//! Span of a conjunction (M&I)
+//! What: computes the interval in which all parts of an `:and` have results, without combining those results.
+//! Runs: whenever an absence evaluates an `:and` whose parts share no variables.
+//! Reads: what the parts have found, histories, evaluation context.
+//! Writes: removes final results from the parts, except for messages; keeps only their span.
+//! Bound: O(new results + objects + messages) per evaluation.
+//! PDL: `(:absent (:and ..) :for D)`.
+//! Paper: Table 1 row 10 (not); `monitoring.md` rule 14.
+//!
+//! Results that go together in any way overlap or touch: each combination shares a part with one that shares its other parts
+//! with the next. So where all parts have been there, the combinations cover all of the time from the first start to the last
+//! end, and absence, which asks only what is covered, needs no more than these two.
+
+use crate::monitoring::combination::logic;
+use crate::monitoring::combination::part_results::{self, PartResults, TentativeResult};
+use crate::monitoring::part::Truth;
+use crate::monitoring::verdict_query::VerdictQuery;
+use crate::state::bindings::Bindings;
+use crate::state::monitors::monitor::{AbsentPart, Part, PartKind, Satisfaction};
+use apex_model::evidence_list::EvidenceList;
+use apex_model::time::Time;
+
+/// Are these parts whose results all go together, each an interval that stays?
+pub(crate) fn is_together(part: &Part) -> bool {
+    let stays = |part: &Part| matches!(part.kind, PartKind::Measurement(_) | PartKind::Episode(_) | PartKind::Event(_));
+    matches!(&part.kind, PartKind::And(composite) if !composite.combines && composite.parts.iter().all(stays))
+}
+
+/// What the parts have found together: one result, as far as it reaches.
+pub(crate) fn take(absent: &mut AbsentPart, query: &mut VerdictQuery<'_>) -> PartResults {
+    let mut together = PartResults::default();
+    let PartKind::And(composite) = &mut absent.part.kind else { return together };
+    absent.reached.resize(composite.parts.len(), None);
+    let (mut hull, mut all, mut open, mut doubt) = (None, Truth::True, false, false);
+    for (each, reached) in composite.parts.iter_mut().zip(&mut absent.reached) {
+        let found = found(each, query);
+        // What is final was known by the newest sample, before which no instant is looked at again.
+        debug_assert!(found.settled.iter().all(|result| result.recognised_at <= query.now), "known before it came");
+        *reached = found.settled.iter().fold(*reached, |hull, result| joined(hull, result.interval));
+        let own = found.passing.iter().fold(*reached, |hull, extent| joined(hull, extent.result.interval));
+        let truth = match &each.kind {
+            _ if own.is_some() => Truth::True,
+            // Messages that came after this instant are there already.
+            PartKind::Event(leaf) => Truth::of(false, leaf.blind),
+            _ => logic::truth(each, query),
+        };
+        all = all.min(truth);
+        hull = own.map_or(hull, |own| joined(hull, own));
+        open |= found.passing.iter().any(|extent| extent.open);
+        doubt |= found.doubt;
+        together.changes_at = together.changes_at.into_iter().chain(found.changes_at).min();
+    }
+    together.doubt = match all {
+        Truth::False => false,
+        Truth::Unknown => true,
+        // What was found stays true; whether it goes on, only its episodes can say.
+        Truth::True => doubt,
+    };
+    if let Some(interval) = hull.filter(|_| all == Truth::True) {
+        let (recognised_at, evidence) = (query.now, EvidenceList::default());
+        let result = Satisfaction { interval, recognised_at, bindings: Bindings::new(), evidence };
+        together.passing.push(TentativeResult { result, open });
+    }
+    together
+}
+
+/// What a part has found up to this instant. Messages stay with it: no history need remember them, so who looks at the past again
+/// asks the part.
+fn found(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
+    let now = query.now;
+    let mut found = match &part.kind {
+        PartKind::Event(leaf) => {
+            let all = leaf.settled.iter().map(|result| TentativeResult { result: result.clone(), open: false });
+            PartResults { passing: all.collect(), ..PartResults::default() }
+        }
+        _ => part_results::take_final(part, query),
+    };
+    found.passing.retain(|extent| extent.result.recognised_at <= now);
+    found
+}
+
+fn joined(hull: Option<(Time, Time)>, (start, end): (Time, Time)) -> Option<(Time, Time)> {
+    Some(hull.map_or((start, end), |(first, last)| (first.min(start), last.max(end))))
+}

@@ -1,0 +1,324 @@
+//! Results of parts (M&I)
+//! What: splits the results of a part into final and tentative ones, which can still grow: the input of temporal relations.
+//! Runs: whenever a relation or an absence evaluates its parts.
+//! Reads: the part, evaluation context.
+//! Writes: removes final results of measurements, persisted values, episodes and events from the part, so that each is processed once.
+//! Bound: O(new results + objects) for measurements, persisted values, episodes and events; for others the cost of their results.
+//! PDL: Allen relations, `:absent`.
+//! Paper: Table 1 row 11; section III, incremental interpretation.
+
+use crate::monitoring::combination::logic;
+use crate::monitoring::episodes::run_update::{advance_run, with_newest};
+use crate::monitoring::numbers::{cyclic, persistence, regression, statistics};
+use crate::monitoring::part::{PartContext, Truth, site};
+use crate::monitoring::reported_results::Used;
+use crate::monitoring::time_bounds::TICK;
+use crate::monitoring::verdict_query::VerdictQuery;
+use crate::state::monitors::monitor::{EpisodePart, Part, PartKind, Satisfaction};
+use apex_model::because::Evidence;
+use apex_model::event::StateVariable;
+use apex_model::source::Place;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+
+/// A result that may still change.
+pub(crate) struct TentativeResult {
+    /// What is known of it now, with the part's tag bound.
+    pub(crate) result: Satisfaction,
+    /// A run in it goes on: its end is not known.
+    pub(crate) open: bool,
+}
+
+/// What a part has found since the last look.
+#[derive(Default)]
+pub(crate) struct PartResults {
+    /// New results that nothing can change any longer.
+    pub(crate) settled: Vec<Satisfaction>,
+    /// Results that are not final, all of them at every look.
+    pub(crate) passing: Vec<TentativeResult>,
+    /// First and last evidence of runs that go on, whether they are results already or not.
+    pub(crate) runs: Vec<(Time, Time)>,
+    /// The same of runs that the lack of samples has ended: one that is still on its way continues them.
+    pub(crate) silent: Vec<(Time, Time)>,
+    /// Later results begin here or later, if they are no runs that go on.
+    pub(crate) from: Time,
+    /// Later results may lie anywhere.
+    pub(crate) anywhere: bool,
+    /// Nobody knows whether an episode in it goes on: nothing was measured, no sample shows where its run began, or
+    /// samples fail to come.
+    pub(crate) doubt: bool,
+    /// When time alone can change what is listed here.
+    pub(crate) changes_at: Option<Time>,
+}
+
+/// What `part` has found; of measurements, only what no sample of the same instant can replace any longer is settled.
+pub(crate) fn take_final(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
+    let PartKind::Measurement(leaf) = &mut part.kind else { return take(part, query) };
+    let mut extents = PartResults::default();
+    if let Some(seen) = &mut leaf.seen {
+        extents.settled.append(&mut seen.settled);
+        let newest = seen.newest.samples().filter_map(|newest| newest.result.clone());
+        extents.passing.extend(newest.map(|result| TentativeResult { result, open: false }));
+    }
+    extents
+}
+
+/// What `part` has found.
+pub(crate) fn take(part: &mut Part, query: &mut VerdictQuery<'_>) -> PartResults {
+    let site = site(part);
+    let mut extents = PartResults { from: query.now, ..PartResults::default() };
+    match &mut part.kind {
+        PartKind::Measurement(leaf) => {
+            if leaf.variable.is_some() {
+                let newest = leaf.seen.as_ref().and_then(|seen| seen.newest.samples().next().map(|sample| sample.at));
+                extents.from = newest.unwrap_or(site.window.start);
+            }
+            if let Some(seen) = &mut leaf.seen {
+                extents.settled.append(&mut seen.settled);
+                extents.settled.extend(seen.newest.take_results());
+            }
+        }
+        PartKind::Event(leaf) => extents.settled.append(&mut leaf.settled),
+        PartKind::Episode(leaf) => {
+            extents.settled.append(&mut leaf.settled);
+            if leaf.variable.is_some() {
+                extents.from = leaf.runs.values().next().map_or(site.window.start, |state| state.newest.at);
+            }
+            passing_episodes(leaf, site, query, &mut extents);
+        }
+        PartKind::Persisted(leaf) => {
+            extents.settled.append(&mut leaf.settled);
+            let newest = persistence::results(leaf, site, query);
+            extents.passing.extend(newest.into_iter().map(|result| TentativeResult { result, open: false }));
+            extents.anywhere = true;
+            extents.doubt = persistence::in_doubt(leaf, query.now);
+            // Asked for the instants at which windows to come begin.
+            persistence::truth(leaf, site, query);
+        }
+        _ => composite(part, query, &mut extents),
+    }
+    let results = extents.settled.iter_mut().chain(extents.passing.iter_mut().map(|extent| &mut extent.result));
+    bind_tag(part.tag.as_ref(), results);
+    extents.settled.sort_by_key(|result| result.recognised_at);
+    extents
+}
+
+fn bind_tag<'a>(tag: Option<&Symbol>, results: impl Iterator<Item = &'a mut Satisfaction>) {
+    let Some(tag) = tag else { return };
+    results.for_each(|result| result.bindings.set(tag.clone(), Value::Interval(result.interval.0, result.interval.1)));
+}
+
+fn passing_episodes(leaf: &EpisodePart, site: PartContext, query: &mut VerdictQuery<'_>, extents: &mut PartResults) {
+    let now = query.now;
+    extents.doubt = leaf.blind || leaf.runs.is_empty();
+    let mut objects: Vec<_> = leaf.runs.iter().collect();
+    objects.sort_by_key(|(_, run)| run.rank);
+    for (object, state) in objects {
+        let judged = advance_run(leaf, site, object, state, now, query.context, &mut query.troubles);
+        let over = judged.over.into_iter().chain(judged.closed_by_time);
+        extents.passing.extend(over.map(|result| TentativeResult { result, open: false }));
+        let silent_from = judged.run.as_ref().and_then(|run| silent_from(leaf, run.last));
+        let open = silent_from.is_none_or(|at| at > now);
+        extents.doubt |= judged.run.is_some() && (!open || (judged.found.is_none() && !judged.contradicted));
+        match judged.run {
+            Some(run) if open => {
+                extents.runs.push((run.start, run.last));
+                extents.changes_at = extents.changes_at.into_iter().chain(silent_from).min();
+            }
+            Some(run) => extents.silent.push((run.start, run.last)),
+            None => {}
+        }
+        extents.passing.extend(judged.found.map(|result| TentativeResult { result, open }));
+    }
+}
+
+/// The instant from which on a run is over, when no sample comes before.
+fn silent_from(leaf: &EpisodePart, last: Time) -> Option<Time> {
+    leaf.gap_max.map(|gap| last + gap + TICK)
+}
+
+/// Results of a composite are all passing: they are made again at every look. One that rests on a run that goes on is open.
+fn composite(part: &Part, query: &mut VerdictQuery<'_>, extents: &mut PartResults) {
+    let mut runs = Runs::default();
+    runs.collect(part, query, &mut extents.changes_at);
+    let results = logic::results(part, query);
+    let mut without = runs.results_without_open(part, query);
+    for result in results {
+        let mut open = result.evidence.iter().any(|evidence| rests_on(evidence, &runs.open));
+        // The same run may go on for one part and be over for another: what is a result without the former rests on the latter.
+        if let Some(place) = without.iter().position(|other| open && *other == result) {
+            without.swap_remove(place);
+            open = false;
+        }
+        if result.recognised_at <= query.now {
+            extents.passing.push(TentativeResult { result, open });
+        }
+    }
+    let open = runs.open;
+    extents.anywhere = true;
+    extents.doubt = match logic::truth(part, query) {
+        Truth::False => false,
+        Truth::Unknown => true,
+        // What was found stays true; whether it goes on, only its episodes can say.
+        Truth::True => is_in_doubt(part, query),
+    };
+    extents.runs.extend(open.iter().map(|run| run.interval));
+}
+
+/// Is it certain that a combination does not hold? Then nothing within it is in doubt.
+fn certainly_not(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
+    let combines = matches!(part.kind, PartKind::And(_) | PartKind::Or(_) | PartKind::InOrder(_) | PartKind::Allen(_));
+    combines && logic::truth(part, query) == Truth::False
+}
+
+/// Is any episode within the part in doubt?
+fn is_in_doubt(part: &Part, query: &mut VerdictQuery<'_>) -> bool {
+    let mut doubt = match &part.kind {
+        PartKind::Episode(leaf) => {
+            let mut own = PartResults::default();
+            passing_episodes(leaf, site(part), query, &mut own);
+            own.doubt
+        }
+        PartKind::Statistical(leaf) => statistics::in_doubt(leaf, site(part), query),
+        PartKind::Persisted(leaf) => persistence::in_doubt(leaf, query.now),
+        PartKind::Cyclic(leaf) => cyclic::in_doubt(leaf, site(part), query),
+        PartKind::Regression(leaf) => regression::in_doubt(leaf, site(part), query),
+        PartKind::Function(leaf) => leaf.value.is_none(),
+        // Windows that have passed stay; whether another passes, the absence itself knows.
+        PartKind::Absent(leaf) => return leaf.unknown,
+        // Where its part is true it is false, whatever is in doubt within.
+        PartKind::Not(inner) => return query.of_everything(|query| logic::truth(inner, query)) == Truth::Unknown,
+        _ => false,
+    };
+    for_each_inner(part, &mut |inner| doubt |= !certainly_not(inner, query) && is_in_doubt(inner, query));
+    doubt
+}
+
+fn rests_on(evidence: &Evidence, open: &[PartRun]) -> bool {
+    match evidence {
+        Evidence::Run { variable, start, end, .. } => {
+            open.iter().any(|run| run.variable == *variable && run.interval.0 <= *start && *end == run.interval.1)
+        }
+        _ => false,
+    }
+}
+
+/// The first instant after `now` at which some part within is in doubt because no sample has come for too long.
+pub(crate) fn silent_after(part: &Part, now: Time) -> Option<Time> {
+    let after = |newest: Time, most: Duration| newest.0.checked_add(most.0).map(|last| Time(last) + TICK);
+    let mut first = match &part.kind {
+        PartKind::Episode(leaf) => {
+            leaf.runs.values().filter_map(|state| after(state.newest.at, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        PartKind::Statistical(leaf) => {
+            leaf.objects.values().filter_map(|state| after(state.newest.at, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        PartKind::Persisted(leaf) => {
+            leaf.objects.values().filter_map(|sample| after(sample.at, leaf.timeout)).filter(|at| *at > now).min()
+        }
+        PartKind::Regression(leaf) => {
+            leaf.objects.values().filter_map(|fit| after(fit.last()?.0, leaf.gap_max?)).filter(|at| *at > now).min()
+        }
+        _ => None,
+    };
+    for_each_inner(part, &mut |inner| first = first.into_iter().chain(silent_after(inner, now)).min());
+    first
+}
+
+/// The newest run of a part, which is a result.
+#[derive(Clone, PartialEq)]
+struct PartRun {
+    part: Place,
+    variable: StateVariable,
+    interval: (Time, Time),
+    result: Satisfaction,
+}
+
+/// The newest runs of all episodes within a composite that are results.
+#[derive(Default)]
+struct Runs {
+    /// They go on.
+    open: Vec<PartRun>,
+    /// No sample has come for too long.
+    silent: Vec<PartRun>,
+}
+
+impl Runs {
+    fn collect(&mut self, part: &Part, query: &mut VerdictQuery<'_>, changes_at: &mut Option<Time>) {
+        let now = query.now;
+        let mut add = |gap_max: Option<Duration>, run: PartRun| {
+            let silent_from = gap_max.map(|gap| run.interval.1 + gap + TICK);
+            if silent_from.is_some_and(|at| at <= now) {
+                self.silent.push(run);
+                return;
+            }
+            self.open.push(run);
+            *changes_at = changes_at.iter().copied().chain(silent_from).min();
+        };
+        match &part.kind {
+            PartKind::Statistical(leaf) => {
+                for (variable, result) in statistics::open_of_variables(leaf, site(part), query) {
+                    add(leaf.gap_max, PartRun { part: part.place, variable, interval: result.interval, result });
+                }
+            }
+            PartKind::Episode(leaf) => {
+                for (object, state) in &leaf.runs {
+                    let judged = advance_run(leaf, site(part), object, state, now, query.context, &mut query.troubles);
+                    let Some((run, result)) = with_newest(leaf, state).zip(judged.found) else { continue };
+                    let variable = StateVariable::new(leaf.condition.variable.attribute.clone(), object.clone());
+                    add(leaf.gap_max, PartRun { part: part.place, variable, interval: (run.start, run.last), result });
+                }
+            }
+            _ => {}
+        }
+        for_each_inner(part, &mut |inner| self.collect(inner, query, changes_at));
+    }
+
+    /// What `part` would have found without the runs that go on, where it can be doubtful which run a result rests on.
+    fn results_without_open(&self, part: &Part, query: &mut VerdictQuery<'_>) -> Vec<Satisfaction> {
+        let alike = |run: &PartRun| {
+            self.silent.iter().any(|other| other.variable == run.variable && other.interval.1 == run.interval.1)
+        };
+        if !self.open.iter().any(alike) || keeps_results(part) {
+            return Vec::new();
+        }
+        let mut used = Used::default();
+        self.open.iter().for_each(|run| used.add(run.part, &run.result));
+        let before = query.used.replace(used);
+        let results = logic::results(part, query);
+        query.used = before;
+        results
+    }
+}
+
+/// Are results of parts within remembered as they were found, and not made again at every look?
+fn keeps_results(part: &Part) -> bool {
+    let mut keeps = matches!(part.kind, PartKind::Allen(_) | PartKind::Absent(_));
+    for_each_inner(part, &mut |inner| keeps |= keeps_results(inner));
+    keeps
+}
+
+/// The parts directly within `part`.
+pub(crate) fn for_each_inner(part: &Part, act: &mut dyn FnMut(&Part)) {
+    match &part.kind {
+        PartKind::And(composite) | PartKind::Or(composite) | PartKind::InOrder(composite) => {
+            composite.parts.iter().for_each(act);
+        }
+        PartKind::Not(inner) => act(inner),
+        PartKind::Allen(leaf) => leaf.parts.iter().for_each(act),
+        PartKind::Absent(leaf) => act(&leaf.part),
+        PartKind::Measurement(_)
+        | PartKind::Episode(_)
+        | PartKind::Persisted(_)
+        | PartKind::Regression(_)
+        | PartKind::Statistical(_)
+        | PartKind::Cyclic(_)
+        | PartKind::Event(_)
+        | PartKind::TaskEnded(_)
+        | PartKind::TaskState(_)
+        | PartKind::Timestamp(_)
+        | PartKind::Delay(_)
+        | PartKind::Function(_) => {}
+    }
+}

@@ -1,0 +1,93 @@
+//! Reported results (M&I)
+//! What: remembers which results of a monitor were reported, so that each is reported once.
+//! Runs: with every result report.
+//! Reads: results.
+//! Writes: keys of reported results.
+//! Bound: O(results reported that late samples may still change).
+//! PDL: all conditions.
+//! Paper: section IV, creating monitors from PDL specifications.
+
+use crate::state::monitors::monitor::{Part, Satisfaction};
+use apex_model::because::Evidence;
+use apex_model::source::Place;
+use apex_model::time::Time;
+use apex_model::value::Value;
+
+/// Which result of which part: what it shares with itself at a later time, when its interval has grown.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Key {
+    part: Place,
+    start: Time,
+    pub(crate) recognised_at: Time,
+    subject: Option<Value>,
+}
+
+impl Key {
+    /// The key of a result of `part`.
+    pub(crate) fn of(part: Place, result: &Satisfaction) -> Key {
+        let subject = result.evidence.iter().find_map(|evidence| match evidence {
+            Evidence::Sample { variable, .. } | Evidence::Run { variable, .. } => Some(variable.object.clone()),
+            Evidence::Estimate(estimate) => Some(estimate.variable.object.clone()),
+            Evidence::Aggregate(aggregate) => Some(aggregate.variable.object.clone()),
+            Evidence::Event { form, .. } => Some(form.clone()),
+            Evidence::TaskState { state, .. } => Some(state.clone()),
+            Evidence::TaskEnd { .. }
+            | Evidence::Instant { .. }
+            | Evidence::Function { .. }
+            | Evidence::Absence { .. } => None,
+        });
+        Key { part, start: result.interval.0, recognised_at: result.recognised_at, subject }
+    }
+}
+
+/// Results of parts that are part of something reported already.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Used {
+    pub(crate) keys: Vec<Key>,
+    /// Late samples make parts look back and find again what was reported; what was recognised before this is not new.
+    pub(crate) horizon: Option<Time>,
+}
+
+impl Used {
+    /// Adds a result of a part.
+    pub(crate) fn add(&mut self, part: Place, result: &Satisfaction) {
+        self.keys.push(Key::of(part, result));
+    }
+
+    /// Is the result among them?
+    pub(crate) fn contains(&self, part: Place, result: &Satisfaction) -> bool {
+        self.horizon.is_some_and(|horizon| result.recognised_at < horizon)
+            || (!self.keys.is_empty() && self.keys.contains(&Key::of(part, result)))
+    }
+}
+
+/// What was told of one monitor: for each alternative of its outermost `:or`, or for the whole.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ReportedResults(pub(crate) Vec<Branch>);
+
+impl ReportedResults {
+    /// As it is when a bank has reported of the monitor's run: the result of the run before the newest sample, and of the one
+    /// that goes on.
+    pub(crate) fn by_bank(part: &Part, before: Option<&Satisfaction>, open: Option<&Satisfaction>) -> ReportedResults {
+        let key = |result: &Satisfaction| Key::of(part.place, result);
+        let open: Vec<Key> = open.map(key).into_iter().collect();
+        let keys = before.map(key).into_iter().chain(open.iter().cloned()).collect();
+        ReportedResults(vec![Branch { used: Used { keys, horizon: None }, open, absence: false }])
+    }
+
+    /// Will the end of a result be reported that goes on now? Not when it was reported already, and a sample has taken that back.
+    pub(crate) fn awaits_end(&self) -> bool {
+        self.0.iter().any(|branch| !branch.open.is_empty())
+    }
+}
+
+/// What was reported of one alternative.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Branch {
+    /// Results that are part of what was reported.
+    pub(crate) used: Used,
+    /// Told results whose interval still grows.
+    pub(crate) open: Vec<Key>,
+    /// That something did not happen was reported.
+    pub(crate) absence: bool,
+}

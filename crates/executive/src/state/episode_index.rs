@@ -1,0 +1,385 @@
+//! Undecided plain episodes of one state variable, side by side, so that a sample costs each of them a comparison.
+//!
+//! A plain episode compares a number with fixed bounds, and wants a gap and a least duration at most. Until it is
+//! decided a sample can do three things to it: turn its truth, cut its run by a gap, or reach its duration. The bank
+//! watches for these in arrays; the monitor itself is touched when its episode is decided, or asked for. Whatever is not
+//! an ordinary sample (late, replaced, of another kind) takes every episode out first, and goes the general way.
+
+use crate::state::bindings::Bindings;
+use crate::state::monitors::monitor::{ObjectRun, Run, RunSample};
+pub use crate::state::threshold_episode::{
+    Band, EpisodeUpdate, IndexedRun, LeafId, OpenResult, Taken, ThresholdEpisode, What,
+};
+use crate::state::wake::WakeKey;
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Beyond this not every whole number is a double: comparing them takes the general way.
+pub const EXACT_INTEGER_MAX: i64 = 1 << 53;
+
+/// Episodes by row. All rows have seen the same samples since they came in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeIndex {
+    dimension: Dimension,
+    rows: BTreeMap<LeafId, usize>,
+    leaves: Vec<LeafId>,
+    bands: Vec<Band>,
+    holds: Vec<bool>,
+    /// When the run is long enough; the end of time while there is none.
+    deadlines: Vec<Time>,
+    gaps: Vec<Duration>,
+    states: Vec<State>,
+    /// Samples seen so far, the newest included.
+    samples: i64,
+    newest: Time,
+    /// The sample before the newest.
+    previous: Time,
+    /// No deadline is earlier.
+    deadline_floor: Time,
+    gap_least: Duration,
+    gap_most: Duration,
+    window_latest: Time,
+    /// When time alone decides an episode unless another sample comes before, and whose.
+    due: Option<(Time, LeafId)>,
+    /// The wake that was asked for, and for whom; kept by whoever feeds the bank.
+    pub wake: Option<(WakeKey, LeafId)>,
+}
+
+/// What changes seldom in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    duration_min: Duration,
+    window_start: Time,
+    /// It has seen a sample before it came in, or `samples` has grown since.
+    seen: bool,
+    came_at: i64,
+    /// The run with the newest sample, where it holds.
+    start: Time,
+    first: i64,
+    contradicted: bool,
+    gap: Option<Duration>,
+    open: Option<OpenResult>,
+    negated: bool,
+    /// What was before the newest sample, if that one changed anything.
+    before: Before,
+}
+
+/// A row before the sample at `at`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Before {
+    at: Time,
+    held: bool,
+    start: Time,
+    first: i64,
+    contradicted: bool,
+    gap: Option<Duration>,
+    /// When the run's result was recognised, if it had one.
+    found_at: Option<Time>,
+}
+
+impl State {
+    /// The truth, or the run, is another one from the sample at `at` on, which is number `sample`.
+    fn turn(&mut self, at: Time, sample: i64, held: bool, holds: bool, cut: Option<Duration>) {
+        let contradicted = self.contradicted || (!held && self.has_seen_any(sample.saturating_sub(1)));
+        let State { start, first, gap, open, .. } = *self;
+        let found_at = open.map(|open| open.recognised_at);
+        self.before = Before { at, held, start, first, contradicted, gap, found_at };
+        self.open = None;
+        self.gap = cut.or(gap);
+        self.contradicted = !holds || (contradicted && cut.is_none());
+        (self.start, self.first) = (at, sample);
+    }
+
+    /// Has it seen one of the first `samples` samples of the bank, or one before it came in?
+    fn has_seen_any(&self, samples: i64) -> bool {
+        self.seen || samples > self.came_at
+    }
+}
+
+/// How many samples there are from number `first` to number `last`.
+fn length(first: i64, last: i64) -> u64 {
+    u64::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or_default()
+}
+
+/// The value as a plain number, where comparing it as a double is exact.
+pub fn plain_number(value: &Value) -> Option<(f64, Dimension)> {
+    match value {
+        Value::Integer(integer) if integer.unsigned_abs() > EXACT_INTEGER_MAX.unsigned_abs() => None,
+        Value::Integer(_) | Value::Real(_) | Value::Quantity(_) => {
+            value.as_number().filter(|(number, _)| !number.is_nan())
+        }
+        _ => None,
+    }
+}
+
+impl EpisodeIndex {
+    /// A bank without episodes, for numbers of `dimension`.
+    pub fn new(dimension: Dimension) -> EpisodeIndex {
+        EpisodeIndex {
+            dimension,
+            rows: BTreeMap::new(),
+            leaves: Vec::new(),
+            bands: Vec::new(),
+            holds: Vec::new(),
+            deadlines: Vec::new(),
+            gaps: Vec::new(),
+            states: Vec::new(),
+            samples: 0,
+            newest: Time::BEGINNING,
+            previous: Time::BEGINNING,
+            deadline_floor: Time::END,
+            gap_least: Duration::MAX,
+            gap_most: Duration::ZERO,
+            window_latest: Time::BEGINNING,
+            due: None,
+            wake: None,
+        }
+    }
+
+    /// How many episodes are here.
+    pub fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// True without episodes.
+    pub fn is_empty(&self) -> bool {
+        self.leaves.is_empty()
+    }
+
+    /// Is the episode here?
+    pub fn contains(&self, leaf: LeafId) -> bool {
+        self.rows.contains_key(&leaf)
+    }
+
+    /// When time alone decides an episode, if no sample comes before.
+    pub fn due(&self) -> Option<(Time, LeafId)> {
+        self.due
+    }
+
+    /// Takes an undecided episode in: what it wants, and what its samples were. False, and nothing changes, when its
+    /// samples are not those that the others have seen, or its numbers of another dimension.
+    pub fn insert(&mut self, leaf: LeafId, wanted: &ThresholdEpisode, run: Option<&ObjectRun>) -> bool {
+        let same_samples = self.samples == 0 || run.is_none_or(|run| run.newest.at == self.newest);
+        if wanted.dimension != self.dimension || !same_samples || self.contains(leaf) {
+            return false;
+        }
+        if let Some(run) = run {
+            if self.samples == 0 {
+                (self.samples, self.newest) = (1, run.newest.at);
+            }
+            self.previous = run.run.as_ref().map_or(self.previous, |run| self.previous.max(run.last));
+        }
+        let (holds, state) = self.state_of(wanted, run);
+        let waits = holds && wanted.open.is_none();
+        let deadline = if waits { state.start + wanted.duration_min } else { Time::END };
+        self.rows.insert(leaf, self.leaves.len());
+        self.leaves.push(leaf);
+        self.bands.push(wanted.band);
+        self.holds.push(holds);
+        self.deadlines.push(deadline);
+        self.gaps.push(wanted.gap_max);
+        self.states.push(state);
+        self.deadline_floor = self.deadline_floor.min(deadline);
+        self.gap_least = self.gap_least.min(wanted.gap_max);
+        if wanted.gap_max < Duration::MAX {
+            self.gap_most = self.gap_most.max(wanted.gap_max);
+        }
+        self.window_latest = self.window_latest.max(wanted.window_start);
+        let due = deadline > self.newest && deadline <= self.newest + wanted.gap_max && wanted.gap_max < Duration::MAX;
+        if due && self.due.is_none_or(|(at, _)| deadline < at) {
+            self.due = Some((deadline, leaf));
+        }
+        true
+    }
+
+    fn state_of(&self, wanted: &ThresholdEpisode, run: Option<&ObjectRun>) -> (bool, State) {
+        let nothing = Before {
+            at: Time::BEGINNING,
+            held: false,
+            start: Time::END,
+            first: 0,
+            contradicted: false,
+            gap: None,
+            found_at: None,
+        };
+        let mut state = State {
+            duration_min: wanted.duration_min,
+            window_start: wanted.window_start,
+            seen: false,
+            came_at: self.samples,
+            start: Time::END,
+            first: 0,
+            contradicted: false,
+            gap: None,
+            open: None,
+            negated: wanted.negated,
+            before: nothing,
+        };
+        let Some(ObjectRun { run, newest, contradicted, gap, found, .. }) = run else { return (false, state) };
+        let found_at = found.as_ref().map(|found| found.recognised_at);
+        // All but the newest sample first, then the newest as `sample` would take it in.
+        (state.contradicted, state.gap) = (*contradicted, *gap);
+        if let Some(run) = run {
+            let samples = i64::try_from(run.samples).unwrap_or(i64::MAX);
+            (state.start, state.first) = (run.start, self.samples.saturating_sub(samples));
+        }
+        let (held, holds) = (run.is_some(), newest.holds.is_some());
+        let cut = run.as_ref().map(|run| newest.at - run.last).filter(|gap| *gap > wanted.gap_max);
+        let State { start, first, .. } = state;
+        if held != holds || cut.is_some() {
+            state.turn(newest.at, self.samples, held, holds, cut);
+        } else {
+            state.contradicted |= !holds;
+        }
+        state.before = Before { at: newest.at, held, start, first, contradicted: *contradicted, gap: *gap, found_at };
+        (state.seen, state.open) = (true, wanted.open);
+        (holds, state)
+    }
+
+    /// May a sample be taken in by [`EpisodeIndex::sample`]? All episodes must be taken out for any other one.
+    pub fn takes(&self, at: Time, value: &Value) -> Option<f64> {
+        // What time alone has decided before the sample must be taken out before the sample is told.
+        let in_time = self.due.is_none_or(|(due, _)| due >= at);
+        let ordinary = at > self.newest && at >= self.window_latest && in_time;
+        let (number, dimension) = plain_number(value).filter(|_| ordinary)?;
+        (dimension == self.dimension).then_some(number)
+    }
+
+    /// Takes in a sample that [`EpisodeIndex::takes`], and says what comes of it: runs with a result that are over, runs that
+    /// have one from now on. These stay in the bank, as open ones.
+    pub fn sample(&mut self, at: Time, value: f64, told: &mut Vec<EpisodeUpdate>) {
+        let gap = if self.samples == 0 { Duration::ZERO } else { at - self.newest };
+        let gaps = gap > self.gap_least;
+        (self.previous, self.newest) = (self.newest, at);
+        self.samples = self.samples.saturating_add(1);
+        let (sample, last) = (self.samples, self.previous);
+        let mut floor = self.deadline_floor;
+        let rows =
+            self.bands.iter().zip(&mut self.holds).zip(&mut self.states).zip(&mut self.deadlines).zip(&self.gaps);
+        for (((((band, held), state), deadline), gap_max), leaf) in rows.zip(&self.leaves) {
+            let holds = (value >= band.least) & (value <= band.most);
+            if holds != *held || (gaps && holds && gap > *gap_max) {
+                let cut = (*held && gap > *gap_max).then_some(gap);
+                if let Some(OpenResult { recognised_at, .. }) = state.open {
+                    let samples = length(state.first, sample.saturating_sub(1));
+                    let (leaf, what, start) = (*leaf, What::Over, state.start);
+                    told.push(EpisodeUpdate { leaf, what, start, last, samples, recognised_at });
+                }
+                if state.negated && *held && !holds {
+                    let (leaf, what, start) = (*leaf, What::Contradicted, state.start);
+                    told.push(EpisodeUpdate { leaf, what, start, last, samples: 0, recognised_at: at });
+                }
+                state.turn(at, sample, *held, holds, cut);
+                *held = holds;
+                *deadline = if holds { at + state.duration_min } else { Time::END };
+                floor = floor.min(*deadline);
+            }
+        }
+        self.deadline_floor = floor;
+        self.look_at_deadlines(at, told);
+    }
+
+    /// Finds the episodes that the newest sample or the time `now` decides, and what time alone will decide next.
+    fn look_at_deadlines(&mut self, now: Time, told: &mut Vec<EpisodeUpdate>) {
+        self.due = None;
+        let newest = self.newest;
+        if self.deadline_floor > newest + self.gap_most {
+            return;
+        }
+        let (mut floor, mut due) = (Time::END, None);
+        let rows = self.deadlines.iter_mut().zip(&self.gaps).zip(&self.leaves).zip(&mut self.states);
+        for (((deadline, gap), leaf), state) in rows {
+            let licensed = *deadline <= newest + *gap && *gap < Duration::MAX;
+            if *deadline <= newest || (licensed && *deadline <= now) {
+                let recognised_at = if *deadline <= newest { newest } else { *deadline };
+                let samples = length(state.first, self.samples);
+                let (leaf, what, start) = (*leaf, What::Found, state.start);
+                told.push(EpisodeUpdate { leaf, what, start, last: newest, samples, recognised_at });
+                state.open = Some(OpenResult { recognised_at, newest });
+                *deadline = Time::END;
+            } else if licensed {
+                let this = (*deadline, *leaf);
+                due = Some(due.map_or(this, |least: (Time, LeafId)| least.min(this)));
+            }
+            floor = floor.min(*deadline);
+        }
+        (self.deadline_floor, self.due) = (floor, due);
+    }
+
+    fn take_each(&mut self, leaves: Vec<LeafId>, taken: &mut Taken) {
+        taken.extend(leaves.into_iter().filter_map(|leaf| Some((leaf, self.take(leaf)?))));
+    }
+
+    /// Takes out the episodes that have a result now, for whoever wants one result only.
+    pub fn take_decided(&mut self, told: &[EpisodeUpdate], taken: &mut Taken) {
+        let decided = told.iter().filter(|each| each.what == What::Found).map(|each| each.leaf);
+        self.take_each(decided.collect(), taken);
+    }
+
+    /// Time has arrived to `now` without a sample: says which runs have a result by that.
+    pub fn pass_time(&mut self, now: Time, told: &mut Vec<EpisodeUpdate>) {
+        if self.due.is_some_and(|(at, _)| at <= now) {
+            self.look_at_deadlines(now, told);
+        }
+    }
+
+    /// What the episode has seen, as its monitor would have it: none when it has seen nothing. None at all
+    /// when it is not here.
+    pub fn run_of(&self, leaf: LeafId) -> Option<Option<IndexedRun>> {
+        let row = *self.rows.get(&leaf)?;
+        let (state, holds) = (self.states.get(row)?, *self.holds.get(row)?);
+        if !state.has_seen_any(self.samples) {
+            return Some(None);
+        }
+        let run = |start, first: i64| Run {
+            start,
+            last: self.previous,
+            samples: length(first, self.samples.saturating_sub(1)),
+            bindings: Bindings::new(),
+            first_holds: true,
+            last_holds: true,
+            instants: Vec::new(),
+        };
+        let (before, contradicted, gap, found_at) = if state.before.at == self.newest {
+            let Before { held, start, first, contradicted, gap, found_at, .. } = state.before;
+            (held.then(|| run(start, first)), contradicted, gap, found_at)
+        } else {
+            let contradicted = state.contradicted || (!holds && state.has_seen_any(self.samples.saturating_sub(1)));
+            let found_at = state.open.filter(|open| open.newest < self.newest).map(|open| open.recognised_at);
+            (holds.then(|| run(state.start, state.first)), contradicted, state.gap, found_at)
+        };
+        let holds = holds.then(Bindings::new);
+        let newest = RunSample { at: self.newest, holds, joins: true, first_holds: true, last_holds: true };
+        let run = ObjectRun { rank: 0, run: before, newest, found: None, contradicted, gap };
+        Some(Some(IndexedRun { run, found_at, open_at: state.open.map(|open| open.recognised_at) }))
+    }
+
+    /// Takes the episode out, with what [`EpisodeIndex::run_of`] says of it.
+    pub fn take(&mut self, leaf: LeafId) -> Option<Option<IndexedRun>> {
+        let run = self.run_of(leaf)?;
+        let row = self.rows.remove(&leaf)?;
+        self.leaves.swap_remove(row);
+        self.bands.swap_remove(row);
+        self.holds.swap_remove(row);
+        self.deadlines.swap_remove(row);
+        self.gaps.swap_remove(row);
+        self.states.swap_remove(row);
+        if let Some(moved) = self.leaves.get(row) {
+            self.rows.insert(*moved, row);
+        }
+        if self.due.is_some_and(|(_, due)| due == leaf) {
+            self.look_at_deadlines(self.newest, &mut Vec::new());
+        }
+        Some(run)
+    }
+
+    /// Takes all episodes out, in order of their monitors.
+    pub fn take_all(&mut self, taken: &mut Taken) {
+        let leaves = self.rows.keys().copied().collect();
+        self.due = None;
+        self.take_each(leaves, taken);
+    }
+}

@@ -1,0 +1,102 @@
+//! Plain episodes as banks know them: what they want, what was seen of them, and what is told.
+
+use crate::state::clause::MonitorId;
+use crate::state::monitors::monitor::ObjectRun;
+use apex_model::quantity::Dimension;
+use apex_model::time::{Duration, Time};
+use serde::{Deserialize, Serialize};
+
+/// Which episode of which monitor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct LeafId {
+    /// The monitor.
+    pub monitor: MonitorId,
+    /// Which of its episodes in written order; 0 where the episode is all that it watches.
+    pub leaf: u32,
+}
+
+impl LeafId {
+    /// The episode that is all that `monitor` watches.
+    pub fn whole(monitor: MonitorId) -> LeafId {
+        LeafId { monitor, leaf: 0 }
+    }
+}
+
+/// Values between two bounds, both included; infinite where there is no bound.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// The least value, in SI.
+    pub least: f64,
+    /// The greatest value, in SI.
+    pub most: f64,
+}
+
+/// A plain episode, as the bank must know it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThresholdEpisode {
+    /// Values that satisfy it.
+    pub band: Band,
+    /// Their dimension.
+    pub dimension: Dimension,
+    /// The greatest gap between samples; the greatest duration is none.
+    pub gap_max: Duration,
+    /// The run lasts at least so long.
+    pub duration_min: Duration,
+    /// Samples before this do not count.
+    pub window_start: Time,
+    /// The run has a result already, told while it goes on: only its end is watched for.
+    pub open: Option<OpenResult>,
+    /// It stands under a `:not`: samples that contradict it are to be told.
+    pub negated: bool,
+}
+
+/// A result whose run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OpenResult {
+    /// When it was recognised.
+    pub recognised_at: Time,
+    /// The newest sample at that time.
+    pub newest: Time,
+}
+
+/// What an episode has seen in a bank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IndexedRun {
+    /// As its monitor would have it, except for the result.
+    pub run: ObjectRun,
+    /// The run before the newest sample has a result, which was recognised then.
+    pub found_at: Option<Time>,
+    /// The run with the newest sample has a result, which was recognised then.
+    pub open_at: Option<Time>,
+}
+
+/// What has become of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// It has a result from now on.
+    Found,
+    /// Its run, which had a result, is over.
+    Over,
+    /// The newest sample contradicts it, and the one before did not; told only where it stands under a `:not`.
+    Contradicted,
+}
+
+/// What a sample, or time, made of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EpisodeUpdate {
+    /// Whose episode.
+    pub leaf: LeafId,
+    /// What has become of it.
+    pub what: What,
+    /// The run's first sample.
+    pub start: Time,
+    /// Its last sample so far, or at all.
+    pub last: Time,
+    /// How many samples it has.
+    pub samples: u64,
+    /// When its result was recognised.
+    pub recognised_at: Time,
+}
+
+/// Episodes that left a bank, with what they have seen: none when they have seen nothing.
+pub type Taken = Vec<(LeafId, Option<IndexedRun>)>;

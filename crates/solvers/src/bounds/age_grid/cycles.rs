@@ -1,0 +1,305 @@
+//! How little any flight without end can cost per second, and a cycle that comes near to it.
+//!
+//! A number is proven as cost per second where values can be given to the points of the grid so that no visit leads to less
+//! than it began with, when so much is taken off for each of its seconds: then a flight of any length costs at least so much
+//! a second, except for what the values differ. The values are found by going over the grid again and again at a number on
+//! trial, and the number by halving; any values prove something.
+//! A flight that follows the values shows a cycle that comes near.
+//! Bound: O(sweeps x points x targets x 2^targets).
+
+use super::{Grid, LONG_S, gathered, leg_s};
+use crate::bounds::least::events_per_s;
+use apex_metrics::eci;
+use apex_model::problem::{Plan, Problem, SurveillanceProblem, UNREACHABLE_S};
+use apex_planning::meter::Meter;
+use apex_planning::solver::WorkBudget;
+
+const POINTS_MAX: usize = 56_000;
+/// Points of the grid on which good values are sought first.
+const POINTS_COARSE: usize = 20_000;
+/// Numbers on trial, and how often the grid is gone over for each.
+const TRIALS_MAX: usize = 12;
+const SWEEPS_MAX: usize = 120;
+/// How often it is gone over before the number is asked for.
+const SWEEPS_AT_ONCE: usize = 20;
+/// Shares of the cost within which a number counts as proven, and at which trials end.
+const NEAR: f64 = 1e-5;
+const ENOUGH: f64 = 2e-3;
+/// Visits that are flown after the values, and of the longest cycle that is sought among them.
+const VISITS: usize = 900;
+const CYCLE_MAX: usize = 300;
+/// Visits at which a cycle may begin.
+const BEGINNINGS: usize = 60;
+/// What it takes to fly after the values and to look for cycles, in nanoseconds.
+const FLOWN_NS: f64 = 1e7;
+/// A cycle is told as better where it saves so great a share.
+const BETTER: f64 = 1e-3;
+/// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
+const ROUNDING: f64 = 1e-9;
+
+/// A cycle with what it costs in the long run, and what proves how good it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BestCycle {
+    /// Indices of the targets in the order of their visits, again and again.
+    pub cycle: Vec<usize>,
+    /// Expected cost per second of this cycle without end.
+    pub cost_per_s: f64,
+    /// No flight without end that goes on at once costs less per second.
+    pub cost_per_s_bound: f64,
+    /// What proves it: a value for each point of the grid.
+    pub proof: Vec<f64>,
+}
+
+/// What becomes of a plan's cycle if it is flown without end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WithoutEnd {
+    /// Expected cost per second of the plan's cycle.
+    pub cost_per_s: f64,
+    /// No flight without end that goes on at once costs less per second.
+    pub cost_per_s_bound: f64,
+    /// Names of the targets of a cycle that costs less, with its cost per second, where one is known.
+    pub better: Option<(Vec<String>, f64)>,
+}
+
+/// The plan's cycle without end, within the budget; none where the plan is no cycle, or there is no bound for it.
+pub fn of_plan(problem: &Problem, plan: &Plan, meter: &mut Meter<'_>) -> Option<WithoutEnd> {
+    let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) else { return None };
+    let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
+    let cycle: Vec<usize> = plan.cycle.iter().map(index).collect::<Option<_>>()?;
+    let own = Some(cost_per_s(problem, &cycle)).filter(|cost| cost.is_finite() && !cycle.is_empty())?;
+    let best = best_within(problem, &[cycle], POINTS_MAX, meter)?;
+    let name = |target: &usize| problem.targets.get(*target).map(|target| target.name.clone());
+    let better = (best.cost_per_s < own * (1.0 - BETTER))
+        .then(|| (best.cycle.iter().filter_map(name).collect(), best.cost_per_s));
+    Some(WithoutEnd { cost_per_s: own, cost_per_s_bound: best.cost_per_s_bound, better })
+}
+
+/// The best cycle that is found, beginning with those in `known`, and the bound; none with too many targets, where a cost is
+/// not concave, or where no cycle can be flown.
+pub fn best(problem: &SurveillanceProblem, known: &[Vec<usize>]) -> Option<BestCycle> {
+    best_within(problem, known, POINTS_MAX, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
+}
+
+/// As [`best`], with a grid of another size, and so far as the budget is enough: with a coarser grid, or a bound that more
+/// sweeps would make greater.
+pub fn best_within(
+    problem: &SurveillanceProblem,
+    known: &[Vec<usize>],
+    points_max: usize,
+    meter: &mut Meter<'_>,
+) -> Option<BestCycle> {
+    let coarse = fitting(problem, points_max.min(POINTS_COARSE), meter)?;
+    let found = on_grid(problem, known, &coarse, None, meter)?;
+    if points_max <= POINTS_COARSE || !meter.is_complete() {
+        return Some(found);
+    }
+    let fine = Grid::new(problem, points_max, LONG_S)?;
+    if sweeps_ns(&fine) > meter.left_ns() {
+        meter.cut();
+        return Some(found);
+    }
+    let known: Vec<Vec<usize>> = known.iter().cloned().chain([found.cycle.clone()]).collect();
+    // What was proven on the coarse grid stays proven, should the fine one come to less.
+    let finer = on_grid(problem, &known, &fine, Some((&coarse, &found.proof)), meter)?;
+    Some(if finer.cost_per_s_bound >= found.cost_per_s_bound {
+        finer
+    } else {
+        BestCycle { cycle: finer.cycle, cost_per_s: finer.cost_per_s, ..found }
+    })
+}
+
+/// The grid of at most so many points that the budget is enough to sweep some times; none where it is for none, or there is none.
+fn fitting(problem: &SurveillanceProblem, points_max: usize, meter: &mut Meter<'_>) -> Option<Grid> {
+    let grid = Grid::new(problem, points_max, LONG_S)?;
+    let share = meter.left_ns() / sweeps_ns(&grid);
+    if share >= 1.0 {
+        return Some(grid);
+    }
+    meter.cut();
+    Grid::new(problem, (share * grid.size() as f64) as usize, LONG_S)
+}
+
+/// What the sweeps take that a grid needs at the least to prove something, in nanoseconds.
+fn sweeps_ns(grid: &Grid) -> f64 {
+    3.0 * SWEEPS_AT_ONCE as f64 * grid.visits() * grid.step_ns()
+}
+
+fn on_grid(
+    problem: &SurveillanceProblem,
+    known: &[Vec<usize>],
+    grid: &Grid,
+    coarse: Option<(&Grid, &[f64])>,
+    meter: &mut Meter<'_>,
+) -> Option<BestCycle> {
+    let count = problem.targets.len();
+    let simple = (0..count).map(|target| vec![target]).chain([(0..count).collect()]);
+    let costs = known.iter().cloned().chain(simple).map(|cycle| (cost_per_s(problem, &cycle), cycle));
+    let (cost_per_s, cycle) = costs.filter(|(cost, _)| cost.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mut best = BestCycle { cycle, cost_per_s, cost_per_s_bound: 0.0, proof: vec![0.0; grid.size()] };
+    let mut values = best.proof.clone();
+    if let Some((coarse, known)) = coarse {
+        grid.fill(&mut values, |at, ages_s| coarse.value(at, ages_s, known));
+    }
+    let mut least_failed = cost_per_s;
+    let mut trial = (1.0 - 0.5 * ENOUGH) * cost_per_s;
+    for _ in 0..TRIALS_MAX {
+        let found = sweep(grid, &mut values, trial, &mut best, meter);
+        meter.spend(FLOWN_NS);
+        let (cycle, cost_per_s) = flown(problem, grid, &values, trial);
+        if cost_per_s < best.cost_per_s {
+            (best.cycle, best.cost_per_s) = (cycle, cost_per_s);
+        }
+        if !found {
+            least_failed = trial;
+            values.copy_from_slice(&best.proof);
+        }
+        least_failed = least_failed.min(best.cost_per_s);
+        if least_failed - best.cost_per_s_bound < ENOUGH * least_failed {
+            break;
+        }
+        if meter.left_ns() <= 0.0 {
+            meter.cut();
+            break;
+        }
+        trial = 0.5 * (least_failed + best.cost_per_s_bound);
+    }
+    Some(best)
+}
+
+/// What the values prove, computed from the problem and them alone: expected cost per second that no flight without end that
+/// goes on at once goes below.
+pub fn verified(problem: &SurveillanceProblem, proof: &[f64]) -> f64 {
+    let grid = Grid::new(problem, proof.len(), LONG_S).filter(|grid| grid.size() == proof.len());
+    grid.map_or(0.0, |grid| proven(&grid, proof))
+}
+
+/// Goes over the grid until the number on trial is proven, or long enough; what is proven on the way is kept.
+fn sweep(grid: &Grid, values: &mut [f64], trial: f64, best: &mut BestCycle, meter: &mut Meter<'_>) -> bool {
+    let once_ns = grid.visits() * grid.step_ns();
+    for number in 1..=SWEEPS_MAX {
+        improve(grid, values, trial);
+        meter.spend(once_ns);
+        // Whoever has to stop asks once more.
+        let last = meter.left_ns() <= once_ns;
+        if number % SWEEPS_AT_ONCE == 0 || last {
+            meter.spend(once_ns);
+            let bound = proven(grid, values);
+            if bound > best.cost_per_s_bound {
+                best.cost_per_s_bound = bound;
+                best.proof.copy_from_slice(values);
+            }
+            if bound >= trial * (1.0 - NEAR) {
+                return true;
+            }
+            if last {
+                meter.cut();
+                return false;
+            }
+        }
+    }
+    false
+}
+
+/// Each value anew from those that visits lead to, the greatest ages first: visits lead to greater ones. Then the first is
+/// taken off all, since only their differences count.
+fn improve(grid: &Grid, values: &mut [f64], per_s: f64) {
+    let length = grid.row();
+    let (mut sums, mut best) = (vec![0.0; length], vec![0.0; length]);
+    for (number, others) in grid.rows().iter().enumerate().rev() {
+        for target in 0..grid.levels.len() {
+            best.fill(f64::INFINITY);
+            for step in grid.steps_from(target) {
+                grid.ahead(step, others, values, &mut sums);
+                let taken = per_s * step.seconds;
+                best.iter_mut().zip(&sums).for_each(|(best, sum)| *best = best.min(sum - taken));
+            }
+            let first = grid.first(target) + number * length;
+            if let Some(row) = values.get_mut(first..first + length) {
+                row.copy_from_slice(&best);
+            }
+        }
+    }
+    let first = values.first().copied().unwrap_or(0.0);
+    values.iter_mut().for_each(|value| *value -= first);
+}
+
+fn proven(grid: &Grid, values: &[f64]) -> f64 {
+    let mut least = f64::INFINITY;
+    let mut sums = vec![0.0; grid.row()];
+    for step in &grid.steps {
+        let own = values.get(grid.first(step.from)..).unwrap_or_default();
+        for (row, others) in own.chunks(grid.row()).zip(grid.rows()) {
+            grid.ahead(step, others, values, &mut sums);
+            for (value, sum) in row.iter().zip(&sums) {
+                let per_s = (sum - value) / step.seconds;
+                // What is no number proves nothing.
+                least = if per_s >= least { least } else { per_s };
+            }
+        }
+    }
+    let size = values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    let quickest_s = grid.steps.iter().map(|step| step.seconds).fold(f64::INFINITY, f64::min);
+    let proven = least - ROUNDING * (least.abs() + size / quickest_s);
+    if proven.is_finite() { proven.max(0.0) } else { 0.0 }
+}
+
+/// The best cycle of a flight that always goes where the values say.
+fn flown(problem: &SurveillanceProblem, grid: &Grid, values: &[f64], per_s: f64) -> (Vec<usize>, f64) {
+    let mut ages_s = vec![0.0; problem.targets.len()];
+    let (mut here, mut word) = (0, Vec::new());
+    for _ in 0..VISITS {
+        let of = |seconds: f64, to: usize| {
+            let grown = |(target, age_s): (usize, &f64)| if target == to { 0.0 } else { age_s + seconds };
+            ages_s.iter().enumerate().map(grown).collect::<Vec<f64>>()
+        };
+        let cost = |seconds: f64| {
+            let each = ages_s.iter().enumerate();
+            each.map(|(target, age_s)| gathered(problem, target, *age_s, seconds)).sum::<f64>()
+        };
+        let steps = grid.steps_from(here).iter();
+        let value =
+            |seconds: f64, to: usize| cost(seconds) - per_s * seconds + grid.value(to, &of(seconds, to), values);
+        let each = steps.map(|step| (value(step.seconds, step.to), step));
+        let Some((_, step)) = each.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        ages_s = of(step.seconds, step.to);
+        here = step.to;
+        word.push(here);
+    }
+    let later = VISITS / 2;
+    let mut best = (Vec::new(), f64::INFINITY);
+    for from in later..word.len().saturating_sub(CYCLE_MAX).min(later + BEGINNINGS) {
+        for until in from + 1..from + CYCLE_MAX {
+            let Some(cycle) = word.get(from..until).filter(|_| word.get(until) == word.get(from)) else { continue };
+            let cost = cost_per_s(problem, cycle);
+            if cost < best.1 {
+                best = (cycle.to_vec(), cost);
+            }
+        }
+    }
+    best
+}
+
+/// Expected cost per second of a cycle that is flown again and again without end; without bound where it cannot be flown.
+pub fn cost_per_s(problem: &SurveillanceProblem, cycle: &[usize]) -> f64 {
+    let legs = cycle.iter().zip(cycle.iter().cycle().skip(1));
+    let mut ends_s = vec![Vec::new(); problem.targets.len()];
+    let mut time_s = 0.0;
+    for (from, to) in legs {
+        time_s += leg_s(problem, *from, *to);
+        if let Some(ends_s) = ends_s.get_mut(*to) {
+            ends_s.push(time_s);
+        }
+    }
+    if time_s <= 0.0 || time_s >= UNREACHABLE_S {
+        return f64::INFINITY;
+    }
+    let of_target = |(target, ends_s): (usize, &Vec<f64>)| match ends_s.last() {
+        Some(last_s) => {
+            let starts = [last_s - time_s].into_iter().chain(ends_s.iter().copied());
+            let gaps = ends_s.iter().zip(starts);
+            gaps.map(|(end_s, start_s)| gathered(problem, target, 0.0, end_s - start_s)).sum::<f64>() / time_s
+        }
+        None => problem.targets.get(target).map_or(0.0, |of| events_per_s(of) * eci::cost_at(&of.cost, f64::MAX)),
+    };
+    ends_s.iter().enumerate().map(of_target).sum()
+}

@@ -1,0 +1,205 @@
+//! No flight that goes on at once costs less over the horizon: backwards in time over the grid of ages.
+//!
+//! Time goes in equal ticks. A visit that ends between two of them leaves the whole ticks that are left, and for the rest of
+//! the tick at least what all targets gather at any instant when all but one have an age: whoever has less time could fly the
+//! same, cut off earlier. Endurance and the way back are not looked at: they make no flight cheaper.
+//! Bound: O(ticks x points x targets x 2^targets), limited by [`GridResolution::steps`].
+
+use super::{Grid, first_leg_s, gathered, leg_s};
+use crate::bounds::least::events_per_s;
+use apex_metrics::eci;
+use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
+use apex_planning::meter::Meter;
+
+/// Ticks for the quickest way to another target.
+const TICKS_PER_LEG: f64 = 24.0;
+/// With fewer ticks times visits between points nothing is worth proving.
+const STEPS_MIN: f64 = 1e5;
+/// Share of what is left that may be taken: cycles want their bound too.
+const LEFT_SHARE: f64 = 0.5;
+/// Where only a share of the work of the closest look can be done, the grid has this power of it for its share of points.
+const POINTS_POWER: f64 = 0.5;
+/// Share by which the bound is lowered, so that rounding cannot lift it above the truth.
+const ROUNDING: f64 = 3e-9;
+/// What is so little above a whole number of ticks is whole.
+const WHOLE: f64 = 1e-9;
+
+/// How close a look is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridResolution {
+    /// Points of the grid of ages at most.
+    pub points: usize,
+    /// Ticks times visits between points at most.
+    pub steps: f64,
+}
+
+impl GridResolution {
+    /// As close as it pays.
+    pub const CLOSEST: GridResolution = GridResolution { points: 9_000, steps: 4e8 };
+}
+
+/// The bound with the closest look that the budget is enough for; none with too many targets, where a cost is not concave,
+/// if nothing can be reached, or where the budget is too small for any look.
+pub fn expected_cost(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Option<(f64, GridResolution)> {
+    let (grid, time) = prepared(problem, GridResolution::CLOSEST)?;
+    let (left_ns, wanted_ns) = (LEFT_SHARE * meter.left_ns(), time.steps(&grid) * grid.step_ns());
+    if wanted_ns <= left_ns {
+        meter.spend(wanted_ns);
+        return Some((value(problem, &grid, &time)?, GridResolution::CLOSEST));
+    }
+    meter.cut();
+    let share = libm::pow(left_ns / wanted_ns, POINTS_POWER);
+    let look = GridResolution {
+        points: (share * GridResolution::CLOSEST.points as f64) as usize,
+        steps: left_ns / grid.step_ns(),
+    };
+    if look.steps < STEPS_MIN {
+        return None;
+    }
+    let (grid, time) = prepared(problem, look)?;
+    meter.spend(time.steps(&grid) * grid.step_ns());
+    Some((value(problem, &grid, &time)?, look))
+}
+
+/// The bound with this look; none as [`expected_cost`].
+pub fn expected_cost_at(problem: &SurveillanceProblem, look: GridResolution) -> Option<f64> {
+    let (grid, time) = prepared(problem, look)?;
+    value(problem, &grid, &time)
+}
+
+fn prepared(problem: &SurveillanceProblem, look: GridResolution) -> Option<(Grid, Time)> {
+    let grid = Grid::new(problem, look.points, problem.horizon_s)?;
+    let time = Time::new(problem, &grid, look.steps)?;
+    Some((grid, time))
+}
+
+fn value(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<f64> {
+    let targets = || problem.targets.iter().enumerate();
+    let before: f64 = targets().map(|(target, of)| gathered(problem, target, 0.0, of.initial_age_s)).sum();
+    let layers = backwards(problem, grid, time)?;
+    let first = |to: usize| {
+        let seconds = first_leg_s(problem, to);
+        let ticks = time.ticks_of(seconds);
+        let values = layers.at(time.ticks.checked_sub(ticks).filter(|_| seconds < UNREACHABLE_S)?)?;
+        let cost: f64 = targets().map(|(target, of)| gathered(problem, target, of.initial_age_s, seconds)).sum();
+        let ages_s: Vec<f64> = problem.targets.iter().map(|of| of.initial_age_s + seconds).collect();
+        Some(cost + time.of_rest(ticks, seconds) + grid.value(to, &ages_s, values))
+    };
+    let at_home: f64 =
+        targets().map(|(target, of)| gathered(problem, target, of.initial_age_s, problem.horizon_s)).sum();
+    let broken = time.least_per_s * (problem.horizon_s - time.ticks as f64 * time.tick_s).max(0.0);
+    let value = before + broken + (0..problem.targets.len()).filter_map(first).fold(at_home, f64::min);
+    Some(value - ROUNDING * value.abs())
+}
+
+/// How the horizon falls into ticks.
+struct Time {
+    ticks: usize,
+    tick_s: f64,
+    /// What all targets gather per second at the least when one has just been visited.
+    least_per_s: f64,
+}
+
+impl Time {
+    fn new(problem: &SurveillanceProblem, grid: &Grid, steps_max: f64) -> Option<Time> {
+        let count = problem.targets.len();
+        let ways = (0..count).flat_map(|from| (0..count).filter(move |to| *to != from).map(move |to| (from, to)));
+        let alone = (0..count).map(|to| leg_s(problem, to, to)).filter(|_| count == 1);
+        let legs = ways.map(|(from, to)| leg_s(problem, from, to)).chain(alone);
+        let quickest_s = legs.filter(|leg_s| *leg_s > 0.0).fold(f64::INFINITY, f64::min);
+        let most = libm::floor(steps_max / grid.visits().max(1.0));
+        let wanted_s = (quickest_s / TICKS_PER_LEG).max(problem.horizon_s / most);
+        if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
+            return None;
+        }
+        // Whoever stays has no broken ticks: they would be a cheap way to let time pass.
+        let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(|stay_s| *stay_s > 0.0);
+        let stay_s = stays.fold(f64::INFINITY, f64::min);
+        let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
+        let ticks = libm::floor(problem.horizon_s / tick_s).max(1.0);
+        Some(Time { ticks: ticks as usize, tick_s, least_per_s: least_per_s(problem, grid, tick_s) })
+    }
+
+    /// Ticks times visits between points.
+    fn steps(&self, grid: &Grid) -> f64 {
+        self.ticks as f64 * grid.visits()
+    }
+
+    /// Ticks that are gone after so many seconds, the broken one included.
+    fn ticks_of(&self, seconds: f64) -> usize {
+        libm::ceil(seconds / self.tick_s - WHOLE) as usize
+    }
+
+    /// What is gathered in what a visit leaves of its last tick.
+    fn of_rest(&self, ticks: usize, seconds: f64) -> f64 {
+        self.least_per_s * (ticks as f64 * self.tick_s - seconds).max(0.0)
+    }
+}
+
+/// What all targets gather per second at any instant of the last tick, at the least: all but one have at least the first
+/// age of the grid, or that of the whole flight.
+fn least_per_s(problem: &SurveillanceProblem, grid: &Grid, tick_s: f64) -> f64 {
+    let at = |target: usize| {
+        let of = problem.targets.get(target)?;
+        let never_s = of.initial_age_s + problem.horizon_s - tick_s;
+        let age_s = grid.levels.get(target)?.first()?.min(never_s);
+        Some(events_per_s(of) * eci::cost_at(&of.cost, age_s))
+    };
+    let all: Vec<f64> = (0..problem.targets.len()).filter_map(at).collect();
+    let greatest = all.iter().copied().fold(0.0, f64::max);
+    (all.iter().sum::<f64>() - greatest).max(0.0)
+}
+
+/// Values for the numbers of ticks that a visit may leave, around.
+struct Layers {
+    kept: Vec<Vec<f64>>,
+}
+
+impl Layers {
+    fn at(&self, left: usize) -> Option<&[f64]> {
+        self.kept.get(left % self.kept.len().max(1)).map(Vec::as_slice)
+    }
+}
+
+/// The least cost from every point on, for ever more ticks that are left.
+fn backwards(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<Layers> {
+    let ticks: Vec<usize> = grid.steps.iter().map(|step| time.ticks_of(step.seconds)).collect();
+    let firsts = (0..problem.targets.len()).map(|to| first_leg_s(problem, to)).filter(|leg_s| *leg_s < UNREACHABLE_S);
+    let longest = ticks.iter().copied().chain(firsts.map(|leg_s| time.ticks_of(leg_s))).max()?.min(time.ticks);
+    let mut layers = Layers { kept: vec![vec![0.0; grid.size()]; longest + 1] };
+    let mut layer = vec![0.0; grid.size()];
+    let mut sums = vec![0.0; grid.row()];
+    for left in 0..=time.ticks {
+        layer.fill(f64::INFINITY);
+        for (step, ticks) in grid.steps.iter().zip(&ticks).filter(|(_, ticks)| **ticks <= left) {
+            let values = layers.at(left - ticks)?;
+            let rest = time.of_rest(*ticks, step.seconds);
+            let own = layer.get_mut(grid.first(step.from)..)?;
+            for (row, others) in own.chunks_mut(grid.row()).zip(grid.rows()) {
+                grid.ahead(step, others, values, &mut sums);
+                row.iter_mut().zip(&sums).for_each(|(value, sum)| *value = value.min(sum + rest));
+            }
+        }
+        stop(problem, grid, &mut layer, left as f64 * time.tick_s);
+        let place = left % (longest + 1);
+        std::mem::swap(layers.kept.get_mut(place)?, &mut layer);
+    }
+    Some(layers)
+}
+
+/// Where nothing can be visited any more, all is gathered to the end. Who still can loses nothing by it.
+fn stop(problem: &SurveillanceProblem, grid: &Grid, layer: &mut [f64], left_s: f64) {
+    for target in 0..problem.targets.len() {
+        let Some(own) = layer.get_mut(grid.first(target)..) else { return };
+        for (row, digits) in own.chunks_mut(grid.row()).zip(grid.rows()) {
+            for (first, value) in row.iter_mut().enumerate().filter(|(_, value)| **value == f64::INFINITY) {
+                let digits = [first].into_iter().chain(digits.iter().map(|digit| usize::from(*digit)));
+                let others = grid.levels.iter().enumerate().filter(|(other, _)| *other != target).zip(digits);
+                let each = others.filter_map(|((other, levels), digit)| {
+                    levels.get(digit).map(|age_s| gathered(problem, other, *age_s, left_s))
+                });
+                *value = gathered(problem, target, 0.0, left_s) + each.sum::<f64>();
+            }
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Annealing runs of ruin and recreate.
+
+use super::recreate::Recreation;
+use super::route::Route;
+use super::ruin::ruin;
+use super::turn;
+use crate::routing::network::Network;
+use apex_planning::random::Generator;
+use apex_planning::solver::Budget;
+
+/// Places looked at for one unit of work, which is about a microsecond.
+const LOOKS_PER_UNIT: u64 = 230;
+/// Work of an iteration whatever it finds, in looks: its chance, and copies and timetables of so many stops.
+const LOOKS_PER_ITERATION: u64 = 60;
+const LOOKS_PER_STOP: u64 = 2;
+/// All of the time counts as much as this share of a mean visit, so that of equal routes the shorter is kept.
+const THRIFT: f64 = 0.3;
+/// Share of all values within which scores are equal.
+const SAME_SHARE: f64 = 1e-10;
+/// Iterations at one temperature.
+const STEP: u64 = 32;
+/// In problems of more nodes only what is near to what was taken out is put back.
+pub(super) const ALL_MISSING_MAX: usize = 160;
+/// Runs that are turned round for each ruin, with few targets and with many.
+const TURNS: u32 = 1;
+const TURNS_OF_MANY: u32 = 6;
+/// Neighbours of each visit taken out that are tried.
+const TRIED_NEAR: usize = 8;
+
+/// A search in progress.
+pub(super) struct Annealing<'n> {
+    network: &'n Network,
+    rng: Generator,
+    recreation: Recreation,
+    /// Looks that are not charged yet.
+    looked: u64,
+    gone: Vec<u32>,
+    missing: Vec<u32>,
+    /// How easily each node is reached: one over the mean way to its nearest neighbours.
+    ease: Vec<f64>,
+    /// What a tick of flight counts next to its cost, so that of equal routes the shorter is kept.
+    thrift: f64,
+    /// Scores that differ by no more than this are equal: sums are summed in any order.
+    same: f64,
+}
+
+/// How long a round is and how it cools.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Round {
+    /// Units of work.
+    pub(super) units: u64,
+    /// Temperatures in units of value.
+    pub(super) hot: f64,
+    pub(super) cold: f64,
+}
+
+impl<'n> Annealing<'n> {
+    pub(super) fn new(network: &'n Network, seed: u64) -> Annealing<'n> {
+        let ease = (0..network.nodes.len() as u32).map(|node| ease(network, node)).collect();
+        let values: f64 = network.nodes.iter().map(|node| node.value).sum();
+        let mean = values / network.visits().len().max(1) as f64;
+        let thrift = THRIFT * mean / f64::from(network.limit().max(1));
+        Annealing {
+            network,
+            rng: Generator::new(seed),
+            recreation: Recreation::default(),
+            looked: 0,
+            gone: Vec::new(),
+            missing: Vec::new(),
+            ease,
+            thrift,
+            same: SAME_SHARE * values,
+        }
+    }
+
+    /// Benefits minus costs.
+    pub(super) fn score(&self, route: &Route) -> f64 {
+        route.value - self.network.cost_per_tick * f64::from(route.end())
+    }
+
+    /// Is `route` worth more than `other`, or as much and shorter?
+    pub(super) fn is_better(&self, route: &Route, other: &Route) -> bool {
+        let more = self.score(route) - self.score(other);
+        more > self.same || more > -self.same && route.length() < other.length()
+    }
+
+    fn energy(&self, route: &Route) -> f64 {
+        self.score(route) - self.thrift * f64::from(route.length())
+    }
+
+    /// A route by insertion alone.
+    pub(super) fn first(&mut self, budget: &mut dyn Budget) -> Route {
+        let mut route = Route::new(self.network);
+        self.fill_all(&mut route, budget);
+        route
+    }
+
+    /// Inserts of all missing nodes what fits and pays.
+    pub(super) fn fill_all(&mut self, route: &mut Route, budget: &mut dyn Budget) {
+        self.missing.clear();
+        self.missing.extend(self.network.visits());
+        self.fill(route, false, budget);
+    }
+
+    /// Inserts of the missing nodes what fits.
+    fn fill(&mut self, route: &mut Route, may_be_generous: bool, budget: &mut dyn Budget) {
+        let looked =
+            self.recreation.run(self.network, route, &self.missing, &self.ease, may_be_generous, &mut self.rng);
+        self.looked += looked + LOOKS_PER_ITERATION + LOOKS_PER_STOP * route.stops.len() as u64;
+        budget.charge(self.looked / LOOKS_PER_UNIT);
+        self.looked %= LOOKS_PER_UNIT;
+    }
+
+    /// What may be put back after some were taken out.
+    fn choose_missing(&mut self, route: &Route) {
+        self.missing.clear();
+        let visits = self.network.visits();
+        if visits.len() <= ALL_MISSING_MAX {
+            let mut bits = 1;
+            for node in visits {
+                // A bit of chance for each, below a one that says when all are used.
+                if bits == 1 {
+                    bits = self.rng.bits() | 1 << 63;
+                }
+                let chosen = bits & 1 == 0;
+                bits >>= 1;
+                if !route.sees(self.network, node) && (chosen || self.gone.contains(&node)) {
+                    self.missing.push(node);
+                }
+            }
+            return;
+        }
+        for node in &self.gone {
+            let near = self.network.near.get(*node as usize).into_iter().flatten().take(TRIED_NEAR);
+            self.missing.extend([*node].into_iter().chain(near.copied()));
+        }
+        for _ in 0..2 {
+            self.missing.push(visits.start + self.rng.below(visits.len()) as u32);
+        }
+        self.missing.retain(|node| !route.sees(self.network, *node));
+        self.missing.sort_unstable();
+        self.missing.dedup();
+    }
+
+    /// One round from `start`: the best route that it saw.
+    pub(super) fn round(&mut self, start: &Route, round: Round, budget: &mut dyn Budget) -> Route {
+        let mut current = start.clone();
+        let mut best = start.clone();
+        let mut next = start.clone();
+        let mut now = self.energy(&current);
+        let begin = budget.used();
+        let mut heat = round.hot;
+        let turns = if self.network.visits().len() <= ALL_MISSING_MAX { TURNS } else { TURNS_OF_MANY };
+        for iteration in 0_u64.. {
+            if iteration % STEP == 0 {
+                let share = (budget.used() - begin) as f64 / round.units.max(1) as f64;
+                if share >= 1.0 || budget.exhausted() {
+                    break;
+                }
+                heat = round.hot * libm::pow(round.cold / round.hot, share);
+            }
+            for _ in 0..turns {
+                let accept = heat * libm::log(self.rng.unit().max(1e-12));
+                let price = self.thrift;
+                turn::try_one(self.network, &mut current, price, accept, &mut self.rng);
+                now = self.energy(&current);
+            }
+            next.clone_from(&current);
+            ruin(self.network, &mut next, &mut self.gone, &mut self.rng);
+            self.choose_missing(&next);
+            self.fill(&mut next, true, budget);
+            let energy = self.energy(&next);
+            if energy > now + heat * libm::log(self.rng.unit().max(1e-12)) {
+                std::mem::swap(&mut current, &mut next);
+                now = energy;
+                if self.is_better(&current, &best) {
+                    best.clone_from(&current);
+                }
+            }
+        }
+        best
+    }
+}
+
+fn ease(network: &Network, node: u32) -> f64 {
+    let near = network.near.get(node as usize).map_or(&[][..], Vec::as_slice);
+    let ways = near.iter().take(6).map(|other| f64::from(network.leg(node, *other)));
+    let count = near.len().clamp(1, 6) as f64;
+    1.0 / (1.0 + ways.sum::<f64>() / count)
+}

@@ -1,0 +1,95 @@
+//! Planner for travel times that do not depend on the departure: ruin and recreate with annealing over a timetable.
+//!
+//! Three numbers per stop decide if a visit fits between two others, and when the route then ends; an insertion is priced in one
+//! step, however long the route. `search` divides the budget between annealing runs and proofs.
+//! Bound: the budget. Deterministic: equal seed and budget give an equal route.
+
+mod annealing;
+
+mod reasons;
+mod recreate;
+mod repair;
+mod route;
+mod ruin;
+mod search;
+mod turn;
+
+#[cfg(test)]
+mod tests;
+
+use crate::bounds::routes;
+use crate::routing::network::{self, Network};
+use crate::routing::schedule::{Choice, Schedule};
+use annealing::Annealing;
+use apex_model::problem::SingleVisitPlan;
+use apex_planning::meter::Meter;
+use apex_planning::solver::Environment;
+use route::Route;
+use search::SearchDriver;
+
+/// What the search found.
+pub(super) struct Found {
+    /// The visits in order.
+    pub(super) order: Vec<Choice>,
+    /// No route is worth more, where that was found out.
+    pub(super) bound: Option<f64>,
+    /// For targets that are left out, why.
+    pub(super) reasons: Vec<(usize, String)>,
+}
+
+/// Receives the first order found.
+pub(super) type Tell<'t> = dyn FnMut(&mut Schedule<'_>, Vec<Choice>, &mut Environment<'_>) + 't;
+
+/// The best order found within the budget; none where the problem needs the general search. Begins from what `previous`
+/// visits, where there is such a plan.
+pub(super) fn run(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    previous: Option<&SingleVisitPlan>,
+    environment: &mut Environment<'_>,
+    tell: &mut Tell<'_>,
+) -> Option<Found> {
+    let mut network = Network::new(schedule, usable, environment.budget)?;
+    let visits = previous.map(|plan| repair::visits(&network, schedule.problem, plan)).unwrap_or_default();
+    let mut first = Route::of(&network, &visits);
+    repair::mend(&network, &mut first);
+    Annealing::new(&network, environment.seed).fill_all(&mut first, environment.budget);
+    tell(schedule, choices(&network, &first), environment);
+    network.find_neighbours();
+    let budget = &mut *environment.budget;
+    let (best, bound) = SearchDriver::new(&network, environment.seed, first, previous.is_none()).run(budget);
+    Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
+}
+
+/// Work units that a proof may take where somebody asks how good a plan is: some seconds.
+const PROOF_UNITS: u64 = 4_000_000;
+
+/// No plan over the `usable` targets gathers more than this, nor less than `reached`, which some plan does: of problems that
+/// need the general search, with every way at its best departure and without costs and order. None with too many targets, for
+/// problems that the search here serves, whose plans bring their bounds, and where the budget is too small to find the ways.
+pub(super) fn at_best_departures(
+    schedule: &mut Schedule<'_>,
+    usable: &[usize],
+    reached: f64,
+    meter: &mut Meter<'_>,
+) -> Option<f64> {
+    if network::serves(schedule) {
+        return None;
+    }
+    let network = Network::relaxed(schedule, usable, meter)?;
+    let left = meter.budget().left().unwrap_or(u64::MAX);
+    let before = meter.used();
+    let found = routes::highest_value(&network, reached, PROOF_UNITS.min(left), meter.budget()).bound;
+    if left < PROOF_UNITS && meter.used() - before >= left && found > reached {
+        meter.cut();
+    }
+    Some(found)
+}
+
+fn choices(network: &Network, route: &Route) -> Vec<Choice> {
+    let choice = |node: u32| {
+        let node = network.node(node);
+        Choice { target: node.target as usize, manoeuvre: node.manoeuvre as usize, not_before_s: f64::NEG_INFINITY }
+    };
+    route.visits().map(choice).collect()
+}

@@ -1,0 +1,37 @@
+//! Why a target is not in a route: how much is missing at the place where the least is.
+
+use super::super::explain::spoken;
+use super::route::Route;
+use crate::routing::network::Network;
+
+/// What is said of the targets that have nodes and are not visited: their numbers with the reasons.
+pub(super) fn left_out(network: &Network, route: &Route) -> Vec<(usize, String)> {
+    let mut found: Vec<(usize, Option<i32>)> = Vec::new();
+    for node in network.visits().filter(|node| !route.sees(network, *node)) {
+        let target = network.node(node).target as usize;
+        let over = over(network, route, node);
+        match found.last_mut().filter(|(last, _)| *last == target) {
+            Some((_, least)) => *least = [*least, over].into_iter().flatten().min(),
+            None => found.push((target, over)),
+        }
+    }
+    let told = |over: Option<i32>| match over {
+        Some(over) if over > 0 => {
+            format!("needs {} more than is left between the others", spoken(f64::from(over) * network.tick_s))
+        }
+        Some(_) => "fits, but is not worth its time, or was not reached within the planning budget".to_string(),
+        None => "no place between the others is within its time windows".to_string(),
+    };
+    found.into_iter().map(|(target, over)| (target, told(over))).collect()
+}
+
+/// How much later what follows would be than it may, at the best place; none where the window is over everywhere.
+fn over(network: &Network, route: &Route, node: u32) -> Option<i32> {
+    let data = network.node(node);
+    let pairs = route.stops.iter().zip(route.stops.iter().skip(1));
+    let over = pairs.filter_map(|(before, next)| {
+        let begin = (before.begin + network.leg(before.node, node)).max(data.open);
+        (begin <= data.close).then(|| begin + network.leg(node, next.node) - next.latest)
+    });
+    over.min()
+}

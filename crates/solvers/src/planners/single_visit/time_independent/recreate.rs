@@ -1,0 +1,136 @@
+//! Putting visits back: each missing node, in an order of chance, at its best place if it fits.
+
+use super::route::{InsertionPoint, Route};
+use crate::routing::network::{Network, Node};
+use apex_planning::random::Generator;
+
+/// In routes of more stops only places next to a node's neighbours are looked at.
+const SCANNED_MAX: usize = 60;
+
+/// Of so many chances as many let two places be skipped as are below: one of them and another so much farther on.
+const SKIPPED_OF: usize = 100;
+const SKIPPED_BELOW: usize = 33;
+
+/// What a delay of the next stop counts against longer legs.
+const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
+
+/// How missing nodes are ordered for insertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// Any.
+    Chance,
+    /// The most valuable first.
+    Value,
+    /// The most value for the way from the neighbourhood first.
+    Worth,
+    /// Those whose window closes first.
+    Closing,
+}
+
+/// Nodes that may be inserted, with their keys: memory used again and again.
+#[derive(Default)]
+pub(super) struct Recreation {
+    keys: Vec<(f64, u32)>,
+}
+
+impl Recreation {
+    /// Inserts of `missing` what fits and, if we may not be generous, pays; returns places looked at.
+    pub(super) fn run(
+        &mut self,
+        network: &Network,
+        route: &mut Route,
+        missing: &[u32],
+        ease: &[f64],
+        may_be_generous: bool,
+        rng: &mut Generator,
+    ) -> u64 {
+        let order = match rng.below(8) {
+            0 | 1 => Order::Chance,
+            2 | 3 => Order::Value,
+            4..=6 => Order::Worth,
+            _ => Order::Closing,
+        };
+        let blur = 0.2 + 0.6 * rng.unit();
+        self.keys.clear();
+        for node in missing.iter().copied() {
+            let noise = 1.0 + blur * (rng.unit() - 0.5);
+            let data = network.node(node);
+            let key = match order {
+                Order::Chance => noise,
+                Order::Value => data.value * noise,
+                Order::Worth => data.value * noise * ease.get(node as usize).copied().unwrap_or(1.0),
+                Order::Closing => -f64::from(data.close) * noise,
+            };
+            self.keys.push((key, node));
+        }
+        self.keys.sort_unstable_by(|(a, left), (b, right)| b.total_cmp(a).then(left.cmp(right)));
+        // Some places are overlooked, so that not always the same is found.
+        let blind = rng.below(4) != 0;
+        let weight = SHIFT_WEIGHTS.get(rng.below(SHIFT_WEIGHTS.len())).copied().unwrap_or(2);
+        // Of two visits that pay together neither may pay alone.
+        let generous = may_be_generous && network.cost_per_tick > 0.0 && rng.below(2) == 0;
+        let mut looked = 0;
+        for index in 0..self.keys.len() {
+            let Some((_, node)) = self.keys.get(index).copied() else { break };
+            if route.sees(network, node) {
+                continue;
+            }
+            let (place, looks) = best_place(network, route, node, (blind, generous, weight), rng);
+            looked += looks;
+            if let Some(place) = place {
+                route.insert(network, node, place.after);
+                looked += route.stops.len() as u64;
+            }
+        }
+        looked
+    }
+}
+
+/// The place where `node` takes least, none where it fits nowhere, or costs more than it is worth if we are
+/// not `generous`; and places looked at.
+pub(super) fn best_place(
+    network: &Network,
+    route: &Route,
+    node: u32,
+    (blind, generous, weight): (bool, bool, i64),
+    rng: &mut Generator,
+) -> (Option<InsertionPoint>, u64) {
+    let mut looks = 8;
+    let Node { open, close, value, .. } = network.node(node);
+    let mut best: Option<(i64, InsertionPoint)> = None;
+    let mut hear = |place: Option<InsertionPoint>| {
+        looks += 1;
+        if let Some(place) = place {
+            let price = weight * i64::from(place.shift) + i64::from(place.longer);
+            if best.is_none_or(|(least, _)| price < least) {
+                best = Some((price, place));
+            }
+        }
+    };
+    if route.stops.len() > SCANNED_MAX && !network.near.is_empty() {
+        hear(route.place(network, node, open, close, 0));
+        hear(route.place(network, node, open, close, route.stops.len() - 2));
+        for other in network.near.get(node as usize).into_iter().flatten() {
+            if let Some(index) = route.index(*other) {
+                hear(route.place(network, node, open, close, index - 1));
+                hear(route.place(network, node, open, close, index));
+            }
+        }
+    } else {
+        let skipped = if blind { rng.below(SKIPPED_OF) } else { usize::MAX };
+        let skipped = if skipped < SKIPPED_BELOW { [skipped, skipped + SKIPPED_BELOW] } else { [usize::MAX; 2] };
+        // Before this place what follows would be too late, whatever the way.
+        let first = route.stops.partition_point(|stop| stop.latest < open).saturating_sub(1);
+        for (after, pair) in route.stops.windows(2).enumerate().skip(first) {
+            let [before, next] = pair else { break };
+            if before.begin > close {
+                break;
+            }
+            if !skipped.contains(&after) {
+                hear(Route::between(network, node, (open, close), (before, next), after));
+            }
+        }
+    }
+    let pays = |place: &InsertionPoint| generous || value > network.cost_per_tick * f64::from(place.end - route.end());
+    (best.map(|(_, place)| place).filter(pays), looks)
+}

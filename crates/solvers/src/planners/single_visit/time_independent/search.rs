@@ -1,0 +1,190 @@
+//! Divides the budget between annealing runs and proofs.
+//!
+//! Annealing takes all units that proofs do not need: three runs from the empty route, each of which ends in a good route that may
+//! be far from the best, and a last run from the best of them at a lower initial temperature. With few targets, a proof by labels is
+//! tried after the first run: it often takes less work than the other runs, and finds the best route if the first run did not.
+//! Without a known budget, runs of increasing length follow each other.
+use super::annealing::{self, Annealing, Round};
+use super::route::Route;
+use crate::bounds::routes::{self, BoundSearch, FEW, Proven};
+use crate::routing::network::Network;
+use apex_planning::solver::Budget;
+
+/// Units of the first run if the budget is not known; each later run has half as many again.
+const ROUND_UNITS: u64 = 60_000;
+/// Maximum number of consecutive runs without gain.
+const STALE_ROUNDS_MAX: u32 = 30;
+/// Initial and final temperatures, in mean values of a target: of a new plan, of a new plan with many targets, and after a
+/// change of a good plan.
+const FRESH: (f64, f64) = (2.0, 0.05);
+const FRESH_OF_MANY: (f64, f64) = (2.0, 0.2);
+const CHANGED: (f64, f64) = (0.1, 0.02);
+/// Runs of a new plan from the empty route, the share of the work that they take together, and the initial temperature of the last
+/// run as a share of theirs. With more nodes or less work than the limits a single run takes all: shorter runs would end too early.
+const FRESH_ROUNDS: u32 = 3;
+const FRESH_SHARE: f64 = 0.75;
+const LAST_HEAT: f64 = 0.1;
+const ROUNDS_NODES_MAX: usize = 400;
+const ROUNDS_UNITS_MIN: u64 = 10_000;
+/// With many targets, the last run ends with a colder one, as after a change, which takes this share of its work.
+const COOLER_SHARE: f64 = 0.3;
+/// Share of the budget that a proof after the first run may take.
+const EARLY_SHARE: f64 = 0.15;
+/// If runs are more than twice as long, a run of this many units precedes that proof and the others.
+const QUICK_UNITS: u64 = 100_000;
+const QUICK_UNITS_OF_FEW: u64 = 37_500;
+/// Share of the budget that the final bound may take, and its maximum in units.
+const BOUND_SHARE: f64 = 0.15;
+const BOUND_UNITS_MAX: u64 = 3_000_000;
+/// With few targets, proofs, which may find a better route, take half of the budget, and of a large budget all that the search does
+/// not need: this share, and at least this many units.
+const SEARCH_SHARE_OF_FEW: f64 = 0.15;
+const SEARCH_UNITS_OF_FEW: u64 = 300_000;
+const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
+
+/// Relative tolerance between a value and its bound, for sums in different order.
+const SAME_SHARE: f64 = 1e-9;
+
+/// A search in progress.
+pub(super) struct SearchDriver<'n> {
+    network: &'n Network,
+    annealing: Annealing<'n>,
+    /// Whether this is a new plan with many targets.
+    is_of_many: bool,
+    /// Mean value of a target.
+    mean: f64,
+    /// Temperatures in units of value.
+    hot: f64,
+    cold: f64,
+    /// Annealing runs from the empty route.
+    rounds: u32,
+    best: Route,
+    question: Option<BoundSearch<'n>>,
+    bound: Option<f64>,
+}
+
+impl<'n> SearchDriver<'n> {
+    /// Starts from `first`, which is kept as a start if the plan is not `fresh`.
+    pub(super) fn new(network: &'n Network, seed: u64, first: Route, fresh: bool) -> SearchDriver<'n> {
+        let is_of_many = fresh && network.visits().len() > annealing::ALL_MISSING_MAX;
+        let heat = match fresh {
+            false => CHANGED,
+            true if is_of_many => FRESH_OF_MANY,
+            true => FRESH,
+        };
+        let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len().max(1) as f64;
+        SearchDriver {
+            network,
+            annealing: Annealing::new(network, seed),
+            is_of_many,
+            mean,
+            hot: heat.0 * mean,
+            cold: heat.1 * mean,
+            rounds: if fresh && network.nodes.len() <= ROUNDS_NODES_MAX { FRESH_ROUNDS } else { 0 },
+            best: first,
+            question: None,
+            bound: None,
+        }
+    }
+
+    /// Returns the best route within the budget, and an upper bound on the benefits, if one was found.
+    pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
+        // An unlimited search would never cool: it ends by itself, as one limited by a clock.
+        let known = budget.left().filter(|left| *left < u64::MAX >> 8);
+        let (early, spare) = known.map_or((0, ROUND_UNITS), |left| self.for_proofs(left));
+        match known {
+            Some(left) => self.cool(left.saturating_sub(spare), early, budget),
+            None => self.go_on(budget),
+        }
+        if !self.is_settled() {
+            self.ask(BoundSearch::answer, spare, budget);
+        }
+        (self.best, self.bound)
+    }
+
+    /// Of the units that are `left`: what a proof after the first run may take, and what the final proof may take.
+    fn for_proofs(&self, left: u64) -> (u64, u64) {
+        let of = |share: f64| (share * left as f64) as u64;
+        if self.network.targets > FEW {
+            return (of(EARLY_SHARE), of(BOUND_SHARE).min(BOUND_UNITS_MAX));
+        }
+        let search = of(SEARCH_SHARE_OF_FEW).max(SEARCH_UNITS_OF_FEW);
+        (of(EARLY_SHARE), left.saturating_sub(search).max(left / 2).min(BOUND_UNITS_MAX_OF_FEW))
+    }
+
+    /// Returns true if no route has more value. Bounds are of benefits; they do not know costs.
+    fn is_settled(&self) -> bool {
+        let value = self.best.value;
+        self.network.cost_per_tick == 0.0 && self.bound.is_some_and(|bound| bound <= value + SAME_SHARE * value.abs())
+    }
+
+    /// Anneals for `units`, of which a proof after the first run takes `early`; ends early if the proof settles the problem.
+    fn cool(&mut self, units: u64, early: u64, budget: &mut dyn Budget) {
+        let until = budget.used().saturating_add(units);
+        let rounds = if units < ROUNDS_UNITS_MIN { 0 } else { self.rounds };
+        let early = if self.network.targets <= routes::ng_sets::TARGETS_MAX { early.min(units / 2) } else { 0 };
+        let each = (FRESH_SHARE / f64::from(rounds.max(1)) * (units - early) as f64) as u64;
+        // Labels need a good route, but not a very good one.
+        let quick = if self.network.targets <= FEW { QUICK_UNITS_OF_FEW } else { QUICK_UNITS };
+        let quick = Some(quick).filter(|quick| rounds > 0 && early > 0 && 2 * quick < each);
+        for (round, units) in quick.into_iter().chain((0..rounds).map(|_| each)).enumerate() {
+            self.round(&Route::new(self.network), (units, self.hot), budget);
+            if round == 0 && early > 0 {
+                self.ask(BoundSearch::ask_labels, early, budget);
+                if self.is_settled() {
+                    return;
+                }
+            }
+        }
+        let left = until.saturating_sub(budget.used());
+        let cooler = if self.is_of_many { (COOLER_SHARE * left as f64) as u64 } else { 0 };
+        let hot = if rounds > 0 { (LAST_HEAT * self.hot).max(self.cold) } else { self.hot };
+        self.round(&self.best.clone(), (left - cooler, hot), budget);
+        if self.is_of_many {
+            (self.hot, self.cold) = (CHANGED.0 * self.mean, CHANGED.1 * self.mean);
+            self.round(&self.best.clone(), (until.saturating_sub(budget.used()), self.hot), budget);
+        }
+    }
+
+    /// Repeats runs until none improves the best route.
+    fn go_on(&mut self, budget: &mut dyn Budget) {
+        let (mut units, mut stale) = (ROUND_UNITS, 0);
+        while stale < STALE_ROUNDS_MAX && !budget.exhausted() {
+            stale += 1;
+            let start = if stale % 3 == 2 { self.annealing.first(budget) } else { self.best.clone() };
+            let before = self.annealing.score(&self.best);
+            self.round(&start, (units, self.hot), budget);
+            if self.annealing.score(&self.best) > before + 1e-9 {
+                stale = 0;
+            }
+            units += units / 2;
+        }
+    }
+
+    fn round(&mut self, start: &Route, (units, hot): (u64, f64), budget: &mut dyn Budget) {
+        let found = self.annealing.round(start, Round { units, hot, cold: self.cold }, budget);
+        self.keep(found);
+    }
+
+    fn keep(&mut self, found: Route) {
+        if self.annealing.is_better(&found, &self.best) {
+            self.best = found;
+        }
+    }
+
+    /// Searches an upper bound on the benefits within `units`.
+    fn ask(&mut self, how: fn(&mut BoundSearch<'n>, f64, u64, &mut dyn Budget), units: u64, budget: &mut dyn Budget) {
+        // The knapsack bound alone reads every leg twice.
+        let nodes = self.network.nodes.len();
+        if units as usize <= nodes * nodes / 100 {
+            return;
+        }
+        let question = self.question.get_or_insert_with(|| BoundSearch::new(self.network));
+        how(question, self.best.value, units, budget);
+        let Proven { bound, better } = question.told();
+        self.bound = Some(bound);
+        if let Some(better) = better {
+            self.keep(Route::of(self.network, &better));
+        }
+    }
+}

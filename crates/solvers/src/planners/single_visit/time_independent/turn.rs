@@ -1,0 +1,36 @@
+//! Turning a run of visits round, so that two neighbours follow each other.
+
+use super::route::Route;
+use crate::routing::network::Network;
+use apex_planning::random::Generator;
+
+/// Longer runs are not turned.
+const RUN_MAX: usize = 1_000;
+
+/// Turns a run between a visit of chance and one of its neighbours, if that raises the score by more than `accept` (which
+/// is negative), where a tick of length costs `price` in addition.
+pub(super) fn try_one(network: &Network, route: &mut Route, price: f64, accept: f64, rng: &mut Generator) -> bool {
+    let count = route.count();
+    if count < 3 {
+        return false;
+    }
+    let Some(stop) = route.stops.get(1 + rng.below(count)).copied() else { return false };
+    let near = network.near.get(stop.node as usize).map_or(&[][..], Vec::as_slice);
+    let Some(other) = near.get(rng.below(near.len().min(10))).and_then(|other| route.index(*other)) else {
+        return false;
+    };
+    let Some(own) = route.index(stop.node) else { return false };
+    // Either the two follow each other at the run's beginning, or at its end.
+    let (low, high) = (own.min(other), own.max(other));
+    let (from, until) = if rng.below(2) == 0 { (low + 1, high + 1) } else { (low, high) };
+    if until <= from + 1 || until - from > RUN_MAX {
+        return false;
+    }
+    let Some((end, longer)) = route.turned(network, from, until) else { return false };
+    let gain = -network.cost_per_tick * f64::from(end - route.end()) - price * f64::from(longer);
+    if gain <= accept {
+        return false;
+    }
+    route.turn(network, from, until);
+    true
+}

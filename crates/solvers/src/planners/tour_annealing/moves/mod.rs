@@ -1,0 +1,77 @@
+//! The moves of the search, one per file. Each looks at a tour and proposes one change, or none where it finds no place.
+
+mod exchange;
+mod graft;
+mod insert;
+mod relocate;
+mod remove;
+mod replace;
+mod stay;
+mod turn;
+
+use super::change::Change;
+use apex_planning::random::Generator;
+
+/// What a move may look at.
+pub(super) struct Draw<'a> {
+    /// The tour, with visits beyond those that are flown.
+    pub(super) tour: &'a [usize],
+    /// Visits that are flown; more than 0.
+    pub(super) flown: usize,
+    /// Targets that can be observed.
+    pub(super) usable: &'a [usize],
+    /// By target: the targets nearest to it, itself left out.
+    pub(super) near: &'a [Vec<usize>],
+    /// Chance.
+    pub(super) random: &'a mut Generator,
+}
+
+impl Draw<'_> {
+    /// A visit that is flown.
+    fn place(&mut self) -> usize {
+        self.random.below(self.flown)
+    }
+
+    /// The target at `place`.
+    fn at(&self, place: usize) -> Option<usize> {
+        self.tour.get(place).copied()
+    }
+
+    /// A target to put at `place`: any, or as often one near to its neighbours there.
+    fn letter(&mut self, place: usize) -> Option<usize> {
+        let beside = place.checked_sub(1).and_then(|before| self.at(before)).or_else(|| self.at(place));
+        let near = beside.and_then(|beside| self.near.get(beside)).filter(|near| !near.is_empty());
+        match near {
+            Some(near) if self.random.below(2) == 0 => near.get(self.random.below(near.len())).copied(),
+            _ => self.usable.get(self.random.below(self.usable.len())).copied(),
+        }
+    }
+
+    /// The visits from `from` to `until`.
+    fn part(&self, from: usize, until: usize) -> impl DoubleEndedIterator<Item = usize> + '_ {
+        self.tour.get(from..until.min(self.tour.len())).unwrap_or(&[]).iter().copied()
+    }
+}
+
+/// A move.
+type Move = fn(&mut Draw<'_>) -> Option<Change>;
+
+/// All moves; one that is named twice is drawn twice as often.
+const MOVES: &[Move] = &[
+    insert::propose,
+    insert::propose,
+    remove::propose,
+    replace::propose,
+    replace::propose,
+    relocate::propose,
+    exchange::propose,
+    turn::propose,
+    graft::propose,
+    stay::propose,
+];
+
+/// A change by one of the moves.
+pub(super) fn propose(draw: &mut Draw<'_>) -> Option<Change> {
+    let choice = draw.random.below(MOVES.len());
+    MOVES.get(choice).and_then(|chosen| chosen(draw))
+}

@@ -1,0 +1,9 @@
+//! Single-visit problems as planners and bounds see them: paths with travel times, schedules of orders, networks in ticks.
+//!
+//! Planners and bounds both import this folder; it imports neither.
+
+mod flown_legs;
+pub(crate) mod network;
+pub(crate) mod schedule;
+pub(crate) mod travel;
+mod zones;

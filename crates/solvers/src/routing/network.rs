@@ -1,0 +1,365 @@
+//! A problem whose ways take the same time at every departure, in whole ticks: nodes, legs, windows, neighbours.
+//!
+//! A node is a target with one of its manoeuvres in one of its windows. Ticks are whole numbers, so that times found by
+//! different ways of summing are equal, and they are rounded so that what fits in ticks fits in seconds.
+
+use super::flown_legs;
+use super::schedule::Schedule;
+use apex_model::problem::{SingleVisitProblem, TravelTimes};
+use apex_planning::meter::Meter;
+use apex_planning::solver::Budget;
+
+/// The node where every route begins.
+pub(crate) const START: u32 = 0;
+/// The node where every route ends.
+pub(crate) const END: u32 = 1;
+/// The first node that is a visit.
+pub(crate) const FIRST: u32 = 2;
+/// A leg that cannot be flown: three of them still fit into 32 bits.
+pub(crate) const NO_WAY: i32 = 1 << 29;
+/// Ticks of the longest flight: a leg in addition fits.
+const TICKS_MAX: f64 = (1_u32 << 27) as f64;
+/// More nodes than this are left to the general search: the table of legs would not fit.
+const NODES_MAX: usize = 6_000;
+/// Two times nearer than this share of a tick are the same.
+const SAME_TICKS: f64 = 1e-6;
+/// Of missions that are flown around zones: every pair of nodes has a way of its own.
+const FLOWN_NODES_MAX: usize = 400;
+/// Work units of finding one of them, about.
+const UNITS_PER_WAY: u64 = 10;
+/// Nodes that a node has for neighbours, each way.
+const NEIGHBOURS: usize = 24;
+
+/// One way to visit one target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    pub(crate) target: u32,
+    pub(crate) manoeuvre: u32,
+    /// First and last tick at which the visit may begin.
+    pub(crate) open: i32,
+    pub(crate) close: i32,
+    pub(crate) value: f64,
+}
+
+/// The problem in ticks.
+pub(crate) struct Network {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) targets: usize,
+    legs: Vec<i32>,
+    /// For each node those that are quickly reached from it or that quickly reach it, nearest first; empty until they are
+    /// found.
+    pub(crate) near: Vec<Vec<u32>>,
+    /// Length of a tick.
+    pub(crate) tick_s: f64,
+    /// What each tick of flight costs.
+    pub(crate) cost_per_tick: f64,
+}
+
+impl Network {
+    /// The network of a problem; none where ways, order, timing or costs need the general search, or the ways of a flight
+    /// would take more than half of the budget to find.
+    pub(crate) fn new(schedule: &mut Schedule<'_>, usable: &[usize], budget: &mut dyn Budget) -> Option<Network> {
+        let problem = schedule.problem;
+        if !serves(schedule) {
+            return None;
+        }
+        let span_s = schedule.limit_s - problem.start_s;
+        let tick_s = tick_s(span_s)?;
+        let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s));
+        for index in usable {
+            let Some(target) = problem.targets.get(*index) else { continue };
+            for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
+                let value = target.value * data.quality.product();
+                if !lines_are_free(schedule, *index, manoeuvre) {
+                    continue;
+                }
+                for window in schedule.windows(*index, manoeuvre).to_vec() {
+                    let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
+                    // The window's end is not in it.
+                    let close = (libm::ceil((close / tick_s).min(TICKS_MAX) - SAME_TICKS) as i32).saturating_sub(1);
+                    let open = ceil_ticks(open.max(0.0).min(span_s + 1.0), tick_s);
+                    if open <= close && value > 0.0 {
+                        let (target, manoeuvre) = (*index as u32, manoeuvre as u32);
+                        nodes.push(Node { target, manoeuvre, open, close, value });
+                    }
+                }
+            }
+        }
+        if nodes.len() > NODES_MAX {
+            return None;
+        }
+        let legs = match &problem.travel {
+            Some(travel) => legs(problem, travel, &nodes, tick_s),
+            None => {
+                let units = (nodes.len() * nodes.len()) as u64 * UNITS_PER_WAY;
+                if nodes.len() > FLOWN_NODES_MAX || budget.left().is_some_and(|left| left < 2 * units) {
+                    return None;
+                }
+                flown_legs::legs(schedule, &nodes, tick_s, flown_legs::Times::Now, budget)?
+            }
+        };
+        let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
+        let mut network =
+            Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };
+        network.tighten();
+        Some(network)
+    }
+
+    /// A network that nobody is quicker in: each way at its best departure, each value at its best time, and no order, for a
+    /// bound on what any plan of the problem is worth. None with too many nodes, or where the budget is too small to find the ways.
+    pub(crate) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], meter: &mut Meter<'_>) -> Option<Network> {
+        let problem = schedule.problem;
+        let span_s = schedule.limit_s - problem.start_s;
+        let tick_s = tick_s(span_s)?;
+        let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s).saturating_add(1));
+        for index in usable.iter().copied() {
+            let Some(target) = problem.targets.get(index) else { continue };
+            let timing = target.timing.iter().map(|(_, factor)| *factor).reduce(f64::max).unwrap_or(1.0);
+            for (manoeuvre, data) in target.manoeuvres.iter().enumerate() {
+                let value = target.value * data.quality.product() * timing;
+                for window in schedule.windows(index, manoeuvre).to_vec() {
+                    let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
+                    let open = floor_ticks(open.clamp(0.0, span_s + 1.0), tick_s);
+                    let close = floor_ticks(close.clamp(-1.0, span_s + 1.0), tick_s).saturating_add(1);
+                    if open <= close && value > 0.0 {
+                        nodes.push(Node { target: index as u32, manoeuvre: manoeuvre as u32, open, close, value });
+                    }
+                }
+            }
+        }
+        if nodes.len() > FLOWN_NODES_MAX {
+            return None;
+        }
+        let Some(legs) = flown_legs::legs(schedule, &nodes, tick_s, flown_legs::Times::Least, meter.budget()) else {
+            meter.cut();
+            return None;
+        };
+        let targets = problem.targets.len();
+        let mut network = Network { targets, nodes, legs, near: Vec::new(), tick_s, cost_per_tick: 0.0 };
+        network.tighten();
+        Some(network)
+    }
+
+    /// A network of given nodes and legs.
+    #[cfg(test)]
+    pub(crate) fn given(nodes: Vec<Node>, legs: Vec<i32>, targets: usize) -> Network {
+        let mut network = Network { nodes, targets, legs, near: Vec::new(), tick_s: 1.0, cost_per_tick: 0.0 };
+        network.tighten();
+        network
+    }
+
+    /// Ticks from the beginning of the visit `from` to the arrival at `to`.
+    #[inline(always)]
+    pub(crate) fn leg(&self, from: u32, to: u32) -> i32 {
+        self.legs.get(from as usize * self.nodes.len() + to as usize).copied().unwrap_or(NO_WAY)
+    }
+
+    #[inline(always)]
+    pub(crate) fn node(&self, node: u32) -> Node {
+        const NOWHERE: Node = Node { target: 0, manoeuvre: 0, open: 0, close: -1, value: 0.0 };
+        self.nodes.get(node as usize).copied().unwrap_or(NOWHERE)
+    }
+
+    /// Last tick at which a route may end.
+    pub(crate) fn limit(&self) -> i32 {
+        self.node(END).close
+    }
+
+    /// All nodes that are visits.
+    pub(crate) fn visits(&self) -> std::ops::Range<u32> {
+        FIRST..self.nodes.len() as u32
+    }
+
+    /// Opens windows when they can be reached at the earliest and closes them when the end can still be reached: over other
+    /// nodes where that is quicker, as rounded or given times may have it.
+    fn tighten(&mut self) {
+        let (first, rest) = self.quickest();
+        let limit = self.limit();
+        for ((node, first), rest) in self.nodes.iter_mut().zip(first).zip(rest).skip(FIRST as usize) {
+            node.open = node.open.max(first.min(NO_WAY));
+            node.close = node.close.min(limit - rest);
+        }
+    }
+
+    /// For each node the least ticks from the start and to the end. All legs are looked at once; after that those of nodes
+    /// which are reached, or from which the end is reached, more quickly than was known.
+    fn quickest(&self) -> (Vec<i32>, Vec<i32>) {
+        let count = self.nodes.len();
+        let mut first: Vec<i32> = self.legs.get(..count).unwrap_or_default().to_vec();
+        let mut rest: Vec<i32> = (0..count as u32).map(|node| self.leg(node, END)).collect();
+        let (direct_first, direct_rest) = (first.clone(), rest.clone());
+        for (node, row) in self.legs.chunks_exact(count).enumerate().skip(FIRST as usize) {
+            let least = quicker_over(row, first.get(node).copied().unwrap_or(NO_WAY), &mut first, &rest);
+            if let Some(own) = rest.get_mut(node) {
+                *own = least.min(*own);
+            }
+        }
+        let (mut heads, mut tails) = (changed(&direct_first, &first), changed(&direct_rest, &rest));
+        while !(heads.is_empty() && tails.is_empty()) {
+            let (old_first, old_rest) = (first.clone(), rest.clone());
+            for node in &heads {
+                let row = self.legs.get(node * count..(node + 1) * count).unwrap_or_default();
+                quicker_over(row, first.get(*node).copied().unwrap_or(NO_WAY), &mut first, &[]);
+            }
+            for (node, own) in rest.iter_mut().enumerate().skip(FIRST as usize) {
+                let over = |tail: &usize| Some(self.leg(node as u32, *tail as u32) + old_rest.get(*tail)?);
+                *own = tails.iter().filter_map(over).fold(*own, i32::min);
+            }
+            (heads, tails) = (changed(&old_first, &first), changed(&old_rest, &rest));
+        }
+        (first, rest)
+    }
+
+    /// The same network with its ends exchanged: routes are flown backwards, times count from the end. A visit begins so long
+    /// before the end as it begins, at the latest, in the network itself.
+    pub(crate) fn turned(&self) -> Network {
+        let count = self.nodes.len();
+        let other = |node: usize| match node as u32 {
+            START => END as usize,
+            END => START as usize,
+            _ => node,
+        };
+        let limit = self.limit();
+        let turned = |node: &Node| Node { open: limit - node.close, close: limit - node.open, ..*node };
+        let nodes =
+            terminal_nodes(limit).into_iter().chain(self.nodes.iter().skip(FIRST as usize).map(turned)).collect();
+        let leg = |index: usize| self.leg(other(index % count) as u32, other(index / count) as u32);
+        let legs = (0..count * count).map(leg).collect();
+        Network { nodes, targets: self.targets, legs, near: Vec::new(), ..*self }
+    }
+
+    /// Finds every node's neighbours: what is improved needs them, what is only repaired does not.
+    pub(crate) fn find_neighbours(&mut self) {
+        let of = |node: u32| {
+            let mut all: Vec<(i32, u32)> = self
+                .visits()
+                .filter(|other| *other != node)
+                .map(|other| (self.leg(node, other).min(self.leg(other, node)), other))
+                .collect();
+            if all.len() > NEIGHBOURS {
+                all.select_nth_unstable(NEIGHBOURS);
+                all.truncate(NEIGHBOURS);
+            }
+            all.sort_unstable();
+            all.into_iter().map(|(_, other)| other).collect()
+        };
+        self.near = (0..self.nodes.len() as u32).map(of).collect();
+    }
+}
+
+/// Takes the legs of a node that is reached after `own` ticks into `first`; the least way over them to the end, whose rests are
+/// `rest`, as far as these go.
+fn quicker_over(row: &[i32], own: i32, first: &mut [i32], rest: &[i32]) -> i32 {
+    for (first, leg) in first.iter_mut().zip(row) {
+        *first = (own + leg).min(*first);
+    }
+    row.iter().zip(rest).skip(FIRST as usize).map(|(leg, rest)| leg + rest).fold(NO_WAY, i32::min)
+}
+
+/// Visits of which something is less than it was.
+fn changed(before: &[i32], now: &[i32]) -> Vec<usize> {
+    let both = before.iter().zip(now).enumerate().skip(FIRST as usize);
+    both.filter(|(_, (before, now))| now < before).map(|(node, _)| node).collect()
+}
+
+/// May the manoeuvre's lines be flown? What counts is the same at all times.
+fn lines_are_free(schedule: &mut Schedule<'_>, target: usize, manoeuvre: usize) -> bool {
+    let problem = schedule.problem;
+    let flown = problem.travel.is_none() && !(problem.zones.is_empty() && problem.landing_distance_m_max.is_none());
+    !flown || schedule.travel.lines_trouble(target, manoeuvre, problem.start_s, schedule.limit_s).is_none()
+}
+
+/// Do order, timing, costs and ways allow it?
+pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
+    let problem = schedule.problem;
+    let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
+    let risky = problem.failure.probability_per_hour != 0.0;
+    !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
+}
+
+fn terminal_nodes(limit: i32) -> Vec<Node> {
+    let terminal = |close| Node { target: u32::MAX, manoeuvre: 0, open: 0, close, value: 0.0 };
+    vec![terminal(0), terminal(limit)]
+}
+
+/// The finest power of ten of a second in which the flight has not too many ticks.
+fn tick_s(span_s: f64) -> Option<f64> {
+    let mut tick_s = 1e-6;
+    while span_s / tick_s > TICKS_MAX {
+        tick_s *= 10.0;
+        if tick_s > 1e9 {
+            return None;
+        }
+    }
+    Some(tick_s)
+}
+
+/// Rounded up. A million legs are rounded before there is a plan: no library function is called for it.
+#[inline(always)]
+pub(crate) fn ceil_ticks(time_s: f64, tick_s: f64) -> i32 {
+    ceil(time_s / tick_s)
+}
+
+/// Only sums and comparisons, so that the compiler rounds several at once: adding and taking away a large number rounds to the
+/// nearest whole one, and the last bits of such a sum are that whole number.
+#[inline(always)]
+fn ceil(ticks: f64) -> i32 {
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    let ticks = ticks.min(f64::from(NO_WAY)) - SAME_TICKS;
+    let nearest = (ticks + ROUND) - ROUND;
+    let above = nearest + if nearest < ticks { 1.0 } else { 0.0 };
+    (above + ROUND).to_bits() as i32
+}
+
+pub(crate) fn floor_ticks(time_s: f64, tick_s: f64) -> i32 {
+    libm::floor((time_s / tick_s).min(f64::from(NO_WAY))) as i32
+}
+
+/// The table of legs, each with the visit that it begins with.
+fn legs(problem: &SingleVisitProblem, travel: &TravelTimes, nodes: &[Node], tick_s: f64) -> Vec<i32> {
+    let duration_s = |node: &Node| {
+        let target = problem.targets.get(node.target as usize);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(node.manoeuvre as usize));
+        manoeuvre.map_or(0.0, |manoeuvre| manoeuvre.duration_s)
+    };
+    // Ticks are powers of ten: most of them have a whole number in a second, and multiplying is quicker than dividing.
+    let ticks_per_s = if tick_s < 1.0 { libm::round(1.0 / tick_s) } else { 1.0 / tick_s };
+    let mut legs = vec![NO_WAY; nodes.len() * nodes.len()];
+    let count = nodes.len();
+    let targets: Vec<usize> = nodes.iter().skip(FIRST as usize).map(|node| node.target as usize).collect();
+    // Where every target is one node, in order, its ticks are copied as they are.
+    let in_order = targets.iter().enumerate().all(|(index, target)| index == *target);
+    let mut ticks: Vec<i32> = Vec::new();
+    for (from, data) in nodes.iter().enumerate() {
+        let stay_s = if from >= FIRST as usize { duration_s(data) } else { 0.0 };
+        let Some(row) = legs.get_mut(from * count..(from + 1) * count) else { continue };
+        let times = match from as u32 {
+            START => Some(&travel.from_start_s),
+            END => None,
+            _ => travel.between_s.get(data.target as usize),
+        };
+        let Some(times) = times else { continue };
+        ticks.clear();
+        ticks.extend(times.iter().map(|time_s| ceil((stay_s + time_s) * ticks_per_s)));
+        if let Some(own) = ticks.get_mut(data.target as usize) {
+            *own = NO_WAY;
+        }
+        let visits = row.get_mut(FIRST as usize..).unwrap_or_default();
+        match ticks.get(..visits.len()).filter(|_| in_order) {
+            Some(ticks) => visits.copy_from_slice(ticks),
+            None => {
+                for (slot, target) in visits.iter_mut().zip(&targets) {
+                    *slot = ticks.get(*target).copied().unwrap_or(NO_WAY);
+                }
+            }
+        }
+        let home_s = match (from as u32, problem.base) {
+            (START, _) | (_, None) => Some(0.0),
+            _ => travel.to_base_s.get(data.target as usize).copied(),
+        };
+        if let Some((slot, home_s)) = row.get_mut(END as usize).zip(home_s) {
+            *slot = ceil_ticks(stay_s + home_s, tick_s);
+        }
+    }
+    legs
+}

@@ -1,0 +1,301 @@
+//! Judging an order of visits: times, feasibility and score.
+
+use super::travel::{PointKey, Times, Travel};
+use apex_geo::sun;
+use apex_metrics::mission_score;
+use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
+use apex_planning::solver::Budget;
+
+/// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged in addition.
+pub(crate) const UNITS_PER_LEG: u64 = 2;
+
+/// One visit of a plan in the making.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Choice {
+    /// Index of the target.
+    pub(crate) target: usize,
+    /// Index of its manoeuvre.
+    pub(crate) manoeuvre: usize,
+    /// Wait for this time before observing, for a better timing factor.
+    pub(crate) not_before_s: f64,
+}
+
+/// When a visit happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Timed {
+    /// Leaves the place before.
+    pub(crate) depart_s: f64,
+    /// Is at the entry.
+    pub(crate) arrive_s: f64,
+    /// Begins.
+    pub(crate) begin_s: f64,
+    /// Ends.
+    pub(crate) end_s: f64,
+    /// Value times factors.
+    pub(crate) worth: f64,
+}
+
+/// The outcome of judging a whole order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Judged {
+    /// The visits' times.
+    pub(crate) visits: Vec<Timed>,
+    /// When the flight ends.
+    pub(crate) end_s: f64,
+    /// Benefits minus costs.
+    pub(crate) score: f64,
+}
+
+impl Judged {
+    /// Is this better than `other`: a higher score, or the same in less time?
+    pub(crate) fn beats(&self, other: &Judged) -> bool {
+        let close = 1e-9 * (1.0 + self.score.abs());
+        self.score > other.score + close || (self.score > other.score - close && self.end_s < other.end_s - 1e-6)
+    }
+}
+
+/// Why an order cannot be flown.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Infeasibility {
+    /// No way, or no time window: the phrase says which.
+    Impossible(String),
+    /// The flight would end this much too late.
+    TooLate {
+        /// By how much.
+        over_s: f64,
+    },
+    /// A target that must come earlier does not.
+    Order,
+}
+
+/// A validated problem with its travel model and windows.
+pub(crate) struct Schedule<'a> {
+    pub(crate) problem: &'a SingleVisitProblem,
+    pub(crate) travel: Travel<'a>,
+    /// For each target and manoeuvre the spans in which the observation may begin.
+    windows: Vec<Vec<Vec<TimeWindow>>>,
+    /// For each target those that must come earlier.
+    earlier: Vec<Vec<usize>>,
+    costs: Costs,
+    /// Latest end of the flight, with what sets it.
+    pub(crate) limit_s: f64,
+    pub(crate) limit_name: &'static str,
+}
+
+impl<'a> Schedule<'a> {
+    /// Prepares `problem`.
+    ///
+    /// # Errors
+    /// A sentence where the problem makes no sense or the vehicle may not even be where it starts.
+    pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Schedule<'a>, String> {
+        apex_planning::validate::single_visit(problem)?;
+        let mut travel = Travel::new(problem)?;
+        let (limit_s, limit_name) = limit(problem);
+        if limit_s <= problem.start_s {
+            return Err(format!("There is no time to fly: {limit_name} is used up when the plan begins."));
+        }
+        let ends = [(Some(problem.start), "start"), (problem.base, "base")];
+        for (position, name) in ends.into_iter().filter_map(|(position, name)| Some((position?, name))) {
+            let trouble = if problem.travel.is_none() { travel.place_trouble(position)? } else { None };
+            if let Some(trouble) = trouble {
+                return Err(format!("The {name} cannot be used: {trouble}."));
+            }
+        }
+        let index = |name: &String| problem.targets.iter().position(|target| target.name == *name);
+        let mut earlier = vec![Vec::new(); problem.targets.len()];
+        for (before, after) in &problem.precedence {
+            if let (Some(before), Some(after)) = (index(before), index(after).and_then(|after| earlier.get_mut(after)))
+            {
+                after.push(before);
+            }
+        }
+        let windows = begin_windows(problem, limit_s);
+        Ok(Schedule { problem, travel, windows, earlier, costs: Costs::new(problem), limit_s, limit_name })
+    }
+
+    /// Judges `order` from its beginning.
+    ///
+    /// # Errors
+    /// Why it cannot be flown.
+    pub(crate) fn judge(&mut self, order: &[Choice], budget: &mut dyn Budget) -> Result<Judged, Infeasibility> {
+        self.judge_after(&[], order, budget)
+    }
+
+    /// As [`Schedule::judge`], where the first visits of `order` are known to happen as in `known`.
+    ///
+    /// # Errors
+    /// Why it cannot be flown.
+    pub(crate) fn judge_after(
+        &mut self,
+        known: &[Timed],
+        order: &[Choice],
+        budget: &mut dyn Budget,
+    ) -> Result<Judged, Infeasibility> {
+        self.check_order(order)?;
+        let same = known.len().min(order.len());
+        let mut visits = Vec::with_capacity(order.len());
+        visits.extend(known.iter().take(same).copied());
+        let (mut node, mut time_s) = (PointKey::Start, self.problem.start_s);
+        let last = same.checked_sub(1).and_then(|last| Some((order.get(last)?, known.get(last)?)));
+        if let Some((choice, timed)) = last {
+            (node, time_s) = (PointKey::Exit(choice.target, choice.manoeuvre), timed.end_s);
+        }
+        for choice in order.iter().skip(same) {
+            budget.charge(UNITS_PER_LEG + self.travel.take_work());
+            let visit = self.visit(node, time_s, *choice)?;
+            (node, time_s) = (PointKey::Exit(choice.target, choice.manoeuvre), visit.end_s);
+            visits.push(visit);
+        }
+        budget.charge(UNITS_PER_LEG + self.travel.take_work());
+        let end_s = self.home_at_s(node, time_s)?;
+        if end_s > self.limit_s {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
+        let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
+        let score = benefits - self.costs.of_flight(end_s - self.problem.start_s);
+        Ok(Judged { visits, end_s, score })
+    }
+
+    /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
+    pub(crate) fn visit(&mut self, node: PointKey, ready_s: f64, choice: Choice) -> Result<Timed, Infeasibility> {
+        let entry = PointKey::Entry(choice.target, choice.manoeuvre);
+        let Some(Times { depart_s, arrive_s }) = self.travel.times(node, entry, ready_s) else {
+            return Err(Infeasibility::Impossible("no way leads there".to_string()));
+        };
+        let begin_s = self.begin_s(choice, arrive_s.max(choice.not_before_s))?;
+        let target = self.problem.targets.get(choice.target);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(choice.manoeuvre));
+        let (Some(target), Some(manoeuvre)) = (target, manoeuvre) else {
+            return Err(Infeasibility::Impossible("there is no such manoeuvre".to_string()));
+        };
+        let end_s = begin_s + manoeuvre.duration_s;
+        if end_s > self.limit_s {
+            return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
+        }
+        self.check_lines(choice, begin_s, end_s)?;
+        let worth = target.value * manoeuvre.quality.product() * target.timing_at(begin_s);
+        Ok(Timed { depart_s, arrive_s, begin_s, end_s, worth })
+    }
+
+    /// The first time from `ready_s` on at which the observation may begin.
+    fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
+        let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
+        let open = windows.into_iter().flatten().find(|window| ready_s < window.until_s);
+        open.map(|window| window.from_s.max(ready_s)).ok_or_else(|| {
+            Infeasibility::Impossible("its last time window closes before the vehicle can be there".to_string())
+        })
+    }
+
+    /// Are the manoeuvre's lines allowed while they are flown?
+    fn check_lines(&mut self, choice: Choice, begin_s: f64, end_s: f64) -> Result<(), Infeasibility> {
+        if self.problem.zones.is_empty() && self.problem.landing_distance_m_max.is_none() {
+            return Ok(());
+        }
+        let trouble = self.travel.lines_trouble(choice.target, choice.manoeuvre, begin_s, end_s);
+        trouble.map_or(Ok(()), |trouble| Err(Infeasibility::Impossible(trouble)))
+    }
+
+    /// When the vehicle that is ready to leave `node` at `ready_s` is back at the base; `ready_s` where there is none.
+    pub(crate) fn home_at_s(&mut self, node: PointKey, ready_s: f64) -> Result<f64, Infeasibility> {
+        if self.problem.base.is_none() {
+            return Ok(ready_s);
+        }
+        let home = self.travel.times(node, PointKey::Base, ready_s);
+        home.map(|times| times.arrive_s)
+            .ok_or_else(|| Infeasibility::Impossible("no way leads back to the base".to_string()))
+    }
+
+    /// Does every target come after those that must come earlier?
+    fn check_order(&self, order: &[Choice]) -> Result<(), Infeasibility> {
+        if self.problem.precedence.is_empty() {
+            return Ok(());
+        }
+        for (at, choice) in order.iter().enumerate() {
+            let earlier = self.earlier.get(choice.target).into_iter().flatten();
+            let seen = |target: &usize| order.iter().take(at).any(|before| before.target == *target);
+            if !earlier.into_iter().all(seen) {
+                return Err(Infeasibility::Order);
+            }
+        }
+        Ok(())
+    }
+
+    /// What flying until `later_s` instead of `end_s` costs.
+    pub(crate) fn delay_cost(&self, end_s: f64, later_s: f64) -> f64 {
+        let start_s = self.problem.start_s;
+        self.costs.of_flight(later_s - start_s) - self.costs.of_flight(end_s - start_s)
+    }
+
+    /// The spans in which the observation of a target by a manoeuvre may begin.
+    pub(crate) fn windows(&self, target: usize, manoeuvre: usize) -> &[TimeWindow] {
+        let windows = self.windows.get(target).and_then(|windows| windows.get(manoeuvre));
+        windows.map_or(&[], Vec::as_slice)
+    }
+
+    /// The targets that must come before `target`.
+    pub(crate) fn earlier(&self, target: usize) -> &[usize] {
+        self.earlier.get(target).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// What a flight costs, ready to be asked for many times; equal to [`mission_score::flight_cost`].
+#[derive(Clone, Copy, Debug)]
+struct Costs {
+    fixed: f64,
+    per_hour: f64,
+    failure: FailureTerm,
+}
+
+impl Costs {
+    fn new(problem: &SingleVisitProblem) -> Costs {
+        Costs {
+            fixed: problem.crew.iter().map(|member| member.fixed_hours * member.wage_per_hour).sum(),
+            per_hour: problem.crew.iter().map(|member| member.flight_share * member.wage_per_hour).sum(),
+            failure: problem.failure,
+        }
+    }
+
+    fn of_flight(&self, flight_s: f64) -> f64 {
+        let hours = flight_s / 3600.0;
+        let failure = &self.failure;
+        let loss = failure.vehicle_share * failure.vehicle_cost + failure.mission_share * failure.mission_cost;
+        self.fixed + self.per_hour * hours + mission_score::failure_probability(failure, hours) * loss
+    }
+}
+
+/// Latest end of the flight and what sets it.
+fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
+    let vehicle = &problem.vehicle;
+    let mut limits = vec![(problem.start_s + vehicle.endurance_s - vehicle.endurance_reserve_s, "endurance")];
+    if vehicle.fuel_flow_kg_per_s > 0.0 {
+        let burn_s = (vehicle.fuel_kg - vehicle.fuel_reserve_kg) / vehicle.fuel_flow_kg_per_s;
+        limits.push((problem.start_s + burn_s, "fuel"));
+    }
+    limits.extend(problem.end_s.map(|end_s| (end_s, "the end of the mission")));
+    limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
+}
+
+/// The spans in which each observation may begin: the target's windows, cut to the light that must last to its end.
+fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
+    let of_target = |target: &apex_model::problem::SingleVisitTarget| {
+        let light =
+            sun::light_windows(target.light, target.position, problem.zero_unix_s, problem.start_s, limit_s + 1.0);
+        let mut wanted = target.windows.clone();
+        if wanted.is_empty() {
+            wanted.push(TimeWindow::ALWAYS);
+        }
+        wanted.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+        let of_manoeuvre = |duration_s: f64| {
+            let tail_s = if target.light == Light::Any { 0.0 } else { duration_s };
+            let cut = wanted.iter().flat_map(|window| {
+                light.iter().map(move |lit| TimeWindow {
+                    from_s: window.from_s.max(lit.from_s),
+                    until_s: window.until_s.min(lit.until_s - tail_s),
+                })
+            });
+            cut.filter(|window| window.from_s < window.until_s).collect()
+        };
+        target.manoeuvres.iter().map(|manoeuvre| of_manoeuvre(manoeuvre.duration_s)).collect()
+    };
+    problem.targets.iter().map(of_target).collect()
+}

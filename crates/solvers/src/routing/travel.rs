@@ -1,0 +1,449 @@
+//! Ways and times between the places of a single-visit problem: legs through wind and around airspace, or given as numbers.
+//!
+//! A vehicle changes its altitude as soon as it leaves a place: near it all altitudes between both ends' are taken, farther
+//! on that of the other end alone. So pairs of places differ in the zones that count for them; for each set of zones there is
+//! one network (`apex_geo::travel`), made when it is first needed. Times are exact for every
+//! departure and first in, first out. What a network looks at is charged as work.
+
+use super::zones::{distance_m, holds};
+use apex_geo::direction::Direction;
+use apex_geo::geodesy::{self, Position, RAD_PER_DEG};
+use apex_geo::travel::{Air, EndpointId, Network, Setting, TravelError, Trip};
+use apex_model::problem::{AirspaceZone, FOREVER_S, SingleVisitProblem, TravelTimes, UNREACHABLE_S, ZoneKind};
+use std::collections::BTreeMap;
+
+/// Work units of looking at one leg, or at one way on from a bend.
+const UNITS_PER_LOOK: u64 = 5;
+/// Networks of one problem; further sets of zones share one in which every zone counts at every altitude.
+const NETWORKS_MAX: usize = 16;
+
+/// A place by name, for remembering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum PointKey {
+    /// The start.
+    Start,
+    /// The base.
+    Base,
+    /// Where a manoeuvre (target, manoeuvre) begins.
+    Entry(usize, usize),
+    /// Where it ends.
+    Exit(usize, usize),
+}
+
+/// A way with its times.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TimedPath {
+    /// Both ends and the bends between.
+    pub(crate) route: Vec<Position>,
+    /// What is flown, turns included; empty where they are not limited.
+    pub(crate) path: Vec<Position>,
+    /// When it begins: later than asked for where the vehicle has to hold first.
+    pub(crate) depart_s: f64,
+    /// When it ends.
+    pub(crate) arrive_s: f64,
+}
+
+/// From when until when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Times {
+    /// When the vehicle leaves: later than asked for where it has to hold first.
+    pub(crate) depart_s: f64,
+    /// When it is there.
+    pub(crate) arrive_s: f64,
+}
+
+/// Zones that are distinguished; further ones count on every leg.
+const ZONES_TOLD_APART: usize = 128;
+
+/// A set of zones, by their numbers.
+type ZoneSet = u128;
+
+/// A network with the numbers that nodes have in it.
+struct Layer {
+    zones: ZoneSet,
+    network: Network,
+    places: Vec<Option<Result<EndpointId, TravelError>>>,
+}
+
+/// Where a node is.
+#[derive(Clone, Copy)]
+struct Spot {
+    position: Position,
+    altitude_m: f64,
+    direction: Direction,
+    /// In which direction it is left and reached, clockwise from north; none is any.
+    track_rad: Option<f64>,
+}
+
+/// The travel model with its memory.
+pub(crate) struct Travel<'a> {
+    problem: &'a SingleVisitProblem,
+    /// The first manoeuvre of each target among all manoeuvres.
+    offsets: Vec<usize>,
+    spots: Vec<Spot>,
+    /// Positions in whose middle the projection is centred.
+    around: Vec<Position>,
+    air: Air,
+    /// For each spot its distance from each zone that is distinguished, m.
+    zones_m: Vec<Vec<f64>>,
+    layers: Vec<Layer>,
+    lines: BTreeMap<(usize, usize, (usize, usize)), Option<String>>,
+}
+
+impl<'a> Travel<'a> {
+    /// Prepares airspace and wind of `problem`.
+    ///
+    /// # Errors
+    /// A sentence that names a zone that makes no sense.
+    pub(crate) fn new(problem: &'a SingleVisitProblem) -> Result<Travel<'a>, String> {
+        let mut around = vec![problem.start];
+        around.extend(problem.base);
+        around.extend(problem.targets.iter().map(|target| target.position));
+        let vehicle = &problem.vehicle;
+        let (begin_s, end_s) = time_s(problem);
+        let air = Air::new(&problem.wind, vehicle.cruise_altitude_m, vehicle.true_airspeed_mps, begin_s, end_s);
+        let mut offsets = Vec::with_capacity(problem.targets.len());
+        let mut nodes = vec![PointKey::Start, PointKey::Base];
+        for (target, data) in problem.targets.iter().enumerate() {
+            offsets.push((nodes.len() - 2) / 2);
+            for manoeuvre in 0..data.manoeuvres.len() {
+                nodes.extend([PointKey::Entry(target, manoeuvre), PointKey::Exit(target, manoeuvre)]);
+            }
+        }
+        let spots = nodes.iter().map(|node| {
+            let (position, altitude_m) = place(problem, *node);
+            let (direction, track_rad) = (Direction::of(position), track_rad(problem, *node));
+            Spot { position, altitude_m, direction, track_rad }
+        });
+        let spots: Vec<Spot> = spots.collect();
+        let from_zones = |spot: &Spot| {
+            let told_apart = problem.zones.iter().take(ZONES_TOLD_APART);
+            told_apart.map(|zone| distance_m(spot.position, &zone.corners)).collect()
+        };
+        let zones_m = if problem.travel.is_none() { spots.iter().map(from_zones).collect() } else { Vec::new() };
+        let mut travel =
+            Travel { problem, offsets, spots, around, air, zones_m, layers: Vec::new(), lines: BTreeMap::new() };
+        if problem.travel.is_none() {
+            // Zones that make no sense are told before anything is planned.
+            travel.layer(travel.zones_at(vehicle.cruise_altitude_m))?;
+        }
+        Ok(travel)
+    }
+
+    /// Do ways take the same time at every departure until `limit_s`?
+    pub(crate) fn is_steady(&self, limit_s: f64) -> bool {
+        match &self.problem.travel {
+            Some(travel) => travel.is_constant(),
+            None => self.changes_s().iter().all(|change_s| *change_s > limit_s),
+        }
+    }
+
+    /// When the wind changes, and when zones open or shut, after the plan's beginning, in order.
+    pub(crate) fn changes_s(&self) -> Vec<f64> {
+        let ends = self.problem.zones.iter().flat_map(|zone| [zone.active.from_s, zone.active.until_s]);
+        let mut changes_s: Vec<f64> = ends.chain(self.air.changes_s().iter().copied()).collect();
+        changes_s.retain(|change_s| *change_s > self.problem.start_s && *change_s < FOREVER_S);
+        changes_s.sort_by(f64::total_cmp);
+        changes_s.dedup();
+        changes_s
+    }
+
+    /// Work units done since the last call, for the budget.
+    pub(crate) fn take_work(&mut self) -> u64 {
+        let looks: u64 = self.layers.iter_mut().map(|layer| layer.network.take_work()).sum();
+        UNITS_PER_LOOK * looks
+    }
+
+    fn number(&self, node: PointKey) -> usize {
+        let of = |target: usize, manoeuvre: usize| self.offsets.get(target).map_or(0, |first| first + manoeuvre);
+        match node {
+            PointKey::Start => 0,
+            PointKey::Base => 1,
+            PointKey::Entry(target, manoeuvre) => 2 + 2 * of(target, manoeuvre),
+            PointKey::Exit(target, manoeuvre) => 3 + 2 * of(target, manoeuvre),
+        }
+    }
+
+    /// When the vehicle that is ready to leave `from` at `ready_s` is at `to`; none where there is no way.
+    pub(crate) fn times(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<Times> {
+        if let Some(travel) = &self.problem.travel {
+            let travel_s = given_s(travel, from, to, ready_s)?;
+            return Some(Times { depart_s: ready_s, arrive_s: ready_s + travel_s });
+        }
+        self.find(from, to, ready_s).ok().map(|(_, times, _)| times)
+    }
+
+    /// Time from being ready to leave `from` at `ready_s` to being at `to`, holding included; none where there is no way.
+    pub(crate) fn time_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Option<f64> {
+        self.times(from, to, ready_s).map(|times| times.arrive_s - ready_s)
+    }
+
+    /// What turns make the way from `from` to `to` take beyond straight legs; 0 where there is no way.
+    pub(crate) fn turns_s(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> f64 {
+        let Ok((layer, _, trip)) = self.find(from, to, ready_s) else { return 0.0 };
+        self.layers.get_mut(layer).map_or(0.0, |layer| layer.network.turns_s(trip.way))
+    }
+
+    /// No way from `from` to `to` takes less than this.
+    pub(crate) fn time_s_min(&self, from: PointKey, to: PointKey) -> f64 {
+        if let Some(travel) = &self.problem.travel {
+            return given_s_min(travel, from, to);
+        }
+        let (Some(start), Some(end)) = (self.spots.get(self.number(from)), self.spots.get(self.number(to))) else {
+            return 0.0;
+        };
+        start.direction.distance_m_min(end.direction) / self.air.ground_speed_mps_max()
+    }
+
+    /// The way from `from` to `to` of the vehicle that is ready to leave at `ready_s`.
+    ///
+    /// # Errors
+    /// A phrase that says what stands in the way, for example "inside restricted area R-2515".
+    pub(crate) fn way(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<TimedPath, String> {
+        if let Some(travel) = &self.problem.travel {
+            let arrive_s = ready_s + given_s(travel, from, to, ready_s).ok_or("no way leads there")?;
+            let route = vec![place(self.problem, from).0, place(self.problem, to).0];
+            return Ok(TimedPath { route, path: Vec::new(), depart_s: ready_s, arrive_s });
+        }
+        let (layer, times, trip) = self.find(from, to, ready_s)?;
+        let limited = self.problem.vehicle.turn_radius_m > 0.0;
+        let network = self.layers.get_mut(layer).map(|layer| &mut layer.network);
+        let (route, path) = network.map_or_else(Default::default, |network| {
+            let path = if limited { network.path(trip.way, trip.depart_s) } else { Vec::new() };
+            (network.positions(trip.way), path)
+        });
+        Ok(TimedPath { route, path, depart_s: times.depart_s, arrive_s: times.arrive_s })
+    }
+
+    /// The layer, the times and the trip; climbs and descents take their time.
+    fn find(&mut self, from: PointKey, to: PointKey, ready_s: f64) -> Result<(usize, Times, Trip), String> {
+        let (from, to) = (self.number(from), self.number(to));
+        let (Some(start), Some(end)) = (self.spots.get(from).copied(), self.spots.get(to).copied()) else {
+            return Err("no way was found".to_string());
+        };
+        let climb_s = self.climb_s(start.altitude_m, end.altitude_m);
+        let number = self.layer(self.zones_between(from, start.altitude_m, end.altitude_m, climb_s))?;
+        let layer = self.layers.get_mut(number).ok_or("no way was found")?;
+        let mut place = |number: usize, spot: &Spot| layer.place(number, spot.position, spot.track_rad);
+        let places = place(from, &start).and_then(|from| Ok((from, place(to, &end)?)));
+        let trip = places.and_then(|(from, to)| layer.network.trip(from, to, ready_s));
+        let trip = trip.map_err(|trouble| trouble.to_string())?;
+        let times = Times { depart_s: trip.depart_s, arrive_s: trip.arrive_s.max(trip.depart_s + climb_s) };
+        Ok((number, times, trip))
+    }
+
+    /// The zones that count at this altitude.
+    fn zones_at(&self, altitude_m: f64) -> ZoneSet {
+        self.zones_where(|zone, _| holds(zone, altitude_m))
+    }
+
+    /// The zones that count on a way from the spot `from` to an altitude: those at that altitude, and near the spot those at
+    /// all altitudes that are passed in `climb_s`.
+    fn zones_between(&self, from: usize, from_m: f64, to_m: f64, climb_s: f64) -> ZoneSet {
+        let reach_m = climb_s * self.air.ground_speed_mps_max() + self.problem.zone_margin_m;
+        let (low_m, high_m) = (from_m.min(to_m), from_m.max(to_m));
+        let distances = self.zones_m.get(from).map_or(&[][..], Vec::as_slice);
+        self.zones_where(|zone, number| {
+            if zone.kind == ZoneKind::Permitted {
+                return holds(zone, from_m) && holds(zone, to_m);
+            }
+            let passed = zone.altitude_m_min <= high_m && low_m < zone.altitude_m_max;
+            holds(zone, to_m) || (passed && distances.get(number).is_none_or(|distance_m| *distance_m <= reach_m))
+        })
+    }
+
+    fn zones_where(&self, counts: impl Fn(&AirspaceZone, usize) -> bool) -> ZoneSet {
+        let told_apart = self.problem.zones.iter().take(ZONES_TOLD_APART).enumerate();
+        told_apart.fold(0, |set, (number, zone)| if counts(zone, number) { set | 1 << number } else { set })
+    }
+
+    /// The number of the layer for legs on which these zones count.
+    fn layer(&mut self, zones: ZoneSet) -> Result<usize, String> {
+        if let Some(known) = self.layers.iter().position(|layer| layer.zones == zones) {
+            return Ok(known);
+        }
+        if self.layers.len() >= NETWORKS_MAX {
+            return match self.layers.iter().position(|layer| layer.zones == ZoneSet::MAX) {
+                Some(known) => Ok(known),
+                None => self.made(ZoneSet::MAX),
+            };
+        }
+        self.made(zones)
+    }
+
+    fn made(&mut self, set: ZoneSet) -> Result<usize, String> {
+        let problem = self.problem;
+        let counts = |number: usize| number >= ZONES_TOLD_APART || set & (1 << number) != 0;
+        // The set says which zones count: those reach to every altitude, the others to none.
+        let zone = |(number, zone): (usize, &AirspaceZone)| {
+            let altitude_m_min = if counts(number) { f64::NEG_INFINITY } else { f64::INFINITY };
+            AirspaceZone { altitude_m_min, altitude_m_max: f64::INFINITY, ..zone.clone() }
+        };
+        let zones: Vec<AirspaceZone> = problem.zones.iter().enumerate().map(zone).collect();
+        let setting = Setting {
+            zones: &zones,
+            margin_m: problem.zone_margin_m,
+            turn_radius_m: problem.vehicle.turn_radius_m,
+            circling: false,
+            landing_places: &problem.landing_places,
+            landing_distance_m_max: problem.landing_distance_m_max,
+            around: &self.around,
+            altitudes_m: (0.0, 0.0),
+            time_s: time_s(problem),
+        };
+        let network = Network::new(&setting, self.air.clone())?;
+        let places = vec![None; self.spots.len()];
+        self.layers.push(Layer { zones: set, network, places });
+        Ok(self.layers.len() - 1)
+    }
+
+    /// Why it is not allowed to be at `position` at cruise altitude when the plan begins.
+    ///
+    /// # Errors
+    /// As [`Travel::new`].
+    pub(crate) fn place_trouble(&mut self, position: Position) -> Result<Option<TravelError>, String> {
+        let number = self.layer(self.zones_at(self.problem.vehicle.cruise_altitude_m))?;
+        let now_s = self.problem.start_s;
+        let Some(layer) = self.layers.get_mut(number) else { return Ok(None) };
+        Ok(match layer.network.add(position) {
+            Ok(place) => layer.network.place_trouble(place, (now_s, now_s)),
+            Err(trouble) => Some(trouble),
+        })
+    }
+
+    /// Why the lines of a manoeuvre are not allowed from `begin_s` to `end_s`; none where they are.
+    pub(crate) fn lines_trouble(
+        &mut self,
+        target: usize,
+        manoeuvre: usize,
+        begin_s: f64,
+        end_s: f64,
+    ) -> Option<String> {
+        let (entry, altitude_m) = place(self.problem, PointKey::Entry(target, manoeuvre));
+        let number = match self.layer(self.zones_at(altitude_m)) {
+            Ok(number) => number,
+            Err(trouble) => return Some(trouble),
+        };
+        let entry_node = self.number(PointKey::Entry(target, manoeuvre));
+        let layer = self.layers.get_mut(number)?;
+        let epochs = (layer.network.epoch(begin_s), layer.network.epoch(end_s));
+        let key = (target, manoeuvre, epochs);
+        if let Some(known) = self.lines.get(&key) {
+            return known.clone();
+        }
+        let lines = self.problem.targets.get(target).and_then(|target| target.manoeuvres.get(manoeuvre));
+        let lines = lines.map_or(&[][..], |manoeuvre| &manoeuvre.lines);
+        let turns = lines.iter().zip(lines.iter().skip(1)).map(|((_, from), (to, _))| (*from, *to));
+        let mut legs = lines.iter().copied().chain(turns);
+        let track_rad = self.spots.get(entry_node).and_then(|spot| spot.track_rad);
+        let trouble = match layer.place(entry_node, entry, track_rad) {
+            Ok(place) => layer.network.place_trouble(place, (begin_s, end_s)),
+            Err(trouble) => Some(trouble),
+        };
+        let network = &mut layer.network;
+        let trouble = trouble.or_else(|| legs.find_map(|(from, to)| network.leg_trouble(from, to, (begin_s, end_s))));
+        let trouble = trouble.map(|trouble| trouble.to_string());
+        self.lines.insert(key, trouble.clone());
+        trouble
+    }
+
+    /// Time to climb or descend from one altitude to the other: a leg takes no less.
+    fn climb_s(&self, from_m: f64, to_m: f64) -> f64 {
+        let vehicle = &self.problem.vehicle;
+        let rate_mps = if to_m > from_m { vehicle.climb_rate_mps } else { vehicle.descent_rate_mps };
+        if rate_mps > 0.0 { (to_m - from_m).abs() / rate_mps } else { 0.0 }
+    }
+}
+
+impl Layer {
+    /// The place of a node, added when it is first needed.
+    fn place(&mut self, node: usize, position: Position, track_rad: Option<f64>) -> Result<EndpointId, TravelError> {
+        if let Some(Some(known)) = self.places.get(node) {
+            return known.clone();
+        }
+        let place = self.network.add(position);
+        if let Ok(place) = &place {
+            self.network.head(*place, track_rad);
+        }
+        if let Some(slot) = self.places.get_mut(node) {
+            *slot = Some(place.clone());
+        }
+        place
+    }
+}
+
+/// The time in which the flight lies.
+fn time_s(problem: &SingleVisitProblem) -> (f64, f64) {
+    (problem.start_s, problem.start_s + 2.0 * problem.vehicle.endurance_s)
+}
+
+/// A travel time given as a number; none where there is no way.
+fn given_s(travel: &TravelTimes, from: PointKey, to: PointKey, depart_s: f64) -> Option<f64> {
+    let time_s = match (from, to) {
+        (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_at(to, depart_s),
+        (PointKey::Exit(from, _), PointKey::Entry(to, _)) => travel.between_at(from, to, depart_s),
+        (PointKey::Exit(from, _), PointKey::Base) => travel.to_base_at(from, depart_s),
+        _ => UNREACHABLE_S,
+    };
+    (time_s < UNREACHABLE_S).then_some(time_s)
+}
+
+/// The least of them over all departures; infinite where there is no way.
+fn given_s_min(travel: &TravelTimes, from: PointKey, to: PointKey) -> f64 {
+    let time_s = match (from, to) {
+        (PointKey::Start, PointKey::Entry(to, _)) => travel.start_to_s_min(to),
+        (PointKey::Exit(from, _), PointKey::Entry(to, _)) => travel.between_s_min(from, to),
+        (PointKey::Exit(from, _), PointKey::Base) => travel.to_base_s_min(from),
+        _ => UNREACHABLE_S,
+    };
+    if time_s < UNREACHABLE_S { time_s } else { f64::INFINITY }
+}
+
+/// The direction of the line that a manoeuvre begins or ends with. A place without one is flown over as one comes from the
+/// start, so that whoever turns back over it pays for the turn; start and base are left and met in any direction (none).
+fn track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
+    let target = match node {
+        PointKey::Start | PointKey::Base => return None,
+        PointKey::Entry(target, _) | PointKey::Exit(target, _) => problem.targets.get(target)?,
+    };
+    line_track_rad(problem, node).or_else(|| {
+        let (length_m, azimuth_deg) = geodesy::inverse(target.position, problem.start);
+        Some(if length_m > 1.0 { (azimuth_deg + 180.0) * RAD_PER_DEG } else { 0.0 })
+    })
+}
+
+/// The direction of the line that a manoeuvre begins or ends with; none where it has none.
+fn line_track_rad(problem: &SingleVisitProblem, node: PointKey) -> Option<f64> {
+    let lines = |target: usize, manoeuvre: usize| {
+        problem.targets.get(target)?.manoeuvres.get(manoeuvre).map(|manoeuvre| &manoeuvre.lines)
+    };
+    let (here, there, back) = match node {
+        PointKey::Start | PointKey::Base => return None,
+        PointKey::Entry(target, manoeuvre) => {
+            lines(target, manoeuvre)?.first().map(|(from, to)| (*from, *to, false))?
+        }
+        PointKey::Exit(target, manoeuvre) => lines(target, manoeuvre)?.last().map(|(from, to)| (*to, *from, true))?,
+    };
+    let (length_m, azimuth_deg) = geodesy::inverse(here, there);
+    let track_deg = if back { azimuth_deg + 180.0 } else { azimuth_deg };
+    (length_m > 1.0).then_some(track_deg * RAD_PER_DEG)
+}
+
+/// Where a node is and at which altitude.
+fn place(problem: &SingleVisitProblem, node: PointKey) -> (Position, f64) {
+    let cruise_m = problem.vehicle.cruise_altitude_m;
+    let of = |target: usize, manoeuvre: usize, entry: bool| {
+        let target = problem.targets.get(target);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(manoeuvre));
+        let overhead = target.map_or(problem.start, |target| target.position);
+        let line = manoeuvre.and_then(|m| if entry { m.lines.first() } else { m.lines.last() });
+        let position = line.map_or(overhead, |(from, to)| if entry { *from } else { *to });
+        (position, manoeuvre.map_or(cruise_m, |manoeuvre| manoeuvre.altitude_m))
+    };
+    match node {
+        PointKey::Start => (problem.start, problem.start_altitude_m),
+        PointKey::Base => (problem.base.unwrap_or(problem.start), cruise_m),
+        PointKey::Entry(target, manoeuvre) => of(target, manoeuvre, true),
+        PointKey::Exit(target, manoeuvre) => of(target, manoeuvre, false),
+    }
+}
