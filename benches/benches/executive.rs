@@ -38,7 +38,7 @@ fn event_to_command(criterion: &mut Criterion) {
                     if used == count {
                         (driven, used) = (armed.clone(), 0);
                     }
-                    // A prime stride: the next task is never beside the last one in memory.
+                    // A prime stride: the next task is never next to the last one in memory.
                     total += to_command(&mut driven, level(used * 7_919 % count, 11));
                     used += 1;
                 }
@@ -132,7 +132,7 @@ fn task_life(criterion: &mut Criterion) {
             assert!(effects.iter().filter(created).count() >= count, "not all tasks were made");
             assert!(matches!(effects.last(), Some(Effect::EndApplication { .. })), "the plan did not come to its end");
             group.bench_function(BenchmarkId::new(shape, count), |bencher| {
-                // What was decided is dropped outside of the measurement: whoever takes it decides what becomes of it.
+                // What was decided is dropped outside of the measurement: whoever takes it decides the outcome of it.
                 bencher.iter_batched(|| Driven::ready(&library), |driven| driven.begin(), BatchSize::PerIteration);
             });
         }

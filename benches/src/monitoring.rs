@@ -10,6 +10,8 @@ use apex_model::symbol::Symbol;
 use apex_model::time::Time;
 use apex_model::value::Value;
 use apex_pdl::{CheckOptions, SourceText, check_conditions};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::sync::Arc;
 
 /// Nanoseconds between two samples: 50 Hz.
@@ -52,20 +54,24 @@ pub fn instant(index: usize) -> Time {
     Time(PERIOD_NS * (index as i64 + 1))
 }
 
-/// Numbers that look random and are always the same (a linear congruence), in [0, 1).
-pub struct Numbers(pub u64);
+/// Random numbers of a seed, in [0, 1).
+pub struct Numbers(ChaCha8Rng);
 
 impl Numbers {
+    /// The sequence of `seed`.
+    pub fn new(seed: u64) -> Numbers {
+        Numbers(ChaCha8Rng::seed_from_u64(seed))
+    }
+
     /// The next one.
     pub fn draw(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
 /// A signal as an aircraft's roll angle is: slow turns with some noise on top, from -30 to 30.
 pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     (0..samples)
         .map(|index| {
             let t = index as f64 * 0.02;
@@ -76,7 +82,7 @@ pub fn smooth(samples: usize, seed: u64) -> Vec<f64> {
 
 /// The worst signal: each sample anywhere from -30 to 30.
 pub fn noise(samples: usize, seed: u64) -> Vec<f64> {
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     (0..samples).map(|_| 60.0 * numbers.draw() - 30.0).collect()
 }
 
@@ -86,7 +92,7 @@ fn bound(numbers: &mut Numbers) -> f64 {
 
 /// Episodes of values above different bounds: `(> b)`.
 pub fn value_episodes(count: usize) -> Vec<String> {
-    let mut numbers = Numbers(1);
+    let mut numbers = Numbers::new(1);
     (0..count)
         .map(|_| format!("(:episode (x0 uav) :quality :no-constraints :value (> {}))", bound(&mut numbers)))
         .collect()
@@ -94,7 +100,7 @@ pub fn value_episodes(count: usize) -> Vec<String> {
 
 /// Episodes of values above different bounds, for different times and with a greatest gap.
 pub fn duration_episodes(count: usize) -> Vec<String> {
-    let mut numbers = Numbers(2);
+    let mut numbers = Numbers::new(2);
     (0..count)
         .map(|_| {
             let (bound, tenths) = (bound(&mut numbers), 1 + (numbers.draw() * 100.0) as u32);
@@ -112,7 +118,7 @@ pub const MIXED_VARIABLES: usize = 10;
 /// All kinds of conditions, with the variables that each watches: half plain episodes, a quarter single samples, a quarter
 /// combinations of two variables.
 pub fn mixed(count: usize) -> (Vec<String>, usize) {
-    let mut numbers = Numbers(3);
+    let mut numbers = Numbers::new(3);
     let mut relevant = 0;
     let texts = (0..count)
         .map(|index| {

@@ -358,6 +358,8 @@ def fork(
 ) -> tuple[Report, Report]:
     """Continue a recorded flight from an instant on, with changes, and record the whole flight.
 
+    Ctrl-C stops the flight; the record is closed before the exception is raised.
+
     Parameters
     ----------
     record : str or Path

@@ -2,8 +2,8 @@
 
 use crate::errors::{InputError, input, planning};
 use apex_metrics::eci::Likelihoods;
-use apex_metrics::own_cost::{OwnCost, expected_cost_with};
 use apex_metrics::tabulate::tabulate;
+use apex_metrics::user_cost::{UserCost, expected_cost_with};
 use apex_mission::plan::input::PlanInput;
 use apex_model::problem::{Problem, SurveillanceVisit};
 use pyo3::exceptions::PyException;
@@ -62,7 +62,7 @@ pub(crate) fn expected_cost_of(
     let mut own = BTreeMap::new();
     for (name, cost, jumps_s) in &costs {
         let function = Box::new(asking(cost, &raised));
-        own.insert(name.clone(), OwnCost { function, jumps_s: jumps_s.clone() });
+        own.insert(name.clone(), UserCost { function, jumps_s: jumps_s.clone() });
     }
     let likelihoods = if survival { Likelihoods::Survival } else { Likelihoods::Added };
     let cost =

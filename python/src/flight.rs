@@ -86,9 +86,14 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    fn new(on_progress: Option<Py<PyAny>>) -> (Watch, Receiver<Control>) {
+    pub(crate) fn new(on_progress: Option<Py<PyAny>>) -> (Watch, Receiver<Control>) {
         let (stop, controls) = channel();
         (Watch { stop, on_progress, minutes: 0, asked: Instant::now(), raised: None }, controls)
+    }
+
+    /// The exception that stopped the flight, if any.
+    pub(crate) fn raised(self) -> Option<PyErr> {
+        self.raised
     }
 
     fn ask(&self, progress: Option<f64>) -> PyResult<()> {

@@ -164,7 +164,7 @@ fn serve(
     }
 }
 
-/// Interrupts the planner's thread when it is given up, whatever the reason.
+/// Interrupts the planner's thread when it is abandoned, whatever the reason.
 struct Interrupt {
     identity: Receiver<Option<u64>>,
     interrupt: Arc<Py<PyAny>>,

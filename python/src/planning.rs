@@ -2,7 +2,7 @@
 
 use crate::errors::{mission as failed, planning, value};
 use crate::planner::{Planners, registry};
-use apex_mission::deliberation::{Means as Planning, Wish, name_obstacles, solve};
+use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::export::json;
 use apex_mission::export::table::PlanFacts;
@@ -24,7 +24,7 @@ const TIME_S_MAX: f64 = 3.2e9;
 /// Planners, the table that chooses among them, and the limits of one request.
 #[pyclass(module = "apex_autonomy", frozen)]
 pub(crate) struct Means {
-    pub(crate) inner: Planning,
+    pub(crate) inner: PlanningResources,
 }
 
 #[pymethods]
@@ -39,7 +39,7 @@ impl Means {
         solver_timeout_s: Option<f64>,
         solver_memory_mib: Option<u32>,
     ) -> PyResult<Means> {
-        let mut inner = Planning::of(&Arc::new(registry(planners)?));
+        let mut inner = PlanningResources::of(&Arc::new(registry(planners)?));
         if let Some(text) = table {
             let read = ProfileTable::read(text).map_err(|error| {
                 let place = format!("the profile table:{}:{}", error.line, error.column);
@@ -175,8 +175,8 @@ pub(crate) fn problem_json(python: Python<'_>, path: PathBuf) -> PyResult<String
 }
 
 /// Solves, proves a bound, and writes both.
-fn answer(input: &PlanInput, solver: Option<&str>, means: &Planning) -> MissionResult<String> {
-    let wish = Wish { means, solver, budget: input.budget, seed: input.seed, previous: None };
+fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) -> MissionResult<String> {
+    let wish = SolveOptions { means, solver, budget: input.budget, seed: input.seed, previous: None };
     let mut solved = solve(input.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
         .map_err(|reason| MissionError::planning("no plan was found").because(reason))?;
     if let Some(mission) = input.mission() {

@@ -5,7 +5,7 @@ use crate::planning::{Means, positive};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_model::time::Duration;
 use apex_planning::solver::{Solver, units_in};
-use apex_portfolio::format_error::FormatTrouble;
+use apex_portfolio::format_error::FormatError;
 use apex_portfolio::profile::error::ProfileError;
 use apex_portfolio::profile::{Planner, Profile, conclusion, measure, merge, named};
 use pyo3::prelude::*;
@@ -92,7 +92,7 @@ pub(crate) fn profile_table(python: Python<'_>, profile: &str) -> PyResult<Strin
 }
 
 fn read(text: &str, place: &str) -> MissionResult<Profile> {
-    text.parse().map_err(|error: FormatTrouble| {
+    text.parse().map_err(|error: FormatError| {
         let place = format!("{place}:{}:{}", error.line, error.column);
         MissionError::data(error.message).at(place).because(error.reason).help(error.help)
     })

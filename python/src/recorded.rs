@@ -1,14 +1,14 @@
 //! Flight records: replay, continuation with changes, report.
 
 use crate::errors::{mission as failed, value};
-use crate::flight::report_value;
+use crate::flight::{Watch, report_value};
 use crate::planning::{Means, positive};
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::fork::{Changes, scaled_wind};
 use apex_mission::{recorded, recording, scenario};
 use apex_model::time::Time;
 use apex_runtime::record::RecordReader;
-use apex_simulation::WorldChanges;
+use apex_simulation::{ForkTerms, WorldChanges};
 use pyo3::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,8 @@ pub(crate) fn replay_json(python: Python<'_>, record: PathBuf) -> PyResult<Strin
 /// What shall differ after the instant: factor of the wind, seed, lines of inputs, order of visits.
 type Differences = (Option<f64>, Option<u64>, Option<String>, Vec<String>);
 
-/// Continues a recorded flight from `at_s` on with changes and records it: both reports as JSON.
+/// Continues a recorded flight from `at_s` on with changes and records it: both reports as JSON. Ctrl-C stops the flight; the
+/// exception is raised after the record is closed.
 #[pyfunction]
 pub(crate) fn fork_json(
     python: Python<'_>,
@@ -65,6 +66,7 @@ pub(crate) fn fork_json(
     }
     let until = until_s.map(|until_s| positive(until_s, "until_s")).transpose()?.map(Time::from_seconds);
     let means = means.inner.clone();
+    let (mut watch, controls) = Watch::new(None);
     let forked = python.detach(|| -> MissionResult<String> {
         let reader = open(&record)?;
         let parts = [
@@ -81,7 +83,8 @@ pub(crate) fn fork_json(
         };
         let inputs = inputs.map(|text| scenario::parse("the inputs", &text)).transpose()?.unwrap_or_default();
         let changes = (Changes { inputs, plan }, WorldChanges { wind, seed }, text);
-        let forked = apex_simulation::fork(&reader, Time::from_seconds(at_s), changes, means, until, &output);
+        let terms = ForkTerms { until, controls: Some(controls), observer: Some(&mut watch) };
+        let forked = apex_simulation::fork(&reader, Time::from_seconds(at_s), changes, means, terms, &output);
         recording::release(&output);
         let forked = forked?;
         Ok(json!({
@@ -90,6 +93,9 @@ pub(crate) fn fork_json(
         })
         .to_string())
     });
+    if let Some(error) = watch.raised() {
+        return Err(error);
+    }
     forked.map_err(|failure| failed(python, failure))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::errors::value;
 use crate::values::to_python;
-use apex_executive::{MonitorResult, Telling};
+use apex_executive::{MonitorResult, ResultEvent};
 use apex_model::because;
 use apex_model::time::Time;
 use numpy::IntoPyArray;
@@ -58,7 +58,7 @@ impl Results {
     /// ValueError
     ///     There is no such column.
     fn column<'py>(&self, python: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let flags = |pick: fn(&Telling) -> bool| -> Vec<bool> {
+        let flags = |pick: fn(&ResultEvent) -> bool| -> Vec<bool> {
             self.results.iter().map(|result| pick(&result.telling)).collect()
         };
         Ok(match name {
@@ -76,7 +76,7 @@ impl Results {
     /// Returns
     /// -------
     /// list of str
-    ///     The evidence of each result in words.
+    ///     The evidence of each result as text.
     fn texts(&self) -> Vec<String> {
         self.results.iter().map(words).collect()
     }
@@ -150,7 +150,7 @@ impl Result {
         Ok(is_open(&self.told()?.telling))
     }
 
-    /// bool: The interval is final and the result has come before, open.
+    /// bool: The interval is final and the result has arrived before, open.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(is_closed(&self.told()?.telling))
@@ -300,12 +300,12 @@ fn span(fact: &because::Evidence) -> (Time, Time) {
     }
 }
 
-fn is_open(telling: &Telling) -> bool {
-    *telling == Telling::Recognised { open: true }
+fn is_open(telling: &ResultEvent) -> bool {
+    *telling == ResultEvent::Recognised { open: true }
 }
 
-fn is_closed(telling: &Telling) -> bool {
-    *telling == Telling::Closed
+fn is_closed(telling: &ResultEvent) -> bool {
+    *telling == ResultEvent::Closed
 }
 
 fn words(told: &MonitorResult) -> String {

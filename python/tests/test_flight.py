@@ -1,8 +1,10 @@
 """Missions that Python plans, flies, replays and forks."""
 
+import os
 import signal
 import sqlite3
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -131,6 +133,23 @@ def test_exceptions_and_signals_stop_a_flight_and_close_its_record(tmp_path):
         assert "without the end" not in report(tmp_path / record).text
         assert 300 <= report(tmp_path / record).sections["end"]["t"] < 3600
         assert replay(tmp_path / record).equal
+
+
+def test_a_signal_stops_a_fork_and_closes_its_record(flown, tmp_path):
+    output = tmp_path / "broken.apex"
+
+    def interrupt():
+        while not output.exists():
+            time.sleep(0.001)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        fork(flown[1].record, 600, seed=3, output=output)
+    thread.join()
+    assert "without the end" not in report(output).text
+    assert report(output).sections["end"]["t"] < 3600
 
 
 def test_failures_name_place_and_help(tmp_path):

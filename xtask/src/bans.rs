@@ -9,6 +9,7 @@ const CORE: &[&str] = &[
     "crates/pdl",
     "crates/executive",
     "crates/geo",
+    "crates/requirements",
     "crates/metrics",
     "crates/planning",
     "crates/solvers",

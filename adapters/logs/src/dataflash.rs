@@ -63,7 +63,7 @@ pub(crate) struct TimestampInterpolator {
 }
 
 impl TimestampInterpolator {
-    /// A row has come.
+    /// A row has arrived.
     pub(crate) fn push(&mut self, format: &Format, mut row: Message) {
         match format.time_of(&row.values) {
             Some((at, leads)) => {

@@ -36,7 +36,7 @@ impl<R: Read> DataFlashBinary<R> {
         }
     }
 
-    /// Takes in one message or passes over one byte; false at the end.
+    /// Takes in one message or skips one byte; false at the end.
     fn step(&mut self) -> io::Result<bool> {
         let at = self.bytes.offset;
         let header = self.bytes.peek(HEADER)?;

@@ -1,6 +1,6 @@
 //! Logs of real flights as samples: PX4 ULog, ArduPilot DataFlash (text and binary), MAVLink telemetry logs, MCAP and CSV.
 //!
-//! One file a format, each a [`LogReader`]: it reads forward in bounded memory, never panics on any bytes, passes over what is
+//! One file a format, each a [`LogReader`]: it reads forward in bounded memory, never panics on any bytes, skips what is
 //! damaged and says where. A [`Mapping`] makes state variables of fields.
 
 mod bytes;
@@ -33,7 +33,7 @@ pub use ordered::Ordered;
 use apex_model::time::Time;
 use std::io;
 
-/// Kinds of messages of a log that are told apart, at most.
+/// Kinds of messages of a log that are distinguished, at most.
 pub const TOPICS_MAX: usize = 4_096;
 /// Fields of one kind of message, at most.
 pub const FIELDS_MAX: usize = 4_096;
@@ -94,7 +94,7 @@ impl ReadErrors {
 
 /// Reads a log from its beginning to its end.
 pub trait LogReader {
-    /// Fills `message` with the next one; false at the end. Damaged places are passed over and noted.
+    /// Fills `message` with the next one; false at the end. Damaged places are skipped and noted.
     ///
     /// # Errors
     /// The log cannot be read from its medium.

@@ -51,7 +51,7 @@ fn main() -> Result<(), String> {
             world.command(CommandId(sent), &form, now);
         }
     }
-    println!("{packets} packets, {count} inputs, {} commands, {:.0} kg of fuel left", sent, world.fuel_kg());
+    println!("{packets} packets, {count} inputs, {} commands, {:.0} kg of fuel left", sent, world.stored());
     Ok(())
 }
 
@@ -68,7 +68,7 @@ fn config() -> Result<WorldConfig, String> {
         until_s: FOREVER_S,
         wind_east_mps,
         wind_north_mps: -4.0,
-        turbulence: 0.1,
+        edr: 0.05,
     };
     config.wind = WindField { layers: vec![layer(0.0, 5.0), layer(4_000.0, 12.0), layer(8_000.0, 20.0)], blend: true };
     for index in 0..50 {

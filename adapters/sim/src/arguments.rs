@@ -19,6 +19,13 @@ pub(crate) struct Spot {
     pub(crate) given: Value,
 }
 
+/// A place on a way, and the altitude of the leg to it where the command states one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WayPoint {
+    pub(crate) position: Position,
+    pub(crate) altitude_m: Option<f64>,
+}
+
 /// Arguments of one command: positional first, then `:keyword value` pairs.
 pub(crate) struct Arguments<'a> {
     command: &'a str,
@@ -120,6 +127,14 @@ impl<'a> Arguments<'a> {
         self.keyword("duration").map(|value| self.read_duration(value)).transpose()
     }
 
+    /// `:hold` with the middle of the circle, `:hold-around`, if given.
+    pub(crate) fn hold_keyword(&self) -> Result<Option<(Duration, Option<Position>)>, String> {
+        let Some(value) = self.keyword("hold") else { return Ok(None) };
+        let centre =
+            self.keyword("hold-around").map(|value| self.read_spot(value, "middle of the circle")).transpose()?;
+        Ok(Some((self.read_duration(value)?, centre.map(|spot| spot.position))))
+    }
+
     fn read_duration(&self, value: &Value) -> Result<Duration, String> {
         let seconds = self.number(value, "duration", Dimension::TIME, "90s")?;
         if seconds < 0.0 {
@@ -142,6 +157,33 @@ impl<'a> Arguments<'a> {
     /// `:radius`, m, if given.
     pub(crate) fn radius_keyword(&self) -> Result<Option<f64>, String> {
         self.keyword("radius").map(|value| self.number(value, "radius", Dimension::LENGTH, "4km")).transpose()
+    }
+
+    /// `:centre`, if given.
+    pub(crate) fn centre_keyword(&self) -> Result<Option<Position>, String> {
+        let read = |value| self.read_spot(value, "centre").map(|spot| spot.position);
+        self.keyword("centre").map(read).transpose()
+    }
+
+    /// `:course` in radians, if given.
+    pub(crate) fn course_keyword(&self) -> Result<Option<f64>, String> {
+        let read = |value| self.number(value, "course", Dimension::ANGLE, "270deg");
+        self.keyword("course").map(read).transpose()
+    }
+
+    /// `:via`: the locations of a way, each with the altitude of the leg to it where it has one; empty if not given.
+    pub(crate) fn way_keyword(&self) -> Result<Vec<WayPoint>, String> {
+        let Some(value) = self.keyword("via") else { return Ok(Vec::new()) };
+        let Some(items) = value.as_list() else {
+            return Err(self.wrong(&format!("`:via` {value} should be a list of locations")));
+        };
+        items
+            .iter()
+            .map(|item| {
+                let spot = self.read_spot(item, "place on the way")?;
+                Ok(WayPoint { position: spot.position, altitude_m: spot.altitude_m })
+            })
+            .collect()
     }
 
     /// Required positional location.

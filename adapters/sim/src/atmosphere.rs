@@ -4,6 +4,8 @@ use libm::{exp, pow, sqrt};
 
 /// Standard gravity, m/s2.
 pub(crate) const GRAVITY: f64 = 9.806_65;
+/// Zero degrees Celsius, K.
+pub(crate) const ICE_K: f64 = 273.15;
 const GAS: f64 = 287.052_87;
 const SEA_LEVEL_TEMPERATURE_K: f64 = 288.15;
 const SEA_LEVEL_PRESSURE_PA: f64 = 101_325.0;

@@ -1,4 +1,8 @@
 //! A camera on a tilt, or tilt and pan, mount: power-up, pointing and tracking, taking pictures.
+//!
+//! The mount is stabilised: tilt is measured from the horizon (straight down is -90 deg), pan from the heading, whatever the
+//! roll. Pointing is judged by the angle between the sight line and the target, never by tilt and pan alone, since straight
+//! down pan means nothing.
 
 use crate::arguments::Spot;
 use crate::motion::{State, wrap_pi};
@@ -8,9 +12,19 @@ use apex_model::effect::CommandId;
 use apex_model::time::Time;
 use apex_vehicle::CameraModel;
 use libm::{atan2, cos, sin, sqrt};
+use std::f64::consts::FRAC_PI_2;
 
-/// Pointing is done within this angle.
-const ALIGNED_RAD: f64 = 0.01;
+/// The sight line is on the target within this share of the field of view, but never needs to be closer than the angle below.
+const ALIGNED_SHARE_OF_VIEW: f64 = 0.05;
+const ALIGNED_RAD_MIN: f64 = 0.001;
+/// It must stay so for this long before pointing is acknowledged: usual settling time of stabilised mounts.
+const SETTLE_S: f64 = 0.4;
+/// A slew has failed this long after it should have ended.
+const SLEW_MARGIN_S: f64 = 2.0;
+/// Within this angle from straight down, or a quarter of the field of view if that is less, pan is held.
+const NADIR_CONE_RAD: f64 = 3.0 * RAD_PER_DEG;
+/// A tilt beyond the limits of the mount by less than this counts as inside: digits of the limits.
+const LIMIT_RAD: f64 = 1e-3;
 
 /// What a camera is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +70,12 @@ pub(crate) struct Camera {
     pub(crate) command: Option<CommandId>,
     /// When power-up or exposure is over.
     pub(crate) timer: Option<Time>,
+    /// When the slew in progress counts as failed.
+    pub(crate) slew_until: Option<Time>,
+    /// How long the sight line has been on the target.
+    aligned_s: f64,
+    /// Angle between the sight line and the target.
+    error_rad: f64,
 }
 
 /// What pointing came to in one step.
@@ -66,16 +86,56 @@ pub(crate) enum Pointing {
     OutOfView,
 }
 
-/// Where the mount has to go to look at something.
+/// Direction of the target seen from the camera: forward (along the heading), right and down.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    forward: f64,
+    right: f64,
+    down: f64,
+}
+
+impl Sight {
+    /// Direction of a sight line with this tilt and pan.
+    fn of(tilt_rad: f64, pan_rad: f64) -> Sight {
+        let level = cos(tilt_rad);
+        Sight { forward: level * cos(pan_rad), right: level * sin(pan_rad), down: -sin(tilt_rad) }
+    }
+
+    /// Angle between two directions; zero if one has no length.
+    fn angle_rad(self, other: Sight) -> f64 {
+        let along = self.forward * other.forward + self.right * other.right + self.down * other.down;
+        let (x, y, z) = (
+            self.right * other.down - self.down * other.right,
+            self.down * other.forward - self.forward * other.down,
+            self.forward * other.right - self.right * other.forward,
+        );
+        atan2(sqrt(x * x + y * y + z * z), along)
+    }
+}
+
+/// Where the mount goes to look at something, and how far its sight line then is from it.
+#[derive(Clone, Copy, Debug)]
 struct Angles {
     tilt_rad: f64,
     pan_rad: f64,
-    in_reach: bool,
+    /// Angle to the target that remains there.
+    left_rad: f64,
 }
 
 impl Camera {
     pub(crate) fn new(model: CameraModel) -> Camera {
-        Camera { model, state: CameraState::Off, tilt_rad: 0.0, pan_rad: 0.0, aim: None, command: None, timer: None }
+        Camera {
+            model,
+            state: CameraState::Off,
+            tilt_rad: 0.0,
+            pan_rad: 0.0,
+            aim: None,
+            command: None,
+            timer: None,
+            slew_until: None,
+            aligned_s: 0.0,
+            error_rad: 0.0,
+        }
     }
 
     /// Is it powered and through with powering up?
@@ -83,11 +143,46 @@ impl Camera {
         !matches!(self.state, CameraState::Off | CameraState::PoweringUp)
     }
 
-    /// The direction the nose must have for this mount to see its target; none where the mount pans.
+    /// True while its pointing matters to what it sees: it points, or takes a picture.
+    pub(crate) fn is_looking(&self) -> bool {
+        matches!(self.state, CameraState::Slewing | CameraState::Pointing | CameraState::Exposing)
+    }
+
+    /// The direction the nose must have for this mount to see its target; `None` if the mount pans, or the target is so near the
+    /// nadir that the picture holds it at any heading.
     pub(crate) fn nose_rad(&self, state: &State) -> Option<f64> {
-        let aim = self.aim.as_ref().filter(|_| self.model.pan_deg_max == 0.0)?;
+        let aim = self.aim.as_ref().filter(|_| !self.pans())?;
         let (azimuth_rad, distance_m) = bearing(state.position, aim.spot.position);
-        (distance_m > 1.0).then_some(azimuth_rad)
+        let below_m = state.altitude_m - aim.altitude_m;
+        let off_nadir_rad = atan2(distance_m, below_m);
+        (distance_m > 1.0 && off_nadir_rad > self.nadir_cone_rad()).then_some(azimuth_rad)
+    }
+
+    fn pans(&self) -> bool {
+        self.model.pan_deg_max > 0.0
+    }
+
+    fn half_view_rad(&self) -> f64 {
+        0.5 * self.model.field_of_view_deg * RAD_PER_DEG
+    }
+
+    fn nadir_cone_rad(&self) -> f64 {
+        NADIR_CONE_RAD.min(0.5 * self.half_view_rad())
+    }
+
+    /// Greatest angle between sight line and target at which the camera points at it.
+    fn tolerance_rad(&self) -> f64 {
+        (ALIGNED_SHARE_OF_VIEW * self.model.field_of_view_deg * RAD_PER_DEG).max(ALIGNED_RAD_MIN)
+    }
+
+    /// Angle to the target that a mount which cannot come closer may leave: a tilt-only mount has the target in the picture, not in
+    /// its middle; near the nadir pan is held.
+    fn left_rad_max(&self, sight: Sight) -> f64 {
+        if !self.pans() {
+            return self.half_view_rad();
+        }
+        let nadir = Sight { forward: 0.0, right: 0.0, down: 1.0 }.angle_rad(sight) < self.nadir_cone_rad();
+        if nadir { self.tolerance_rad().max(self.nadir_cone_rad()) } else { self.tolerance_rad() }
     }
 
     /// Why the mount cannot ever see `aim` from here, however the aircraft turns.
@@ -104,23 +199,78 @@ impl Camera {
         })
     }
 
-    fn angles(&self, aim: &Aim, state: &State) -> Angles {
+    /// Direction of the target.
+    fn sight(aim: &Aim, state: &State) -> Sight {
         let (azimuth_rad, distance_m) = bearing(state.position, aim.spot.position);
-        let below_m = state.altitude_m - aim.altitude_m;
-        let relative = wrap_pi(azimuth_rad - state.heading_rad);
+        let relative = azimuth_rad - state.heading_rad;
+        let down = state.altitude_m - aim.altitude_m;
+        Sight { forward: distance_m * cos(relative), right: distance_m * sin(relative), down }
+    }
+
+    /// Tilt and pan, within the limits of the mount, that bring the sight line closest to the target.
+    fn angles(&self, sight: Sight) -> Angles {
+        let pan_max = self.model.pan_deg_max * RAD_PER_DEG;
+        let level = sqrt(sight.forward * sight.forward + sight.right * sight.right);
+        let near_nadir = atan2(level, sight.down) < self.nadir_cone_rad();
+        let pan_rad = match (self.pans(), near_nadir) {
+            (false, _) => 0.0,
+            (true, true) => self.pan_rad,
+            (true, false) => atan2(sight.right, sight.forward).clamp(-pan_max, pan_max),
+        };
+        // In the plane of the mount's pan; a target behind it needs a tilt beyond straight down.
+        let ahead = sight.forward * cos(pan_rad) + sight.right * sin(pan_rad);
+        let wanted = -atan2(sight.down, ahead);
         let (low, high) = (self.model.tilt_deg_min * RAD_PER_DEG, self.model.tilt_deg_max * RAD_PER_DEG);
-        // Straight down is in reach whatever the last digits say.
-        let inside = |tilt: f64| tilt >= low - 1e-3 && tilt <= high + 1e-3;
-        if self.model.pan_deg_max > 0.0 {
-            let tilt_rad = -atan2(below_m, distance_m);
-            let in_reach = inside(tilt_rad) && relative.abs() <= self.model.pan_deg_max * RAD_PER_DEG + 1e-9;
-            return Angles { tilt_rad, pan_rad: relative, in_reach };
-        }
-        let (forward_m, aside_m) = (distance_m * cos(relative), distance_m * sin(relative));
-        let tilt_rad = -atan2(below_m, forward_m);
-        let off_rad = atan2(aside_m.abs(), sqrt(forward_m * forward_m + below_m * below_m));
-        let in_reach = inside(tilt_rad) && off_rad <= 0.5 * self.model.field_of_view_deg * RAD_PER_DEG;
-        Angles { tilt_rad, pan_rad: 0.0, in_reach }
+        // Behind and above: the nearer limit is the highest tilt, not the lowest.
+        let wanted = if wanted > FRAC_PI_2 { high } else { wanted };
+        let tilt_rad = wanted.clamp(low - LIMIT_RAD, high + LIMIT_RAD);
+        Angles { tilt_rad, pan_rad, left_rad: Sight::of(tilt_rad, pan_rad).angle_rad(sight) }
+    }
+
+    /// Begins to slew towards `aim`; returns the seconds after which the slew has failed: the angles at the slew rate, the time that a
+    /// rotorcraft takes to turn its nose for a mount that only tilts (`yaw_rate_rad_s`), settling and a margin.
+    pub(crate) fn begin_slew(&mut self, aim: Aim, state: &State, yaw_rate_rad_s: Option<f64>) -> f64 {
+        let sight = Camera::sight(&aim, state);
+        self.aim = Some(aim);
+        self.state = CameraState::Slewing;
+        (self.timer, self.aligned_s) = (None, 0.0);
+        let wanted = self.angles(sight);
+        self.error_rad = Sight::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
+        let turn_rad = (wanted.tilt_rad - self.tilt_rad).abs().max(wrap_pi(wanted.pan_rad - self.pan_rad).abs());
+        let nose_s = match (self.nose_rad(state), yaw_rate_rad_s) {
+            (Some(nose_rad), Some(rate)) => wrap_pi(nose_rad - state.heading_rad).abs() / rate,
+            _ => 0.0,
+        };
+        // After the nose has turned, the tilt is another one than now.
+        let tilt_rad = if nose_s > 0.0 { FRAC_PI_2 } else { turn_rad };
+        nose_s + tilt_rad.max(turn_rad) / (self.model.slew_rate_deg_s * RAD_PER_DEG) + SETTLE_S + SLEW_MARGIN_S
+    }
+
+    /// Ends a slew that took too long: the camera is ready again and points at nothing. Returns the reason.
+    pub(crate) fn fail_slew(&mut self, state: &State) -> String {
+        let name = &self.model.name;
+        let reason = match &self.aim {
+            None => format!("{name} has nothing to point at"),
+            Some(aim) => {
+                let left = self.angles(Camera::sight(aim, state)).left_rad;
+                let (off, limit) = (self.error_rad / RAD_PER_DEG, self.tolerance_rad() / RAD_PER_DEG);
+                let target = &aim.spot.given;
+                let why = if left > self.left_rad_max(Camera::sight(aim, state)) {
+                    format!(
+                        "the mount cannot come closer than {:.1} degrees from here; turn or fly another way",
+                        left / RAD_PER_DEG
+                    )
+                } else {
+                    "the target moves faster past the aircraft than the mount slews; fly slower or farther away"
+                        .to_owned()
+                };
+                format!(
+                    "{name} does not point at {target} in time: its sight line is {off:.1} degrees off, {limit:.1} are allowed; {why}"
+                )
+            }
+        };
+        (self.state, self.aim, self.slew_until) = (CameraState::Ready, None, None);
+        reason
     }
 
     /// Slews for `dt` seconds.
@@ -129,21 +279,27 @@ impl Camera {
         if !self.is_ready() {
             return Pointing::Same;
         }
-        let wanted = self.angles(aim, state);
+        let sight = Camera::sight(aim, state);
+        let wanted = self.angles(sight);
         let most = self.model.slew_rate_deg_s * RAD_PER_DEG * dt;
-        let low = self.model.tilt_deg_min * RAD_PER_DEG;
-        let tilt = wanted.tilt_rad.clamp(low, (self.model.tilt_deg_max * RAD_PER_DEG).max(low));
-        self.tilt_rad += (tilt - self.tilt_rad).clamp(-most, most);
-        self.pan_rad = wrap_pi(self.pan_rad + wrap_pi(wanted.pan_rad - self.pan_rad).clamp(-most, most));
-        let aligned = wanted.in_reach
-            && (wanted.tilt_rad - self.tilt_rad).abs() < ALIGNED_RAD
-            && wrap_pi(wanted.pan_rad - self.pan_rad).abs() < ALIGNED_RAD;
-        match (self.state, aligned) {
-            (CameraState::Slewing | CameraState::Ready, true) => {
-                self.state = CameraState::Pointing;
+        self.tilt_rad += (wanted.tilt_rad - self.tilt_rad).clamp(-most, most);
+        // A mount with stops does not slew through them.
+        let pan_error = wanted.pan_rad - self.pan_rad;
+        let free = self.model.pan_deg_max >= 180.0;
+        let pan_error = if free { wrap_pi(pan_error) } else { pan_error };
+        self.pan_rad = wrap_pi(self.pan_rad + pan_error.clamp(-most, most));
+        self.error_rad = Sight::of(self.tilt_rad, self.pan_rad).angle_rad(sight);
+        let left_max = self.left_rad_max(sight);
+        let in_reach = wanted.left_rad <= left_max;
+        // A mount that cannot come closer points as well as it can; one that can has to be on the target.
+        let aligned = in_reach && self.error_rad <= self.tolerance_rad().max(wanted.left_rad + ALIGNED_RAD_MIN);
+        self.aligned_s = if aligned { self.aligned_s + dt } else { 0.0 };
+        match self.state {
+            CameraState::Slewing | CameraState::Ready if self.aligned_s >= SETTLE_S => {
+                (self.state, self.slew_until) = (CameraState::Pointing, None);
                 Pointing::Aligned
             }
-            (CameraState::Pointing, false) if !wanted.in_reach => {
+            CameraState::Pointing if !in_reach || self.error_rad > self.half_view_rad() => {
                 self.state = CameraState::Slewing;
                 Pointing::OutOfView
             }
@@ -151,3 +307,7 @@ impl Camera {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "camera/tests.rs"]
+mod tests;

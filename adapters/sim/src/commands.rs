@@ -6,6 +6,7 @@ use crate::fixed_wing::true_airspeed_min;
 use crate::flight::{ActiveOrder, Order};
 use crate::instants;
 use crate::names::unknown_name;
+use crate::way::Way;
 use crate::world::{Setpoint, SimulatedWorld};
 use apex_model::effect::CommandId;
 use apex_model::quantity::Dimension;
@@ -33,17 +34,42 @@ const fn command(
 /// Every command with its usage.
 const COMMANDS: &[Command] = &[
     command("take-off", "(take-off ALTITUDE)", (1, 1), &[]),
-    command("fly-to", "(fly-to LOCATION [:speed S] [:altitude A])", (1, 1), &["speed", "altitude"]),
-    command("fly-line", "(fly-line FROM TO [:speed S] [:altitude A])", (2, 2), &["speed", "altitude"]),
-    command("join-line", "(join-line FROM TO [:speed S] [:altitude A])", (2, 2), &["speed", "altitude"]),
+    command(
+        "fly-to",
+        "(fly-to LOCATION [:speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
+        (1, 1),
+        &["speed", "altitude", "hold", "hold-around", "via"],
+    ),
+    command(
+        "fly-line",
+        "(fly-line FROM TO [:speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
+        (2, 2),
+        &["speed", "altitude", "hold", "hold-around", "via"],
+    ),
+    command(
+        "join-line",
+        "(join-line FROM TO [:speed S] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
+        (2, 2),
+        &["speed", "altitude", "hold", "hold-around", "via"],
+    ),
     command(
         "loiter",
-        "(loiter LOCATION [:radius R] [:duration D] [:altitude A] [:speed S])",
+        "(loiter LOCATION [:radius R] [:duration D] [:altitude A] [:speed S] [:centre LOCATION] [:hold D [:hold-around CENTRE]] [:via WAY])",
         (1, 1),
-        &["radius", "duration", "altitude", "speed"],
+        &["radius", "duration", "altitude", "speed", "centre", "hold", "hold-around", "via"],
     ),
-    command("hover", "(hover [LOCATION] [:duration D] [:altitude A])", (0, 1), &["duration", "altitude"]),
-    command("land", "(land LOCATION)", (1, 1), &[]),
+    command(
+        "hover",
+        "(hover [LOCATION] [:duration D] [:altitude A] [:hold D [:hold-around CENTRE]] [:via WAY])",
+        (0, 1),
+        &["duration", "altitude", "hold", "hold-around", "via"],
+    ),
+    command(
+        "land",
+        "(land LOCATION [:course C] [:hold D [:hold-around CENTRE]] [:via WAY]) or (land here)",
+        (1, 1),
+        &["course", "hold", "hold-around", "via"],
+    ),
     command("set-altitude", "(set-altitude ALTITUDE)", (1, 1), &[]),
     command("set-speed", "(set-speed SPEED)", (1, 1), &[]),
     command("set-heading", "(set-heading HEADING)", (1, 1), &[]),
@@ -129,6 +155,8 @@ impl SimulatedWorld {
         let speed = arguments.speed_keyword()?;
         let (order, spot_altitude_m) = self.read_order(name, arguments, altitude_keyword.is_some())?;
         let altitude_m = altitude_keyword.or(spot_altitude_m);
+        let way = Way::new(arguments.way_keyword()?, &self.situation());
+        let hold = arguments.hold_keyword()?;
         if let Some(altitude_m) = altitude_m {
             self.check_altitude(arguments, altitude_m)?;
         }
@@ -149,7 +177,7 @@ impl SimulatedWorld {
             Order::FlyLine { from, to } => self.left_lines.take(from.position, to.position),
             _ => 0.0,
         };
-        self.flight = ActiveOrder::begin_at(Some(id), order, begin_m, &self.situation());
+        self.flight = ActiveOrder::begin_at(Some(id), order, begin_m, (way, hold), &self.situation());
         Ok(())
     }
 
@@ -170,7 +198,7 @@ impl SimulatedWorld {
                     return refuse(format!("{} is already in the air", self.vehicle));
                 }
                 if !self.state.engine_running {
-                    return refuse("there is no fuel".to_owned());
+                    return refuse("there is no energy left".to_owned());
                 }
                 (Order::TakeOff { altitude_m }, Some(altitude_m))
             }
@@ -192,6 +220,8 @@ impl SimulatedWorld {
             "loiter" => {
                 let around = arguments.spot(0, "location")?;
                 let altitude_m = around.altitude_m;
+                let position = arguments.centre_keyword()?.unwrap_or(around.position);
+                let around = Spot { position, ..around };
                 (self.loiter_order(around, arguments)?, altitude_m)
             }
             "hover" => {
@@ -203,12 +233,21 @@ impl SimulatedWorld {
                 (Order::Hover { at, duration: arguments.duration_keyword()? }, altitude_m)
             }
             _ => {
-                let at = arguments.spot(0, "location")?;
+                let here = arguments.at(0).and_then(Value::as_symbol).is_some_and(|name| name.is("here"));
+                let at = if here { self.spot_here() } else { arguments.spot(0, "location")? };
                 let field_m = self.ground.elevation_m_at(at.position);
                 let fixed = self.model.airframe == Airframe::FixedWing;
-                (Order::Land { at }, fixed.then_some(field_m + self.model.final_approach_height_m))
+                let course_rad = arguments.course_keyword()?;
+                (Order::Land { at, course_rad }, fixed.then_some(field_m + self.model.final_approach_height_m))
             }
         })
+    }
+
+    /// Where the vehicle is; for a rotorcraft where it can stop.
+    fn spot_here(&self) -> Spot {
+        let fixed = self.model.airframe == Airframe::FixedWing;
+        let position = if fixed { self.state.position } else { self.situation().stopping_place() };
+        Spot { position, altitude_m: None, thing_altitude_m: None, given: Value::symbol("here") }
     }
 
     fn loiter_order(&self, around: Spot, arguments: &Arguments) -> Result<Order, String> {
@@ -255,7 +294,7 @@ impl SimulatedWorld {
         Ok(())
     }
 
-    /// Sets the altitude; whoever had set it before is superseded.
+    /// Sets the altitude; the caller that had set it before is superseded.
     fn claim_altitude(&mut self, altitude_m: f64, by: Option<Setpoint>, inputs: &mut Vec<Input>) {
         self.altitude_m = altitude_m;
         if let Some(old) = std::mem::replace(&mut self.altitude_command, by) {
@@ -301,6 +340,14 @@ impl SimulatedWorld {
         if self.flight.goes_on() {
             self.changed = true;
             return;
+        }
+        self.idle();
+    }
+
+    /// The flight order cannot be carried out: answers it, and circles or hovers until the next.
+    pub(crate) fn flight_failed(&mut self, reason: &str, inputs: &mut Vec<Input>) {
+        if let Some(command) = self.flight.command.take() {
+            self.answer(command, Err(reason.to_owned()), inputs);
         }
         self.idle();
     }
@@ -351,7 +398,7 @@ impl SimulatedWorld {
         }
         self.waits.retain(|(_, waiting, _)| *waiting != command);
         for camera in self.cameras.iter_mut().filter(|camera| camera.command == Some(command)) {
-            (camera.command, camera.timer) = (None, None);
+            (camera.command, camera.timer, camera.slew_until) = (None, None, None);
             let powering = camera.state == CameraState::PoweringUp;
             let exposing = camera.state == CameraState::Exposing;
             (camera.state, camera.aim) = match (powering, exposing) {

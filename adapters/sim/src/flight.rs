@@ -7,6 +7,7 @@ use crate::packet::location;
 use crate::path::{Circle, Join, Line, Path, bearing};
 use crate::phase::Phase;
 use crate::situation::{Situation, final_approach};
+use crate::way::Way;
 use apex_model::effect::CommandId;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -43,6 +44,8 @@ pub(crate) enum Order {
     },
     Land {
         at: Spot,
+        /// Course of the final approach; none lets the wind choose.
+        course_rad: Option<f64>,
     },
     /// Nothing is commanded: circle or hover here.
     Hold,
@@ -50,7 +53,7 @@ pub(crate) enum Order {
     Parked,
 }
 
-/// How far the order has come.
+/// How far the order has arrived.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
     Parked,
@@ -58,6 +61,10 @@ pub(crate) enum Stage {
     ClimbOut,
     Climb(Circle),
     Rise(Position),
+    /// Until the way of the command is open: on a circle, or hovering.
+    Wait(Path),
+    /// Along the way that the command brought along.
+    Way,
     Direct(Position),
     Tangent(Join),
     Turn(Join),
@@ -73,10 +80,11 @@ pub(crate) enum Stage {
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveOrder {
     pub(crate) command: Option<CommandId>,
-    order: Order,
+    pub(crate) order: Order,
     pub(crate) stage: Stage,
     pub(crate) line: Option<Line>,
-    /// Where on the line to begin: not at zero for a line that was broken off before.
+    pub(crate) way: Option<Way>,
+    /// Where on the line to begin: not at zero for a line that was interrupted before.
     pub(crate) begin_m: f64,
     /// End of the time on station.
     until: Option<Time>,
@@ -89,6 +97,9 @@ pub(crate) struct ActiveOrder {
     pub(crate) at_once: bool,
     /// The join was planned anew after the first turn.
     pub(crate) planned_straight: bool,
+    /// How often the place of a fly-to was missed, and whether it is behind the vehicle since.
+    pub(crate) misses: u32,
+    pub(crate) abeam: bool,
     line_s: f64,
     level_s: f64,
 }
@@ -99,6 +110,7 @@ pub(crate) enum Progress {
     Going,
     StageChanged,
     Done(Value),
+    Failed(String),
 }
 
 /// A take-off climbs straight ahead this high before it turns.
@@ -107,16 +119,23 @@ const STRAIGHT_CLIMB_M: f64 = 300.0;
 impl ActiveOrder {
     /// Begins `order`.
     pub(crate) fn begin(command: Option<CommandId>, order: Order, here: &Situation) -> ActiveOrder {
-        ActiveOrder::begin_at(command, order, 0.0, here)
+        ActiveOrder::begin_at(command, order, 0.0, (None, None), here)
     }
 
-    /// Begins `order`; a line is begun `begin_m` after its beginning.
-    pub(crate) fn begin_at(command: Option<CommandId>, order: Order, begin_m: f64, here: &Situation) -> ActiveOrder {
+    /// Begins `order`, by a way where there is one; a line is begun `begin_m` after its beginning.
+    pub(crate) fn begin_at(
+        command: Option<CommandId>,
+        order: Order,
+        begin_m: f64,
+        (way, hold): (Option<Way>, Option<(Duration, Option<Position>)>),
+        here: &Situation,
+    ) -> ActiveOrder {
         let mut flight = ActiveOrder {
             command,
-            order: order.clone(),
+            order,
             stage: Stage::Parked,
             line: None,
+            way,
             begin_m,
             until: None,
             stage_m: f64::INFINITY,
@@ -124,32 +143,69 @@ impl ActiveOrder {
             joins: 0,
             at_once: false,
             planned_straight: false,
+            misses: 0,
+            abeam: false,
             line_s: 0.0,
             level_s: 0.0,
         };
-        flight.stage = match order {
+        flight.stage = match hold {
+            Some((hold, around)) => {
+                flight.until = Some(instants::not_before(here.now + hold));
+                let circle = here.circle(around.unwrap_or(here.state.position), here.loiter_radius_m());
+                Stage::Wait(if here.fixed() { Path::Circle(circle) } else { Path::Hover(here.stopping_place()) })
+            }
+            None => flight.leave(here),
+        };
+        flight.measure(here);
+        flight
+    }
+
+    /// Begins the way, or the order itself where there is none.
+    fn leave(&mut self, here: &Situation) -> Stage {
+        if self.way.is_some() { Stage::Way } else { self.first_stage(here) }
+    }
+
+    /// Waits on the spot, then leaves by the way from there.
+    fn wait(&mut self, here: &Situation) -> Option<Stage> {
+        self.until.is_none_or(|until| here.now >= until).then(|| {
+            self.until = None;
+            self.way = self.way.take().and_then(|way| way.restarted(here));
+            self.leave(here)
+        })
+    }
+
+    /// What the order itself begins with.
+    fn first_stage(&mut self, here: &Situation) -> Stage {
+        match self.order.clone() {
             Order::TakeOff { .. } if here.fixed() => Stage::Run,
             Order::TakeOff { .. } => Stage::Rise(here.state.position),
             Order::FlyTo { to, .. } => Stage::Direct(to.position),
             Order::FlyLine { from, to } | Order::JoinLine { from, to } => {
                 let line = Line::new(from.position, to.position);
-                flight.line = Some(line);
-                flight.line_stage(&line, from.position, here)
+                self.line = Some(line);
+                self.line_stage(&line, from.position, here)
             }
             Order::Loiter { around, radius_m, .. } => Stage::Circle(here.circle(around.position, radius_m)),
             Order::Hover { at, .. } => Stage::Hover(at.map_or_else(|| here.stopping_place(), |at| at.position)),
-            Order::Land { at } if here.fixed() => {
-                let line = final_approach(&at, here);
-                flight.line = Some(line);
-                flight.join_stage(&line, here)
+            Order::Land { at, course_rad } if here.fixed() => {
+                let line = final_approach(&at, course_rad, here);
+                self.line = Some(line);
+                if self.is_lined_up(&line, here) { Stage::LeadIn } else { self.join_stage(&line, here) }
             }
-            Order::Land { at } => Stage::Direct(at.position),
+            Order::Land { at, .. } => Stage::Direct(at.position),
             Order::Hold if here.fixed() => Stage::Circle(here.circle(here.state.position, here.loiter_radius_m())),
             Order::Hold => Stage::Hover(here.stopping_place()),
             Order::Parked => Stage::Parked,
-        };
-        flight.measure(here);
-        flight
+        }
+    }
+
+    /// Along the way; at its end the order itself begins.
+    fn on_way(&mut self, here: &Situation) -> Option<Stage> {
+        if self.way.as_mut().is_some_and(|way| way.advance(here)) {
+            self.measure(here);
+            return None;
+        }
+        Some(self.first_stage(here))
     }
 
     /// What to follow now.
@@ -158,6 +214,8 @@ impl ActiveOrder {
             Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::RollOut => Path::Straight,
             Stage::Climb(circle) | Stage::Circle(circle) => Path::Circle(*circle),
             Stage::Rise(point) | Stage::Hover(point) | Stage::Descend(point) => Path::Hover(*point),
+            Stage::Wait(path) => path.clone(),
+            Stage::Way => self.way.as_ref().map_or(Path::Straight, Way::path),
             Stage::Direct(point) => Path::Point(*point),
             Stage::Tangent(join) => Path::Point(join.tangent),
             Stage::Turn(join) => Path::Circle(join.turn),
@@ -171,6 +229,10 @@ impl ActiveOrder {
         let landing = matches!(self.order, Order::Land { .. });
         match &self.stage {
             Stage::ClimbOut => (here.altitude_m, slow(1.4)),
+            Stage::Way => {
+                let stated_m = self.way.as_ref().and_then(Way::altitude_m);
+                (stated_m.unwrap_or(here.altitude_m), here.true_airspeed)
+            }
             Stage::Descend(_) => (here.ground_m - 5.0, here.true_airspeed),
             Stage::LeadIn | Stage::OnLine if landing => {
                 let slope = here.model.final_approach_height_m / here.model.final_approach_m;
@@ -201,7 +263,7 @@ impl ActiveOrder {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::FlyLine { .. } | Order::JoinLine { .. }))
     }
 
-    /// The ends of a commanded line that was begun, and how far it has come.
+    /// The ends of a commanded line that was begun, and how far it has arrived.
     pub(crate) fn unfinished(&self) -> Option<(Position, Position, f64)> {
         let (from, to) = self.ends_of_line()?;
         let line = self.line?;
@@ -218,7 +280,7 @@ impl ActiveOrder {
         }
     }
 
-    /// Does it go on along its line after its answer?
+    /// Does it continue along its line after its answer?
     pub(crate) fn goes_on(&self) -> bool {
         matches!((&self.stage, &self.order), (Stage::OnLine, Order::JoinLine { .. })) && self.stage_m > 0.0
     }
@@ -235,18 +297,19 @@ impl ActiveOrder {
             Stage::Parked => Phase::Parked,
             Stage::Run => Phase::TakingOff,
             Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => Phase::Climbing,
-            Stage::Direct(_) | Stage::Tangent(_) | Stage::Turn(_) if landing => Phase::Approaching,
-            Stage::Direct(_) => Phase::EnRoute,
+            Stage::Way | Stage::Direct(_) | Stage::Tangent(_) | Stage::Turn(_) if landing => Phase::Approaching,
+            Stage::Way | Stage::Direct(_) => Phase::EnRoute,
             Stage::LeadIn | Stage::OnLine if landing => Phase::Landing,
             Stage::Tangent(_) | Stage::Turn(_) | Stage::LeadIn => Phase::Joining,
             Stage::OnLine => Phase::Line,
-            Stage::Circle(_) => Phase::Loitering,
+            Stage::Wait(Path::Hover(_)) => Phase::Hovering,
+            Stage::Wait(_) | Stage::Circle(_) => Phase::Loitering,
             Stage::Hover(_) => Phase::Hovering,
             Stage::Descend(_) | Stage::RollOut => Phase::Landing,
         }
     }
 
-    /// Looks where the vehicle is after a step of `dt` seconds and goes on to the next stage where it is time.
+    /// Looks where the vehicle is after a step of `dt` seconds and continues to the next stage where it is time.
     pub(crate) fn progress(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
         self.measure(here);
         let next = match self.stage.clone() {
@@ -256,6 +319,8 @@ impl ActiveOrder {
                 fast.then_some(Stage::ClimbOut)
             }
             Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) => return self.climb(here),
+            Stage::Wait(_) => self.wait(here),
+            Stage::Way => self.on_way(here),
             Stage::Direct(point) => return self.direct(point, here),
             Stage::Tangent(join) => self.reach_turn(join, here),
             Stage::Turn(join) => self.turned(&join, here),
@@ -268,7 +333,7 @@ impl ActiveOrder {
         self.change(next, here)
     }
 
-    fn change(&mut self, next: Option<Stage>, here: &Situation) -> Progress {
+    pub(crate) fn change(&mut self, next: Option<Stage>, here: &Situation) -> Progress {
         let Some(stage) = next else { return Progress::Going };
         self.stage = stage;
         self.measure(here);
@@ -276,7 +341,7 @@ impl ActiveOrder {
     }
 
     /// The order's answer.
-    fn done(&self, here: &Situation) -> Progress {
+    pub(crate) fn done(&self, here: &Situation) -> Progress {
         Progress::Done(match &self.order {
             Order::TakeOff { altitude_m } => Value::measured(*altitude_m, Dimension::LENGTH),
             // What is published at this instant, so that a condition can compare the two.
@@ -285,7 +350,7 @@ impl ActiveOrder {
             Order::FlyLine { .. } => Value::Real(if self.line_s > 0.0 { self.level_s / self.line_s } else { 1.0 }),
             Order::Loiter { around, .. } => around.given.clone(),
             Order::Hover { at, .. } => at.as_ref().map_or_else(Value::nil, |at| at.given.clone()),
-            Order::Land { at } => at.given.clone(),
+            Order::Land { at, .. } => at.given.clone(),
             Order::Hold | Order::Parked => Value::nil(),
         })
     }
@@ -298,26 +363,6 @@ impl ActiveOrder {
         let turning = matches!(self.stage, Stage::ClimbOut) && high;
         let circle = || Stage::Climb(here.circle(here.state.position, here.loiter_radius_m()));
         self.change(turning.then(circle), here)
-    }
-
-    fn direct(&mut self, point: Position, here: &Situation) -> Progress {
-        let (_, distance_m) = bearing(here.state.position, point);
-        let arrived = if here.fixed() {
-            self.passed(point, distance_m, here)
-        } else {
-            distance_m < 1.5 && here.state.ground_speed() < 0.6
-        };
-        if !arrived {
-            return Progress::Going;
-        }
-        let next = match &self.order {
-            Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(here),
-            Order::FlyTo { .. } if here.fixed() => Stage::Circle(here.circle(point, here.loiter_radius_m())),
-            Order::FlyLine { .. } | Order::JoinLine { .. } if here.at_altitude() => Stage::OnLine,
-            Order::Land { .. } => Stage::Descend(point),
-            _ => Stage::Hover(point),
-        };
-        self.change(Some(next), here)
     }
 
     fn on_line(&mut self, here: &Situation, roll_rad_max: f64, dt: f64) -> Progress {
@@ -342,7 +387,15 @@ impl ActiveOrder {
             (Stage::Hover(_), Order::Hover { duration, .. }) => {
                 (self.to_go_m < 2.0 && here.state.ground_speed() < 0.6 && here.at_altitude(), *duration)
             }
-            (_, Order::FlyTo { .. }) => return if here.at_altitude() { self.done(here) } else { Progress::Going },
+            (stage, Order::FlyTo { to, .. }) => {
+                if !here.at_altitude() {
+                    return Progress::Going;
+                }
+                // The circle was for the altitude; the place itself is in its middle.
+                let circling = matches!(stage, Stage::Circle(_));
+                let place = Stage::Direct(to.position);
+                return if circling { self.change(Some(place), here) } else { self.done(here) };
+            }
             (_, Order::FlyLine { .. } | Order::JoinLine { .. }) => {
                 return self.change(here.at_altitude().then_some(Stage::OnLine), here);
             }
@@ -364,6 +417,7 @@ impl ActiveOrder {
         let to = |point: Position| bearing(here.state.position, point).1;
         let along = || self.line.map(|line| (line.locate(here.state.position).0, line.length_m, line.from));
         (self.stage_m, self.to_go_m) = match &self.stage {
+            Stage::Way => self.way.as_ref().map_or((0.0, 0.0), |way| way.distances_m(here.state.position)),
             Stage::Direct(point) => (to(*point), to(*point)),
             Stage::Hover(point) => (f64::INFINITY, to(*point)),
             Stage::Tangent(join) => (to(join.tangent), along().map_or(0.0, |(_, _, from)| to(from))),
@@ -376,9 +430,13 @@ impl ActiveOrder {
             }
             Stage::Circle(circle) => (f64::INFINITY, (to(circle.centre) - circle.radius_m).max(0.0)),
             Stage::Descend(_) => (f64::INFINITY, here.state.altitude_m - here.ground_m),
-            Stage::Parked | Stage::Run | Stage::ClimbOut | Stage::Climb(_) | Stage::Rise(_) | Stage::RollOut => {
-                (f64::INFINITY, 0.0)
-            }
+            Stage::Parked
+            | Stage::Run
+            | Stage::ClimbOut
+            | Stage::Climb(_)
+            | Stage::Rise(_)
+            | Stage::RollOut
+            | Stage::Wait(_) => (f64::INFINITY, 0.0),
         };
     }
 }

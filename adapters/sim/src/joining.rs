@@ -1,6 +1,6 @@
 //! Joining a line: straight to the turn, round it, and along the line with the wings level before it begins.
 
-use crate::flight::{ActiveOrder, Stage};
+use crate::flight::{ActiveOrder, Order, Progress, Stage};
 use crate::motion::wrap_pi;
 use crate::path::{Join, Line, bearing, join};
 use crate::situation::Situation;
@@ -14,10 +14,27 @@ const JOIN_ACROSS_M: f64 = 120.0;
 const JOIN_COURSE_RAD: f64 = 0.06;
 const JOIN_BANK_RAD: f64 = 0.05;
 const JOINS_MAX: u32 = 2;
+/// How exactly a way must end on a line.
+const LINED_UP_ACROSS_M: f64 = 400.0;
+const LINED_UP_RAD: f64 = 0.35;
 /// Closer to the turn than this it is not planned anew.
 const REPLAN_M: f64 = 1_000.0;
+/// A fixed wing has reached a place when it passes it no farther away than this.
+const PLACE_M: f64 = 200.0;
+/// It comes round for another try so many times. One is enough in steady wind; a place straight next to the start counts as
+/// missed before the first try.
+const MISSES_MAX: u32 = 4;
 /// A vehicle already on a line may be this far past its beginning.
 const ON_LINE_M: f64 = 300.0;
+
+/// How far an approach to a place has arrived.
+#[derive(Clone, Debug, PartialEq)]
+enum Approach {
+    Coming,
+    Reached,
+    /// Tried too often, with the reason.
+    Missed(String),
+}
 
 impl ActiveOrder {
     /// How to begin a line: at once where the vehicle is on it already, else by joining it.
@@ -28,6 +45,11 @@ impl ActiveOrder {
         let near = along_m > -lead_m
             && along_m < self.begin_m + ON_LINE_M.min(0.5 * line.length_m)
             && across_m.abs() <= JOIN_ACROSS_M;
+        // Who came by a way is lined up by it, and coming round again would leave it.
+        if here.fixed() && self.is_lined_up(line, here) {
+            self.at_once = true;
+            return Stage::LeadIn;
+        }
         if near && here.fixed() && off_rad <= JOIN_COURSE_RAD && here.at_altitude() {
             self.begin_m = self.begin_m.min(along_m.max(0.0));
             self.at_once = true;
@@ -38,6 +60,17 @@ impl ActiveOrder {
         } else {
             Stage::Direct(if self.begin_m > 0.0 { line.point(self.begin_m) } else { from })
         }
+    }
+
+    /// Did the way of the command end in the direction of the line, before where it is to be begun?
+    pub(crate) fn is_lined_up(&self, line: &Line, here: &Situation) -> bool {
+        let (along_m, across_m, course_rad) = line.locate(here.state.position);
+        let off_rad = wrap_pi(course_rad - here.state.track_rad()).abs();
+        self.way.is_some()
+            && here.at_altitude()
+            && along_m < self.begin_m + ON_LINE_M
+            && across_m.abs() <= LINED_UP_ACROSS_M
+            && off_rad <= LINED_UP_RAD
     }
 
     /// Comes round for another try.
@@ -60,6 +93,59 @@ impl ActiveOrder {
         let (azimuth_rad, _) = bearing(here.state.position, point);
         let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
         distance_m < near_m || (behind && distance_m < 0.4 * here.turn_radius_m())
+    }
+
+    /// Straight to a point: what comes when it is reached.
+    pub(crate) fn direct(&mut self, point: Position, here: &Situation) -> Progress {
+        let (_, distance_m) = bearing(here.state.position, point);
+        let to_place = matches!(self.order, Order::FlyTo { .. });
+        let arrived = match (here.fixed(), to_place) {
+            (true, true) => match self.reach_place(point, distance_m, here) {
+                Approach::Coming => false,
+                Approach::Reached => true,
+                Approach::Missed(reason) => return Progress::Failed(reason),
+            },
+            (true, false) => self.passed(point, distance_m, here),
+            (false, _) => distance_m < 1.5 && here.state.ground_speed() < 0.6,
+        };
+        if !arrived {
+            return Progress::Going;
+        }
+        let next = match &self.order {
+            Order::FlyTo { at_altitude, .. } if !at_altitude || here.at_altitude() => return self.done(here),
+            Order::FlyTo { .. } if here.fixed() => Stage::Circle(here.circle(point, here.loiter_radius_m())),
+            Order::FlyLine { .. } | Order::JoinLine { .. } if here.at_altitude() => Stage::OnLine,
+            Order::Land { .. } => Stage::Descend(point),
+            _ => Stage::Hover(point),
+        };
+        self.change(Some(next), here)
+    }
+
+    /// Has a fixed wing reached the place that it flies to? A place inside its turning circle cannot be turned to: it flies on
+    /// and comes round, as often as that may help.
+    fn reach_place(&mut self, place: Position, distance_m: f64, here: &Situation) -> Approach {
+        let (azimuth_rad, _) = bearing(here.state.position, place);
+        let behind = cos(azimuth_rad - here.state.track_rad()) < 0.0;
+        if distance_m < (0.6 * here.state.ground_speed()).max(40.0) || (behind && distance_m <= PLACE_M) {
+            return Approach::Reached;
+        }
+        let abeam = behind && distance_m < 2.0 * here.turn_radius_m();
+        if !abeam {
+            self.abeam = false;
+            return Approach::Coming;
+        }
+        if std::mem::replace(&mut self.abeam, true) {
+            return Approach::Coming;
+        }
+        self.misses += 1;
+        if self.misses <= MISSES_MAX {
+            return Approach::Coming;
+        }
+        let (misses, radius_m) = (self.misses, here.turn_radius_m());
+        Approach::Missed(format!(
+            "the place was passed {misses} times, last at {distance_m:.0} m, more than {PLACE_M:.0} m; \
+             the turn radius is {radius_m:.0} m in this wind: fly slower, or circle it with loiter"
+        ))
     }
 
     /// Straight towards the turn.

@@ -29,6 +29,7 @@ mod rotorcraft;
 mod situation;
 mod terrain;
 mod turbulence;
+mod way;
 mod world;
 
 pub use commands::command_names;

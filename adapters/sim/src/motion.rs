@@ -24,8 +24,10 @@ pub(crate) struct State {
     /// Velocity over ground.
     pub(crate) north: f64,
     pub(crate) east: f64,
-    pub(crate) fuel_kg: f64,
-    pub(crate) fuel_flow_kg_s: f64,
+    /// Energy on board: kg of fuel or J of the battery.
+    pub(crate) stored: f64,
+    /// What it drains now: kg/s or W.
+    pub(crate) drain_per_s: f64,
     pub(crate) engine_running: bool,
     pub(crate) on_ground: bool,
     pub(crate) flight_time_s: f64,
@@ -99,6 +101,8 @@ pub(crate) fn climb_rate_max(model: &VehicleModel, altitude_m: f64) -> f64 {
 /// Time constants of altitude capture and of climb.
 const ALTITUDE_CAPTURE_S: f64 = 6.0;
 const CLIMB_LAG_S: f64 = 2.0;
+/// Fastest sink without engine: a vehicle that does not glide falls about so fast.
+const FALL_M_S: f64 = 25.0;
 
 /// Climbs or descends for `dt` towards `altitude_m`, or sinks without engine. True when the climb is steady: on the
 /// altitude, or so far from it that a long step cannot pass it.
@@ -107,7 +111,7 @@ pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt
     let up = climb_rate_max(model, state.altitude_m);
     let mut wanted = (error_m / ALTITUDE_CAPTURE_S.max(dt)).clamp(-model.descent_rate_m_s_max, up);
     if !state.engine_running {
-        wanted = -(state.true_airspeed.max(6.0) / model.glide_ratio);
+        wanted = -(state.true_airspeed.max(6.0) / model.glide_ratio).min(FALL_M_S);
     }
     let before = state.vertical_speed;
     state.vertical_speed += (wanted - before) * lag(dt, CLIMB_LAG_S);
@@ -120,26 +124,25 @@ pub(crate) fn climb(state: &mut State, model: &VehicleModel, altitude_m: f64, dt
     on_it || (error_m.abs() > 30.0 * state.vertical_speed.abs() + 60.0 && (wanted - state.vertical_speed).abs() < 0.2)
 }
 
-/// Fuel flow now, kg/s.
-pub(crate) fn fuel_flow_kg_s(state: &State, model: &VehicleModel) -> f64 {
+/// Drain of fuel or battery now, kg/s or W.
+pub(crate) fn drain_per_s(state: &State, model: &VehicleModel) -> f64 {
     if !state.engine_running {
         return 0.0;
     }
-    let fuel = &model.fuel;
-    let reference = fuel.flow_kg_h_reference / 3600.0;
     if state.on_ground && state.true_airspeed < 1.0 {
-        return 0.2 * reference;
+        return model.drain_idle_per_s();
     }
-    let x = state.true_airspeed / fuel.speed_m_s_reference;
-    let [constant, linear, cubic] = fuel.share;
-    let height = (1.0 - state.altitude_m / fuel.altitude_m_reference).max(-0.5);
-    let climb = if state.vertical_speed >= 0.0 {
-        1.0 + fuel.climb_penalty * state.vertical_speed / model.climb_rate_m_s_max
+    model.drain_per_s(state.true_airspeed, state.altitude_m, state.vertical_speed)
+}
+
+/// Flight time until fuel or battery are empty, s: in level flight as fast and as high as now; parked, at cruise.
+pub(crate) fn endurance_s(state: &State, model: &VehicleModel, temperature_c: f64) -> f64 {
+    let drain = if state.on_ground {
+        model.drain_planned_per_s(state.altitude_m)
     } else {
-        1.0 + fuel.descent_saving * state.vertical_speed / model.descent_rate_m_s_max
+        model.drain_per_s(state.true_airspeed, state.altitude_m, 0.0)
     };
-    let flow = reference * (constant + linear * x + cubic * x * x * x) * (1.0 + fuel.low_altitude_penalty * height);
-    (flow * climb).max(0.1 * reference)
+    model.available(state.stored, temperature_c) / drain
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The state packet: which variables the vehicle publishes, in which unit, how often, and how a packet is built.
 
-use crate::atmosphere::{Air, GRAVITY};
+use crate::atmosphere::{Air, GRAVITY, ICE_K};
 use crate::camera::Camera;
 use crate::geodesic::bearing;
 use crate::instants;
-use crate::motion::State;
+use crate::motion::{State, endurance_s};
 use crate::phase::Phase;
 use crate::radio::Radio;
 use apex_geo::geodesy::{self, RAD_PER_DEG, wrap_180};
@@ -16,12 +16,15 @@ use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
+use apex_vehicle::{EnergyModel, VehicleModel};
 use libm::{atan2, cos, sqrt};
 use std::collections::BTreeMap;
 
 /// How often a variable is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
+    /// In every packet, and every 0.2 s in flight while the scanner is on or a camera points or takes pictures.
+    Attitude,
     /// In every packet.
     Fast,
     /// In full packets: at least every ten seconds.
@@ -52,6 +55,7 @@ enum Read {
 /// Everything that a packet is read from.
 pub(crate) struct Snapshot<'a> {
     pub(crate) state: &'a State,
+    pub(crate) model: &'a VehicleModel,
     pub(crate) wind: Wind,
     pub(crate) air: Air,
     pub(crate) ground_m: f64,
@@ -88,23 +92,23 @@ fn truth_word(truth: bool) -> &'static str {
     if truth { "t" } else { "nil" }
 }
 
-use Pace::{Fast, Slow};
+use Pace::{Attitude, Fast, Slow};
 
 /// Every variable of the vehicle, in the order of the packet. Cameras and modems add their own:
 /// `(camera-state C)` `(camera-tilt C)` `(camera-pan C)` `(signal-level M)`.
 pub const VARIABLES: &[Variable] = &[
     number("latitude", "deg", Fast, |s| s.state.position.latitude_deg * RAD_PER_DEG),
     number("longitude", "deg", Fast, |s| s.state.position.longitude_deg * RAD_PER_DEG),
-    number("altitude", "m", Fast, |s| s.state.altitude_m),
+    number("altitude", "m", Attitude, |s| s.state.altitude_m),
     number("height-above-ground", "m", Fast, |s| s.state.altitude_m - s.ground_m),
-    other("location", Fast, |s| location(s.state)),
+    other("location", Attitude, |s| location(s.state)),
     number("ground-speed", "m/s", Fast, |s| s.state.ground_speed()),
     number("true-airspeed", "m/s", Fast, |s| s.state.true_airspeed),
     number("vertical-speed", "m/s", Fast, |s| s.state.vertical_speed),
-    number("heading", "deg", Fast, |s| s.state.heading_rad),
+    number("heading", "deg", Attitude, |s| s.state.heading_rad),
     number("track", "deg", Fast, |s| s.state.track_rad()),
-    number("roll-angle", "deg", Fast, |s| s.state.roll_rad),
-    number("pitch-angle", "deg", Fast, |s| s.state.pitch_rad),
+    number("roll-angle", "deg", Attitude, |s| s.state.roll_rad),
+    number("pitch-angle", "deg", Attitude, |s| s.state.pitch_rad),
     number("roll-rate", "deg/s", Fast, |s| s.state.roll_rate_rad_s),
     number("yaw-rate", "deg/s", Fast, |s| s.state.yaw_rate_rad_s),
     number("acceleration-normal", "m/s2", Fast, |s| GRAVITY / cos(s.state.roll_rad) + s.bump),
@@ -116,9 +120,14 @@ pub const VARIABLES: &[Variable] = &[
         sqrt(s.wind.east_mps * s.wind.east_mps + s.wind.north_mps * s.wind.north_mps)
     }),
     number("wind-direction", "deg", Slow, wind_from_rad),
-    plain("turbulence", Slow, |s| s.wind.turbulence),
-    number("fuel", "kg", Slow, |s| s.state.fuel_kg),
-    number("fuel-flow", "kg/h", Slow, |s| s.state.fuel_flow_kg_s),
+    plain("edr", Slow, |s| s.wind.edr),
+    plain("truth-edr", Slow, |s| s.wind.edr),
+    number("truth-wind-east", "m/s", Slow, |s| s.wind.east_mps),
+    number("truth-wind-north", "m/s", Slow, |s| s.wind.north_mps),
+    number("fuel", "kg", Slow, |s| s.state.stored),
+    number("fuel-flow", "kg/h", Slow, |s| s.state.drain_per_s),
+    plain("battery-charge", Slow, battery_charge),
+    number("battery-power", "W", Slow, |s| s.state.drain_per_s),
     other("endurance-remaining", Slow, endurance),
     number("commanded-altitude", "m", Slow, |s| s.altitude_m_commanded),
     number("commanded-speed", "m/s", Slow, |s| s.true_airspeed_commanded),
@@ -137,6 +146,20 @@ pub const VARIABLES: &[Variable] = &[
         None => "none",
     }),
 ];
+
+/// How much a packet holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// Position and attitude, and the angles of cameras in use.
+    Attitude,
+    /// All that changes fast.
+    Fast,
+    /// Everything.
+    Full,
+}
+
+/// Longest time between samples of position and attitude while a sensor is in use: images are located with them.
+pub(crate) const ATTITUDE_S: f64 = 0.2;
 
 /// Longest time without a full packet.
 const FULL_S: f64 = 10.0;
@@ -169,9 +192,22 @@ fn parts(variable: &Variable) -> f64 {
     }
 }
 
+/// Share of the battery's capacity that the outside temperature lets it drain.
+fn battery_charge(snapshot: &Snapshot) -> f64 {
+    let model = snapshot.model;
+    model.available(snapshot.state.stored, snapshot.air.temperature_k - ICE_K) / model.stored_full()
+}
+
+/// True if a vehicle with this store of energy has the variable.
+fn is_carried(variable: &Variable, energy: &EnergyModel) -> bool {
+    match energy {
+        EnergyModel::Fuel(_) => !matches!(variable.name, "battery-charge" | "battery-power"),
+        EnergyModel::Battery(_) => !matches!(variable.name, "fuel" | "fuel-flow"),
+    }
+}
+
 fn endurance(snapshot: &Snapshot) -> Value {
-    let flow = snapshot.state.fuel_flow_kg_s;
-    let seconds = if flow > 0.0 { snapshot.state.fuel_kg / flow } else { 0.0 };
+    let seconds = endurance_s(snapshot.state, snapshot.model, snapshot.air.temperature_k - ICE_K);
     Value::Duration(Duration::from_seconds(libm::round(seconds)))
 }
 
@@ -193,6 +229,8 @@ struct Published {
     factor: f64,
     /// Into how many parts one unit is rounded.
     parts: f64,
+    /// The vehicle has it.
+    carried: bool,
 }
 
 impl Published {
@@ -216,7 +254,7 @@ pub(crate) struct Reporter {
 }
 
 impl Reporter {
-    pub(crate) fn new(vehicle: &str, cameras: &[Camera], radios: &[Radio]) -> Reporter {
+    pub(crate) fn new(vehicle: &str, model: &VehicleModel, cameras: &[Camera], radios: &[Radio]) -> Reporter {
         let object = Value::symbol(vehicle);
         let named = |variable: &Variable| {
             let quantity = template(variable.unit);
@@ -225,6 +263,7 @@ impl Reporter {
                 quantity,
                 factor: quantity.unit().map_or(1.0, |unit| unit.factor),
                 parts: parts(variable),
+                carried: is_carried(variable, &model.energy),
             }
         };
         let of_camera = |camera: &Camera| {
@@ -244,24 +283,32 @@ impl Reporter {
         }
     }
 
-    /// A packet at `at`: a full one when `full` or when the last is ten seconds old.
+    /// A packet at `at`: a full one at the latest ten seconds after the last.
     pub(crate) fn packet(
         &mut self,
         at: Time,
-        full: bool,
+        extent: Extent,
         snapshot: &Snapshot,
         cameras: &[Camera],
         radios: &[Radio],
         inputs: &mut Vec<Input>,
     ) {
-        let full = full || self.last_full.is_none_or(|last| (at - last).seconds() >= FULL_S);
+        let old = self.last_full.is_none_or(|last| (at - last).seconds() >= FULL_S);
+        let full = extent == Extent::Full || (extent == Extent::Fast && old);
+        let brief = extent == Extent::Attitude;
         if full {
             self.last_full = Some(at);
             self.last_words.fill("");
             self.last_cameras.fill("");
         }
         for (variable, published) in VARIABLES.iter().zip(&self.variables) {
-            if variable.pace != Pace::Fast && !(full && variable.pace == Pace::Slow) {
+            let due = match variable.pace {
+                Pace::Attitude => true,
+                Pace::Fast => !brief,
+                Pace::Slow => full,
+                Pace::Discrete => false,
+            };
+            if !due || !published.carried {
                 continue;
             }
             let value = match variable.read {
@@ -282,7 +329,7 @@ impl Reporter {
                 inputs.push(Input::new(at, EventKind::Measurement(name.clone(), value)));
             }
         }
-        for (radio, name) in radios.iter().zip(&self.radios) {
+        for (radio, name) in radios.iter().zip(&self.radios).filter(|_| !brief) {
             inputs.push(Input::new(at, EventKind::Measurement(name.clone(), Value::Real(rounded(radio.level, 1e4)))));
         }
     }

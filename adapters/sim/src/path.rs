@@ -16,6 +16,8 @@ pub(crate) enum Path {
     Point(Position),
     /// Along a line, also before its beginning and after its end.
     Line(Line),
+    /// As `Line`, turning by so many radians per metre: a leg of a way, which may be a chord of a turn.
+    Leg(Line, f64),
     /// Round a point.
     Circle(Circle),
     /// Stay over a point (rotorcraft).
@@ -96,11 +98,8 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
             }
             Some(Course { course_rad: azimuth_rad, rate_rad_s: 0.0 })
         }
-        Path::Line(line) => {
-            let (_, across_m, course_rad) = line.locate(state.position);
-            let back = FRAC_2_PI * INTERCEPT_RAD_MAX * atan(across_m / (INTERCEPT_S * speed));
-            Some(Course { course_rad: course_rad - back, rate_rad_s: 0.0 })
-        }
+        Path::Line(line) => Some(along(line, state, 0.0)),
+        Path::Leg(line, turn_rad_per_m) => Some(along(line, state, turn_rad_per_m * speed)),
         Path::Circle(circle) => {
             let (inwards_rad, distance_m) = bearing(state.position, circle.centre);
             let sense = if circle.clockwise { 1.0 } else { -1.0 };
@@ -110,6 +109,14 @@ pub(crate) fn course(path: &Path, state: &State, turn_radius_m: f64) -> Option<C
             Some(Course { course_rad, rate_rad_s })
         }
     }
+}
+
+/// The course along a line from next to it.
+fn along(line: &Line, state: &State, rate_rad_s: f64) -> Course {
+    let (_, across_m, course_rad) = line.locate(state.position);
+    let speed = state.ground_speed().max(1.0);
+    let back = FRAC_2_PI * INTERCEPT_RAD_MAX * atan(across_m / (INTERCEPT_S * speed));
+    Course { course_rad: course_rad - back, rate_rad_s }
 }
 
 /// Is a point at `distance_m`, `off_rad` from the track, inside the circle of a turn towards it? Then turning now would

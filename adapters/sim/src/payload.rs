@@ -1,14 +1,16 @@
 //! Commands to the payload: scanner and cameras.
 
 use crate::arguments::Arguments;
-use crate::camera::{Aim, CameraState};
+use crate::camera::{Aim, Camera, CameraState};
 use crate::instants;
 use crate::names::unknown_name;
 use crate::world::SimulatedWorld;
+use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::effect::CommandId;
 use apex_model::event::EventKind;
 use apex_model::value::Value;
 use apex_runtime::ports::Input;
+use apex_vehicle::Airframe;
 
 impl SimulatedWorld {
     /// `(scanner on)`, `(scanner off)`.
@@ -64,7 +66,7 @@ impl SimulatedWorld {
                 camera.command = Some(id);
             }
             ("camera", Some("power-off")) => {
-                (camera.state, camera.timer, camera.aim) = (CameraState::Off, None, None);
+                (camera.state, camera.timer, camera.aim, camera.slew_until) = (CameraState::Off, None, None, None);
                 answer = Some(Value::symbol(&camera.model.name));
             }
             ("camera", _) => return Err(arguments.wrong("a camera is told power-up or power-off")),
@@ -76,7 +78,10 @@ impl SimulatedWorld {
                 if let Some(reason) = camera.refusal(&aim, &self.state) {
                     return Err(arguments.wrong(&reason));
                 }
-                (camera.state, camera.timer, camera.aim) = (CameraState::Slewing, None, Some(aim));
+                let rotorcraft = self.model.airframe == Airframe::Rotorcraft;
+                let yaw_rate = rotorcraft.then_some(self.model.yaw_rate_deg_s_max * RAD_PER_DEG);
+                let slew_s = camera.begin_slew(aim, &self.state, yaw_rate);
+                camera.slew_until = Some(self.now + instants::span(slew_s));
                 camera.command = Some(id);
             }
             _ if camera.state == CameraState::Slewing || camera.aim.is_none() => {
@@ -86,6 +91,7 @@ impl SimulatedWorld {
                 camera.state = CameraState::Exposing;
                 camera.timer = Some(self.now + instants::span(camera.model.picture_s));
                 camera.command = Some(id);
+                self.say_taken(&camera, inputs);
             }
         }
         if let Some(slot) = self.cameras.get_mut(index) {
@@ -99,7 +105,15 @@ impl SimulatedWorld {
         }
         Ok(())
     }
-    /// Powering up what is powered disturbs nothing, but whoever asked for it waits for the event.
+
+    /// The exposure begins: its instant is that of the position and attitude that the image has.
+    fn say_taken(&self, camera: &Camera, inputs: &mut Vec<Input>) {
+        let target = camera.aim.as_ref().map_or_else(Value::nil, |aim| aim.spot.given.clone());
+        let form = [Value::symbol("image-taken"), Value::symbol(&camera.model.name), target];
+        inputs.push(Input::new(self.now, EventKind::Occurrence(Value::list(form))));
+    }
+
+    /// Powering up what is powered disturbs nothing, but the caller that asked for it waits for the event.
     fn say_ready(&self, id: CommandId, camera: &str, inputs: &mut Vec<Input>) {
         let name = Value::symbol(camera);
         let form = Value::list([Value::symbol("ready"), name.clone()]);

@@ -22,16 +22,6 @@ impl Random {
         ((self.0.next_u64() >> 11) as f64 + 0.5) / 9_007_199_254_740_992.0
     }
 
-    /// Uniform between two bounds.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.uniform()
-    }
-
-    /// Exponential with mean one.
-    pub(crate) fn exponential(&mut self) -> f64 {
-        -log(self.uniform())
-    }
-
     /// Normal with mean zero and deviation one.
     pub(crate) fn normal(&mut self) -> f64 {
         let radius = sqrt(-2.0 * log(self.uniform()));

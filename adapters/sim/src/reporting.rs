@@ -1,11 +1,12 @@
 //! What the world says: packets of state, radio links, cameras and timers.
 
 use crate::atmosphere::Air;
-use crate::camera::{CameraState, Pointing};
-use crate::packet::Snapshot;
+use crate::camera::{Camera, CameraState, Pointing};
+use crate::instants;
+use crate::packet::{ATTITUDE_S, Extent, Snapshot};
 use crate::phase::Phase;
 use crate::radio::LinkChange;
-use crate::world::SimulatedWorld;
+use crate::world::{STEP_S, SimulatedWorld};
 use apex_geo::geodesy::RAD_PER_DEG;
 use apex_model::event::EventKind;
 use apex_model::value::Value;
@@ -13,8 +14,19 @@ use apex_runtime::ports::Input;
 use libm::tan;
 
 impl SimulatedWorld {
-    /// A packet, after listening to the radios.
-    pub(crate) fn report(&mut self, full: bool, inputs: &mut Vec<Input>) {
+    /// A packet, after listening to the radios if it says anything about them.
+    pub(crate) fn report(&mut self, extent: Extent, inputs: &mut Vec<Input>) {
+        if extent != Extent::Attitude {
+            self.listen(inputs);
+        }
+        if let Some(mut reporter) = self.reporter.take() {
+            reporter.packet(self.now, extent, &self.snapshot(), &self.cameras, &self.radios, inputs);
+            self.reporter = Some(reporter);
+        }
+    }
+
+    /// Listens to the radios, and says which link was lost or regained.
+    fn listen(&mut self, inputs: &mut Vec<Input>) {
         let elapsed_s = (self.now - self.heard_at).seconds();
         self.heard_at = self.now;
         let (here, altitude_m, now_s) = (self.state.position, self.state.altitude_m, self.now.seconds());
@@ -25,10 +37,30 @@ impl SimulatedWorld {
                 inputs.push(Input::new(self.now, EventKind::Occurrence(form)));
             }
         }
-        if let Some(mut reporter) = self.reporter.take() {
-            reporter.packet(self.now, full, &self.snapshot(), &self.cameras, &self.radios, inputs);
-            self.reporter = Some(reporter);
+    }
+
+    /// Decides when to report next: densely on lines and while scanning, sparsely in cruise, and when a stage ends.
+    pub(crate) fn plan(&mut self, sent: Option<Extent>) {
+        let report = &self.model.report;
+        let scanning = self.scanner_on || self.flight.is_on_line();
+        let usual = if self.settled { report.cruise_s } else { report.manoeuvring_s };
+        let mut interval_s = if scanning { report.scanning_s } else { usual };
+        let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
+        if left_s < interval_s {
+            interval_s = left_s.max(STEP_S);
         }
+        let next = self.now + instants::span(interval_s);
+        let more = matches!(sent, Some(Extent::Fast | Extent::Full));
+        self.packet_due = if more { next } else { self.packet_due.min(next) };
+        if sent.is_some() {
+            self.attitude_due = self.now + instants::span(ATTITUDE_S);
+        }
+        self.planned_stop = if self.is_sensing() { self.packet_due.min(self.attitude_due) } else { self.packet_due };
+    }
+
+    /// True in flight while a sensor is in use.
+    fn is_sensing(&self) -> bool {
+        !self.state.on_ground && (self.scanner_on || self.cameras.iter().any(Camera::is_looking))
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot<'_> {
@@ -48,6 +80,7 @@ impl SimulatedWorld {
         };
         Snapshot {
             state: &self.state,
+            model: &self.model,
             wind: self.wind,
             air: Air::at(self.state.altitude_m),
             ground_m: self.ground_m,
@@ -59,7 +92,7 @@ impl SimulatedWorld {
             scanner_on: scanner.map(|_| self.scanner_on),
             scan_valid: self.scanner_on && level && !self.state.on_ground,
             footprint_m,
-            bump: 2.0 * self.wind.turbulence * self.turbulence.bump,
+            bump: self.turbulence.bump_m_s2,
         }
     }
 
@@ -90,7 +123,7 @@ impl SimulatedWorld {
         self.settled = self.settled && !slewing;
     }
 
-    /// Ends waits, power-ups and exposures whose time has come.
+    /// Ends waits, power-ups and exposures whose time has arrived.
     pub(crate) fn ring_timers(&mut self, inputs: &mut Vec<Input>) {
         let (due, left): (Vec<_>, Vec<_>) = self.waits.drain(..).partition(|(at, ..)| *at <= self.now);
         self.waits = left;
@@ -98,6 +131,12 @@ impl SimulatedWorld {
             self.answer(command, Ok(answer), inputs);
         }
         let mut cameras = std::mem::take(&mut self.cameras);
+        for camera in cameras.iter_mut().filter(|camera| camera.slew_until.is_some_and(|at| at <= self.now)) {
+            let reason = camera.fail_slew(&self.state);
+            if let Some(command) = camera.command.take() {
+                self.answer(command, Err(format!("point-camera: {reason}")), inputs);
+            }
+        }
         for camera in cameras.iter_mut().filter(|camera| camera.timer.is_some_and(|at| at <= self.now)) {
             camera.timer = None;
             let name = Value::symbol(&camera.model.name);

@@ -73,12 +73,14 @@ impl Situation<'_> {
     }
 }
 
-/// Returns the final approach to a field: into the wind; without wind, from the direction of the vehicle.
-pub(crate) fn final_approach(at: &Spot, here: &Situation) -> Line {
+/// Returns the final approach to a field: in the direction `course_rad`, else into the wind; without wind, from the direction
+/// of the vehicle.
+pub(crate) fn final_approach(at: &Spot, course_rad: Option<f64>, here: &Situation) -> Line {
     let wind = here.wind;
     let calm = wind.east_mps * wind.east_mps + wind.north_mps * wind.north_mps < 1.0;
-    let course_rad =
+    let chosen_rad =
         if calm { bearing(here.state.position, at.position).0 } else { atan2(-wind.east_mps, -wind.north_mps) };
+    let course_rad = course_rad.unwrap_or(chosen_rad);
     let threshold = geodesy::destination(at.position, (course_rad + PI) / RAD_PER_DEG, here.model.final_approach_m);
     Line::new(threshold, at.position)
 }

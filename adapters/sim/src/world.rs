@@ -4,14 +4,15 @@
 //! whole milliseconds. So the same commands at the same times give the same inputs, however often `advance` is called in
 //! between, and the end of the next step is always known: no input comes later than the instant it belongs to.
 
+use crate::atmosphere::{Air, ICE_K};
 use crate::camera::Camera;
 use crate::config::{Happening, NamedPlace, ScheduledEvent, WorldConfig};
 use crate::fixed_wing;
 use crate::flight::{ActiveOrder, Order, Progress};
 use crate::instants;
 use crate::left_lines::LeftLines;
-use crate::motion::{Demand, State, fuel_flow_kg_s};
-use crate::packet::Reporter;
+use crate::motion::{Demand, State, drain_per_s};
+use crate::packet::{Extent, Reporter};
 use crate::phase::Phase;
 use crate::radio::Radio;
 use crate::rotorcraft;
@@ -31,7 +32,7 @@ use libm::{cos, sin};
 use std::collections::VecDeque;
 
 /// Step while something changes, and the longest step otherwise.
-const STEP_S: f64 = 0.5;
+pub(crate) const STEP_S: f64 = 0.5;
 
 /// Something that the executive sent, waiting for its time.
 #[derive(Clone, Debug)]
@@ -57,7 +58,11 @@ pub struct SimulatedWorld {
     pub(crate) ground: Terrain,
     pub(crate) places: Vec<NamedPlace>,
     pub(crate) now: Time,
-    planned_stop: Time,
+    pub(crate) planned_stop: Time,
+    /// When the next packet of more than attitude is due.
+    pub(crate) packet_due: Time,
+    /// When the next sample of attitude is due, if a sensor is in use.
+    pub(crate) attitude_due: Time,
     pub(crate) state: State,
     pub(crate) wind: Wind,
     pub(crate) ground_m: f64,
@@ -119,7 +124,8 @@ impl SimulatedWorld {
         };
         let order = if start.airborne { Order::Hold } else { Order::Parked };
         let flight = ActiveOrder::begin(None, order, &here);
-        let reporter = Reporter::new(&vehicle, &cameras, &radios);
+        let reporter = Reporter::new(&vehicle, &model, &cameras, &radios);
+        let turbulence = Turbulence::new(model.attitude_hold.clone(), seed);
         Ok(SimulatedWorld {
             vehicle,
             model,
@@ -128,6 +134,8 @@ impl SimulatedWorld {
             places,
             now: Time::ZERO,
             planned_stop: Time::ZERO,
+            packet_due: Time::ZERO,
+            attitude_due: Time::ZERO,
             state,
             wind: wind_now,
             ground_m,
@@ -146,7 +154,7 @@ impl SimulatedWorld {
             cameras,
             radios,
             heard_at: Time::ZERO,
-            turbulence: Turbulence::new(seed),
+            turbulence,
             reporter: Some(reporter),
             settled: false,
             changed: true,
@@ -170,9 +178,9 @@ impl SimulatedWorld {
         self.state.altitude_m
     }
 
-    /// Fuel on board.
-    pub fn fuel_kg(&self) -> f64 {
-        self.state.fuel_kg
+    /// Energy on board: kg of fuel or J of the battery.
+    pub fn stored(&self) -> f64 {
+        self.state.stored
     }
 
     /// What a flight order needs to know.
@@ -199,8 +207,9 @@ impl SimulatedWorld {
         let scheduled = self.scheduled.front().map(|event| event.at);
         let waits = self.waits.iter().map(|(at, ..)| *at);
         let cameras = self.cameras.iter().filter_map(|camera| camera.timer);
+        let slews = self.cameras.iter().filter_map(|camera| camera.slew_until);
         let deadline = self.flight.deadline();
-        pending.into_iter().chain(scheduled).chain(waits).chain(cameras).chain(deadline).min()
+        pending.into_iter().chain(scheduled).chain(waits).chain(cameras).chain(slews).chain(deadline).min()
     }
 
     fn next_stop(&self) -> Time {
@@ -225,7 +234,7 @@ impl SimulatedWorld {
         }
     }
 
-    /// A long step only where nothing changes, and never past the end of the flight's stage.
+    /// A long step only if nothing changes, and never past the end of the flight's stage.
     fn step_s(&self) -> f64 {
         if !self.settled {
             return STEP_S;
@@ -244,6 +253,7 @@ impl SimulatedWorld {
             let speed = if speed.is_finite() { speed } else { self.model.true_airspeed_m_s_max };
             fixed_wing::roll(&mut self.state, &self.model, speed, dt);
             (self.state.roll_rad, self.state.roll_rate_rad_s) = (0.0, 0.0);
+            self.turbulence.rest();
             self.settled = speed == 0.0 && self.state.true_airspeed == 0.0;
         } else if !self.crashed {
             self.fly_in_air(dt, inputs);
@@ -266,6 +276,7 @@ impl SimulatedWorld {
             Progress::Going => {}
             Progress::StageChanged => self.changed = true,
             Progress::Done(value) => self.flight_done(value, inputs),
+            Progress::Failed(reason) => self.flight_failed(&reason, inputs),
         }
         self.meet_setpoints(inputs);
     }
@@ -284,19 +295,25 @@ impl SimulatedWorld {
             Airframe::FixedWing => fixed_wing::fly(&mut self.state, &demand, &self.model, self.wind, dt),
             Airframe::Rotorcraft => rotorcraft::fly(&mut self.state, &demand, &self.model, self.wind, dt),
         };
-        let (roll_rad, roll_rate) = self.turbulence.after(self.wind.turbulence, dt);
-        self.state.roll_rad = self.state.bank_rad + roll_rad;
-        self.state.roll_rate_rad_s = (self.state.bank_rad - bank) / dt + roll_rate;
+        self.turbulence.advance(self.wind.edr, dt);
+        self.state.roll_rad = self.state.bank_rad + self.turbulence.roll_rad;
+        self.state.roll_rate_rad_s = (self.state.bank_rad - bank) / dt + self.turbulence.roll_rate_rad_s;
         self.state.flight_time_s += dt;
     }
 
     fn burn(&mut self, dt: f64, inputs: &mut Vec<Input>) {
-        self.state.fuel_flow_kg_s = fuel_flow_kg_s(&self.state, &self.model);
-        self.state.fuel_kg = (self.state.fuel_kg - self.state.fuel_flow_kg_s * dt).max(0.0);
-        if self.state.fuel_kg == 0.0 && self.state.engine_running {
+        self.state.drain_per_s = drain_per_s(&self.state, &self.model);
+        self.state.stored = (self.state.stored - self.state.drain_per_s * dt).max(0.0);
+        if self.state.engine_running && self.available() == 0.0 {
             self.state.engine_running = false;
             self.happen("fuel-exhausted", inputs);
         }
+    }
+
+    /// Energy that the outside temperature lets it drain, kg or J.
+    pub(crate) fn available(&self) -> f64 {
+        let air = Air::at(self.state.altitude_m);
+        self.model.available(self.state.stored, air.temperature_k - ICE_K)
     }
 
     /// Sends the event `(NAME VEHICLE)`.
@@ -334,8 +351,13 @@ impl SimulatedWorld {
 
     /// What is due now by the clock: commands, scheduled events, timers. Then the packet.
     fn attend(&mut self, inputs: &mut Vec<Input>) {
-        let report = self.changed || self.now >= self.planned_stop;
-        let full = self.changed;
+        let due = self.now >= self.planned_stop;
+        let extent = match (self.changed, due, self.now >= self.packet_due) {
+            (true, ..) => Some(Extent::Full),
+            (false, true, true) => Some(Extent::Fast),
+            (false, true, false) => Some(Extent::Attitude),
+            (false, false, _) => None,
+        };
         while let Some(event) = self.scheduled.pop_front_if(|event| event.at <= self.now) {
             let kind = match event.what {
                 Happening::Occurrence(form) => EventKind::Occurrence(form),
@@ -344,11 +366,11 @@ impl SimulatedWorld {
             inputs.push(Input::new(event.at, kind));
         }
         self.ring_timers(inputs);
-        if report {
-            self.report(full, inputs);
+        if let Some(extent) = extent {
+            self.report(extent, inputs);
         }
         self.changed = false;
-        let mut obeyed = !report;
+        let mut obeyed = extent.is_none();
         while let Some((_, received)) = self.pending.pop_front_if(|(at, _)| *at <= self.now) {
             (self.settled, obeyed) = (false, true);
             match received {
@@ -361,21 +383,7 @@ impl SimulatedWorld {
             self.reporter = Some(reporter);
         }
         self.changed = false;
-        self.plan(report);
-    }
-
-    /// Decides when to report next: densely on lines and while scanning, sparsely in cruise, and when a stage ends.
-    fn plan(&mut self, reported: bool) {
-        let report = &self.model.report;
-        let scanning = self.scanner_on || self.flight.is_on_line();
-        let usual = if self.settled { report.cruise_s } else { report.manoeuvring_s };
-        let mut interval_s = if scanning { report.scanning_s } else { usual };
-        let left_s = self.flight.stage_m / self.state.ground_speed().max(1.0);
-        if left_s < interval_s {
-            interval_s = left_s.max(STEP_S);
-        }
-        let next = self.now + instants::span(interval_s);
-        self.planned_stop = if reported { next } else { self.planned_stop.min(next) };
+        self.plan(extent);
     }
 
     /// Queues something received, not earlier than now and after everything received before.
@@ -408,8 +416,8 @@ fn initial_state(start: &crate::config::Start, model: &VehicleModel, wind: Wind)
         vertical_speed: 0.0,
         north: blown(true_airspeed * cos(heading_rad), wind.north_mps),
         east: blown(true_airspeed * sin(heading_rad), wind.east_mps),
-        fuel_kg: start.fuel_share.unwrap_or(1.0) * model.fuel.capacity_kg,
-        fuel_flow_kg_s: 0.0,
+        stored: start.fuel_share.unwrap_or(1.0) * model.stored_full(),
+        drain_per_s: 0.0,
         engine_running: start.fuel_share != Some(0.0),
         on_ground: !start.airborne,
         flight_time_s: 0.0,

@@ -92,20 +92,17 @@ fn parallel_lines_are_flown_to_and_fro() {
 
 #[test]
 fn turbulence_takes_the_wings_off_level_and_the_scan_with_it() {
-    let mut run = cruising(wind(0.0, 0.0, 0.6));
+    // Ten degrees of roll for each unit of EDR: sigma is 3 deg, and erf(1 / sqrt 2) of the time is within 3 deg.
+    let mut run = cruising(wind(0.0, 0.0, 0.3));
     run.carry_out(form("scanner", [word("on")]), 1.0).unwrap();
     let share = run.carry_out(form("fly-line", [location(40.2, -120.0), location(41.2, -120.0)]), 9_000.0).unwrap();
     let share = share.as_number().unwrap().0;
-    assert!((0.5..0.99).contains(&share), "{share}");
+    assert!((0.58..0.78).contains(&share), "{share}");
     let invalid = run.values("scan-valid").iter().filter(|(_, valid)| !valid.is_true()).count();
-    assert!(invalid > 3, "{invalid}");
-    let mut longest = 0;
-    let mut length = 0;
-    for (_, roll) in run.numbers("roll-angle") {
-        length = if roll.abs() > 3.0 * RAD_PER_DEG { length + 1 } else { 0 };
-        longest = longest.max(length);
-    }
-    assert!(longest >= 5, "no violation of several seconds: {longest}");
+    assert!(invalid > 30, "{invalid}");
+    let rolls = run.numbers("roll-angle");
+    let squares: f64 = rolls.iter().map(|(_, roll)| (roll / RAD_PER_DEG) * (roll / RAD_PER_DEG)).sum();
+    assert!(squares / rolls.len() as f64 > 4.0, "{}", squares / rolls.len() as f64);
 }
 
 #[test]
@@ -114,7 +111,7 @@ fn endurance_is_more_than_a_day_and_an_empty_tank_ends_the_flight() {
     run.wait_s(3_600.0);
     let hours = run.last_number("endurance-remaining") / 3_600.0;
     assert!((24.0..30.0).contains(&hours), "{hours}");
-    let burnt = 1_769.0 - run.world.fuel_kg();
+    let burnt = 1_769.0 - run.world.stored();
     assert!((60.0..70.0).contains(&burnt), "{burnt}");
 
     let mut config = predator(Start::in_flight(40.0, -120.0, 3_000.0, 45.0));
@@ -269,4 +266,102 @@ fn a_line_broken_off_for_a_refly_is_taken_up_where_it_was_left() {
     assert!((run.now.seconds() - begun - rest_s).abs() < 30.0, "{} s for {rest_s}", run.now.seconds() - begun);
     run.carry_out(form("fly-line", ends()), 3_000.0).unwrap();
     assert!(run.now.seconds() - begun > 2.0 * rest_s, "a finished line begins at its beginning again");
+}
+
+/// Least distance to a place before the answer, and the distance at the answer.
+fn reached(run: &mut Run, goal: Position, altitude_m: Option<f64>, seconds: f64) -> (f64, f64) {
+    let place = [Some(goal.latitude_deg), Some(goal.longitude_deg), altitude_m];
+    let place = Value::list(place.into_iter().flatten().map(Value::Real));
+    let id = run.send(form("fly-to", [place]));
+    let mut least_m = f64::INFINITY;
+    let end = run.now.seconds() + seconds;
+    while run.answer(id).is_none() {
+        run.wait_s(1.0);
+        least_m = least_m.min(geodesy::distance_m(run.world.position(), goal));
+        assert!(run.now.seconds() < end, "not reached: {least_m}");
+    }
+    let answer = run.answer(id).unwrap().1.unwrap();
+    let items: Vec<f64> = answer.as_list().unwrap().iter().map(|item| item.as_number().unwrap().0).collect();
+    (least_m, geodesy::distance_m(Position::new(items[0], items[1]), goal))
+}
+
+#[test]
+fn a_place_is_reached_within_200_m_wherever_it_is() {
+    for (east, north) in [(0.0, 0.0), (18.0, -12.0)] {
+        for azimuth_deg in [0.0, 60.0, 120.0, 180.0, 240.0, 300.0] {
+            // Far away, a turn away, inside the turning circle, nearly below.
+            for distance_m in [30_000.0, 7_000.0, 2_500.0, 600.0] {
+                let mut run = cruising(wind(east, north, 0.05));
+                let goal = geodesy::destination(run.world.position(), azimuth_deg, distance_m);
+                let (_, at_answer_m) = reached(&mut run, goal, None, 3_000.0);
+                assert!(at_answer_m <= 200.0, "{east} {north} {azimuth_deg} {distance_m}: {at_answer_m}");
+            }
+        }
+    }
+    // Also after a climb on a circle around it.
+    let mut run = cruising(wind(5.0, 5.0, 0.0));
+    let goal = geodesy::destination(run.world.position(), 90.0, 15_000.0);
+    let (_, at_answer_m) = reached(&mut run, goal, Some(9_000.0), 6_000.0);
+    assert!(at_answer_m <= 200.0 && (run.world.altitude_m() - 9_000.0).abs() < 45.0, "{at_answer_m}");
+}
+
+#[test]
+fn attitude_is_dense_while_the_scanner_is_on() {
+    let mut run = cruising(wind(0.0, 0.0, 0.2));
+    run.wait_s(30.0);
+    run.carry_out(form("scanner", [word("on")]), 1.0).unwrap();
+    run.wait_s(60.0);
+    let begun = 31.0;
+    let gaps = |run: &Run, attribute: &str, from: f64| {
+        let times: Vec<f64> = run.numbers(attribute).iter().map(|(at, _)| *at).filter(|at| *at >= from).collect();
+        times
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), gap| (low.min(gap), high.max(gap)))
+    };
+    for attribute in ["roll-angle", "pitch-angle", "heading", "altitude"] {
+        let (low, high) = gaps(&run, attribute, begun);
+        assert!(low > 0.19 && high < 0.21, "{attribute}: {low} to {high}");
+    }
+    assert_eq!(
+        run.values("location").iter().filter(|(at, _)| *at >= begun).count(),
+        run.numbers("roll-angle").iter().filter(|(at, _)| *at >= begun).count()
+    );
+    let (low, high) = gaps(&run, "ground-speed", begun);
+    assert!(low > 0.9 && high < 1.1, "{low} to {high}");
+    run.carry_out(form("scanner", [word("off")]), 1.0).unwrap();
+    let off = run.now.seconds();
+    run.wait_s(60.0);
+    assert!(gaps(&run, "roll-angle", off + 1.0).0 > 0.9);
+    assert_eq!(run.last_number("truth-edr"), 0.2);
+}
+
+#[test]
+fn a_slew_that_the_mount_cannot_end_fails_by_its_deadline() {
+    let mut config = predator(Start::in_flight(40.0, -120.0, 3_000.0, 0.0));
+    config.model.cameras[0].pan_deg_max = 0.0;
+    let mut run = Run::new(config);
+    run.send(form("fly-to", [location(41.0, -120.0)]));
+    run.carry_out(form("camera", [word("camera-1"), word("power-up")]), 60.0).unwrap();
+    // Three kilometres to the right: a mount that only tilts never sees it while the aircraft flies north.
+    let here = run.world.position();
+    let aside = geodesy::destination(here, 90.0, 3_000.0);
+    let begun = run.now.seconds();
+    let target = location(aside.latitude_deg, aside.longitude_deg);
+    let reason = run.carry_out(form("point-camera", [word("camera-1"), target]), 30.0).unwrap_err();
+    // At most 90 degrees at 40 degrees per second, settling of 0.4 s, a margin of 2 s.
+    let took = run.now.seconds() - begun;
+    assert!((2.0..4.7).contains(&took), "{took}");
+    assert!(
+        reason.contains("the mount cannot come closer than") && reason.contains("turn or fly another way"),
+        "{reason}"
+    );
+    assert_eq!(run.values("camera-state").last().unwrap().1.to_string(), "ready");
+    // A target on the way comes into view, and is kept in view until it is behind.
+    let ahead = geodesy::destination(here, 0.0, 4_000.0);
+    let target = location(ahead.latitude_deg, ahead.longitude_deg);
+    run.carry_out(form("point-camera", [word("camera-1"), target]), 10.0).unwrap();
+    run.wait_s(90.0);
+    let lost = run.inputs.iter().find(|input| matches!(&input.kind, apex_model::event::EventKind::Occurrence(form) if form.to_string().starts_with("(out-of-view camera-1")));
+    assert!(lost.is_some());
 }

@@ -109,3 +109,54 @@ fn it_lands_on_the_spot_and_takes_off_again() {
     run.carry_out(form("take-off", [Value::Real(30.0)]), 60.0).unwrap();
     assert!((run.world.altitude_m() - 30.0).abs() < 7.0, "{}", run.world.altitude_m());
 }
+
+/// Paces of samples between two times: position and attitude, and the rest.
+fn paces(run: &Run, attribute: &str, from_s: f64, until_s: f64) -> Vec<f64> {
+    let times: Vec<f64> =
+        run.numbers(attribute).into_iter().map(|(at, _)| at).filter(|at| (from_s..until_s).contains(at)).collect();
+    times.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+#[test]
+fn a_target_straight_below_is_seen_in_seconds_and_attitude_is_dense_meanwhile() {
+    let mut run = hovering(wind(4.0, -2.0, 0.1));
+    run.carry_out(form("fly-to", [location(36.502, -121.7)]), 200.0).unwrap();
+    run.carry_out(form("camera", [word("camera-1"), word("power-up")]), 20.0).unwrap();
+    run.wait_s(10.0);
+    let begun = run.now.seconds();
+    assert!(paces(&run, "roll-angle", begun - 8.0, begun).iter().all(|pace| *pace > 0.9), "no sensor is in use");
+    let target = run.carry_out(form("point-camera", [word("camera-1"), word("barn")]), 10.0).unwrap();
+    assert_eq!(target.to_string(), "barn");
+    // 90 degrees of tilt at 30 degrees per second, and settling.
+    assert!((3.0..4.5).contains(&(run.now.seconds() - begun)), "{}", run.now.seconds() - begun);
+    assert!((run.last_number("camera-tilt") / geodesy::RAD_PER_DEG + 90.0).abs() < 3.0);
+    run.carry_out(form("take-picture", [word("camera-1")]), 5.0).unwrap();
+    let (taken, stored) =
+        (run.event("(image-taken camera-1 barn)").unwrap(), run.event("(image-in-memory barn)").unwrap());
+    assert!((stored - taken - 0.5).abs() < 1e-9, "{taken} {stored}");
+    run.wait_s(20.0);
+    let now = run.now.seconds();
+    for attribute in ["roll-angle", "camera-tilt"] {
+        let paces = paces(&run, attribute, begun, now);
+        assert!(paces.iter().all(|pace| *pace < 0.2001), "{attribute}: {paces:?}");
+    }
+    let rest = paces(&run, "ground-speed", begun + 5.0, now);
+    assert!(!rest.is_empty() && rest.iter().all(|pace| *pace > 0.5), "{rest:?}");
+    run.carry_out(form("camera", [word("camera-1"), word("power-off")]), 0.0).unwrap();
+    let off = run.now.seconds();
+    run.wait_s(20.0);
+    assert!(paces(&run, "roll-angle", off + 1.0, run.now.seconds()).iter().all(|pace| *pace > 0.9));
+}
+
+#[test]
+fn it_lands_off_field_and_below_itself_and_takes_off_from_there() {
+    let mut run = hovering(wind(3.0, -4.0, 0.0));
+    run.carry_out(form("fly-to", [location(36.503, -121.702)]), 200.0).unwrap();
+    let above = run.world.position();
+    assert_eq!(run.carry_out(form("land", [word("here")]), 120.0).unwrap().to_string(), "here");
+    assert!(geodesy::distance_m(run.world.position(), above) < 3.0);
+    assert!(run.event("(landed rmax-1)").is_some() && run.event("(crashed rmax-1)").is_none());
+    run.carry_out(form("take-off", [Value::Real(30.0)]), 60.0).unwrap();
+    run.carry_out(form("land", [location(36.504, -121.703)]), 200.0).unwrap();
+    assert!(geodesy::distance_m(run.world.position(), Position::new(36.504, -121.703)) < 3.0);
+}

@@ -1,4 +1,4 @@
-//! Measures monitors against their bars, and sets peers beside them.
+//! Measures monitors against their bars, and sets peers next to them.
 //!
 //! `monitoring traces FOLDER` writes the traces that peers watch too; `monitoring report [PEER.json]` measures and prints
 //! Markdown tables; `monitoring soak SAMPLES` shows what so many samples leave in memory. A figure is the least processor time of several runs: what the work costs when nothing else disturbs it.
@@ -131,7 +131,7 @@ fn single_samples(texts: &[String], values: &[f64]) -> Vec<f64> {
     times
 }
 
-/// Nanoseconds for a sample that nobody watches, beside a thousand monitors of another variable.
+/// Nanoseconds for a sample that nobody watches, next to a thousand monitors of another variable.
 fn unwatched(slices: bool) -> f64 {
     let samples = 100_000;
     let (instants, values): (Vec<Time>, Vec<f64>) = (0..samples).map(|index| (instant(index), index as f64)).unzip();
@@ -152,7 +152,7 @@ fn unwatched(slices: bool) -> f64 {
     ns / samples as f64
 }
 
-/// Nanoseconds to begin one more watch beside `count` others.
+/// Nanoseconds to begin one more watch next to `count` others.
 fn creation(count: usize) -> f64 {
     let more = 1_000;
     let (_, fresh) = conditions("", &duration_episodes(more));

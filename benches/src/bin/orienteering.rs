@@ -1,4 +1,4 @@
-//! How good plans of orienteering are, beside peers, at equal processor time.
+//! How good plans of orienteering are, next to peers, at equal processor time.
 //!
 //! `problems FOLDER` writes problems of our own as files for the peers; `ours SECONDS..` plans them and prints JSON; `report FOLDER`
 //! sets `ours.json`, `pyvrp.json` and `ortools.json` of the folder side by side; `proven SECONDS..` counts which problems of few

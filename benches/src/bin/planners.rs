@@ -1,4 +1,4 @@
-//! Planners of surveillance beside each other on test missions: mean log ratio of expected costs at equal CPU time.
+//! Planners of surveillance next to each other on test missions: mean log ratio of expected costs at equal CPU time.
 //!
 //! `planners MILLISECONDS MISSIONS LONG_MILLISECONDS [CELL ..]`: 2-Opt, WAM and the anytime planner for the same time, the
 //! anytime planner's gap to its best of runs from other seeds for the longer one (0: not asked), and to the proven bound. MISSIONS are as many, from 0,
@@ -12,7 +12,7 @@ use apex_model::problem::{Plan, Problem};
 use apex_planning::meter::Meter;
 use apex_planning::solver::{Budget, Environment, WorkBudget};
 use apex_portfolio::cell::Cell;
-use apex_solvers::bounds::ages::cycles;
+use apex_solvers::bounds::age_grid::cycles;
 use std::collections::BTreeMap;
 use std::ops::Range;
 

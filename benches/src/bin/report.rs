@@ -1,4 +1,4 @@
-//! Sets what Criterion measured beside the bars and beside the peers, as a Markdown table.
+//! Sets what Criterion measured next to the bars and next to the peers, as a Markdown table.
 //!
 //! `report CRITERION_FOLDER ROWS_FOLDER [PEER.json]..`: reads the medians of the last run, so it must follow one, and the
 //! figures that other programs kept.

@@ -1,10 +1,10 @@
-//! Travel matrices among zones: processor time and growth, beside extremitypathfinder.
+//! Travel matrices among zones: processor time and growth, next to extremitypathfinder.
 //!
 //! `travel world FILE`: writes the world of 100 places and 50 zones for the peer. `travel report FILE PEER.json`: our matrix
 //! of the same world with its lengths compared, matrices on the Earth with zones' margins and changing wind, growth.
 
 use apex_geo::plane::{self, Plane, Point};
-use apex_geo::travel::{Air, Network, PlaceId, PlaneZone, Setting};
+use apex_geo::travel::{Air, EndpointId, Network, PlaneZone, Setting};
 use apex_model::problem::{AirspaceZone, Area, Position, TimeWindow, WindField, WindLayer, ZoneKind};
 use apex_planning::random::Generator;
 use std::fmt::Write;
@@ -108,7 +108,7 @@ fn flat(world: &World) -> Vec<Vec<Option<f64>>> {
     let mut zones: Vec<PlaneZone> = world.zones.iter().enumerate().map(zone).collect();
     zones.push(PlaneZone { keep_in: true, corners: world.boundary.clone(), ..PlaneZone::default() });
     let Ok(mut network) = Network::on_plane(&zones, (0.0, 0.0), Air::still(1.0), DAY_S) else { return Vec::new() };
-    let places: Vec<PlaceId> = world.places.iter().filter_map(|place| network.add_point(*place).ok()).collect();
+    let places: Vec<EndpointId> = world.places.iter().filter_map(|place| network.add_point(*place).ok()).collect();
     let trips = network.matrix(&places, &places, 0.0);
     trips.into_iter().map(|row| row.into_iter().map(|trip| Some(trip?.arrive_s)).collect()).collect()
 }
@@ -150,7 +150,7 @@ fn earth(world: &World, windows: bool) -> Earth {
                 until_s: f64::from(hours + 1) * 21_600.0,
                 wind_east_mps: strong,
                 wind_north_mps: if area.is_some() { -0.5 * strong } else { 0.3 * strong },
-                turbulence: 0.0,
+                edr: 0.0,
             });
         }
     }
@@ -176,9 +176,9 @@ fn flown(earth: &Earth, ready_s: f64) -> (usize, usize) {
     };
     let air = Air::new(&earth.wind, 7_000.0, 95.0, DAY_S.0, DAY_S.1);
     let Ok(mut network) = Network::new(&setting, air) else { return (0, 0) };
-    let places: Vec<PlaceId> = earth.places.iter().filter_map(|place| network.add(*place).ok()).collect();
+    let places: Vec<EndpointId> = earth.places.iter().filter_map(|place| network.add(*place).ok()).collect();
     let trips = network.matrix(&places, &places, ready_s);
-    (trips.iter().flatten().flatten().count(), network.bends())
+    (trips.iter().flatten().flatten().count(), network.path_vertices())
 }
 
 fn report(peer: &serde_json::Value) {

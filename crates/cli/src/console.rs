@@ -1,8 +1,8 @@
-//! People and programs that speak while a run goes on: lines from standard input or a port, questions on the terminal,
+//! People and programs that speak while a run continues: lines from standard input or a port, questions on the terminal,
 //! Ctrl-C.
 
+use crate::error::{CliError, CliResult};
 use crate::output;
-use crate::trouble::{Outcome, Trouble};
 use apex_executive::state::agent::Agent;
 use apex_model::effect::{DecisionKind, Effect, QuestionId};
 use apex_model::event::{Batch, EventKind};
@@ -17,10 +17,10 @@ use std::io::{BufRead, BufReader, Read};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Inputs that may wait for a run that is busy; whoever sends more waits.
+/// Inputs that may wait for a run that is busy; the caller that sends more waits.
 const WAITING_MAX: usize = 10_000;
 
-/// Asks on the terminal, and tells what becomes of answers.
+/// Asks on the terminal, and tells the outcome of answers.
 pub struct Asker {
     open: OpenQuestions,
     names: Vec<Symbol>,
@@ -38,9 +38,9 @@ impl Asker {
         let options: Vec<String> = options.iter().map(ToString::to_string).collect();
         let choices = if options.is_empty() { String::new() } else { format!(" [{}]", options.join(", ")) };
         let number = self.number(question);
-        // Open before it is shown: whoever reads it may answer at once.
+        // Open before it is shown: the caller that reads it may answer at once.
         self.open.opened(agent, question, text);
-        output::complain(format_args!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
+        output::print_error(format_args!("? {number}: {text}{choices}{}", end.unwrap_or_default()));
     }
 
     /// `2`, or `pilot/2` where several agents ask.
@@ -70,11 +70,11 @@ impl Observer for Asker {
                     self.asked(*question, text, options, end);
                 }
                 Effect::WithdrawQuestion { question, reason } => {
-                    output::complain(format_args!("  {}: withdrawn, {reason}", self.number(*question)));
+                    output::print_error(format_args!("  {}: withdrawn, {reason}", self.number(*question)));
                 }
                 Effect::Decided(decision) if answered => {
                     if let DecisionKind::Trouble { message } = &decision.kind {
-                        output::complain(format_args!("  {message}"));
+                        output::print_error(format_args!("  {message}"));
                     }
                 }
                 _ => {}
@@ -93,7 +93,7 @@ impl Observer for Asker {
 ///
 /// # Errors
 /// The port cannot be had, or the system gives no signal handler.
-pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> Outcome<Receiver<Control>> {
+pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> CliResult<Receiver<Control>> {
     let (say, controls) = sync_channel(WAITING_MAX);
     let stop = say.clone();
     ctrlc::set_handler(move || {
@@ -102,7 +102,7 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> Outcome<R
             std::process::exit(130);
         }
     })
-    .map_err(|error| Trouble::failure("cannot listen to Ctrl-C").because(error))?;
+    .map_err(|error| CliError::failure("cannot listen to Ctrl-C").because(error))?;
     if let Some(port) = port {
         let listener = bind(port)?;
         let (open, say) = (open.clone(), say.clone());
@@ -130,15 +130,15 @@ pub fn listen(open: &OpenQuestions, stdin: bool, port: Option<u16>) -> Outcome<R
 ///
 /// # Errors
 /// Another program has it.
-pub fn bind(port: u16) -> Outcome<TcpListener> {
+pub fn bind(port: u16) -> CliResult<TcpListener> {
     let refused = |error| {
-        Trouble::failure(format!("cannot listen on 127.0.0.1:{port}"))
+        CliError::failure(format!("cannot listen on 127.0.0.1:{port}"))
             .because(error)
             .help("stop the program that uses the port, or choose another one with `--listen` (0 takes any free one)")
     };
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
     if let Ok(address) = listener.local_addr() {
-        output::complain(format_args!("listening on {address}"));
+        output::print_error(format_args!("listening on {address}"));
     }
     Ok(listener)
 }
@@ -160,7 +160,7 @@ fn hear(mut lines: impl BufRead, open: &OpenQuestions, say: &SyncSender<Control>
                     return;
                 }
             }
-            Err(fault) => output::complain(format_args!("  {fault}")),
+            Err(fault) => output::print_error(format_args!("  {fault}")),
         }
     }
 }

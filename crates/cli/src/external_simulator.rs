@@ -2,7 +2,7 @@
 //! over a port of this machine.
 
 use crate::console;
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{CliError, CliResult};
 use apex_model::library::Library;
 use apex_model::value::Value;
 use apex_runtime::RunEnd;
@@ -10,18 +10,18 @@ use apex_runtime::foreign::{Cues, ForeignEnd, SimulatorLink};
 use std::io::{BufRead, BufReader, Write};
 
 /// Runs one episode over the link, from its greeting to its end or reset.
-pub type Episode<'a> = dyn FnMut(&mut SimulatorLink<'_>) -> Outcome<ForeignEnd> + 'a;
+pub type Episode<'a> = dyn FnMut(&mut SimulatorLink<'_>) -> CliResult<ForeignEnd> + 'a;
 
 /// Runs episodes until the simulator stops or the application ends; after a reset the next one begins. A recorded
 /// run cannot be reset.
 ///
 /// # Errors
 /// The simulator could not connect; as `episode`.
-pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut Episode<'_>) -> Outcome<RunEnd> {
+pub fn run(library: &Library, port: Option<u16>, recorded: bool, episode: &mut Episode<'_>) -> CliResult<RunEnd> {
     let (mut input, mut output): (Box<dyn BufRead>, Box<dyn Write>) = match port {
         None => (Box::new(std::io::stdin().lock()), Box::new(std::io::stdout())),
         Some(port) => {
-            let lost = |error| Trouble::failure("the simulator could not connect").because(error);
+            let lost = |error| CliError::failure("the simulator could not connect").because(error);
             let (stream, _) = console::bind(port)?.accept().map_err(lost)?;
             (Box::new(BufReader::new(stream.try_clone().map_err(lost)?)), Box::new(stream))
         }

@@ -10,14 +10,14 @@
 
 mod commands;
 mod console;
+mod error;
 mod external_simulator;
 mod monitor;
 mod options;
 mod output;
 mod recording;
 mod sources;
-mod telling;
-mod trouble;
+mod text;
 
 pub use apex_planning::Registry;
 pub use apex_solvers::shipped;
@@ -51,6 +51,8 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Run(options) => commands::run::run(&options, planners),
         Command::Fly(options) => commands::fly::run(&options, planners),
         Command::Replay(options) => commands::replay::run(&options),
+        Command::Verify(options) => commands::verify::run(&options),
+        Command::Score(options) => commands::score::run(&options),
         Command::Fork(options) => commands::fork::run(&options, planners),
         Command::Why(options) => commands::why::run(&options),
         Command::WhyNot(options) => commands::why_not::run(&options),
@@ -59,15 +61,16 @@ fn run(options: Options, planners: &Arc<Registry>) -> ExitCode {
         Command::Export(options) => commands::export::run(&options),
         Command::Plan(options) => commands::plan::run(&options, planners),
         Command::Profile(command) => commands::profile::run(&command, planners),
+        Command::Vehicle(options) => commands::vehicle::run(&options),
         Command::Serve(options) => commands::serve::run(&options, planners),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(trouble) => {
-            if !trouble.message.is_empty() {
-                output::complain(&trouble);
+        Err(error) => {
+            if !error.message.is_empty() {
+                output::print_error(&error);
             }
-            trouble.exit_code()
+            error.exit_code()
         }
     }
 }

@@ -2,12 +2,15 @@
 
 mod fork;
 mod profile;
+mod vehicle;
 
 pub use fork::ForkOptions;
 pub use profile::{
     ProfileBuildOptions, ProfileCommand, ProfileCompareOptions, ProfileMergeOptions, ProfileShowOptions,
     ProfileUpdateOptions, ProfileWorkOptions,
 };
+
+pub use vehicle::VehicleOptions;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -41,6 +44,10 @@ pub enum Command {
     Fly(FlyOptions),
     /// Re-execute a flight record and compare every decision byte for byte.
     Replay(ReplayOptions),
+    /// Hold the positions of a flight record against the airspace, the landing distance and the ground of its mission.
+    Verify(VerifyOptions),
+    /// Print what a recorded flight achieved, computed again from its record alone.
+    Score(ScoreOptions),
     /// Continue a recorded flight from an instant on with other inputs, wind, seed or plan, and compare both reports.
     Fork(ForkOptions),
     /// Explain a flight: why a task started, waits, was interrupted, ended; why a resource is somebody's; why a command was sent.
@@ -58,6 +65,8 @@ pub enum Command {
     /// Measure planners on test missions, and show what the profile table says of them.
     #[command(subcommand)]
     Profile(ProfileCommand),
+    /// Check vehicle files and print what follows from them: endurance, range, reserve, turns, pixels, swaths.
+    Vehicle(VehicleOptions),
     /// Open Sherpa, the web page, on a flight record, or fly missions for programs that ask over HTTP.
     Serve(ServeOptions),
 }
@@ -68,7 +77,7 @@ pub struct CheckOptions {
     /// PDL files, or mission folders; with `--fix`, `-` fixes standard input to standard output.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Make the fixes that are safe, in the files and in what they require beside them, and check what is left.
+    /// Make the fixes that are safe, in the files and in what they require next to them, and check what is left.
     #[arg(long)]
     pub fix: bool,
     /// Change no file: print what `--fix` would change, as a unified difference.
@@ -129,7 +138,7 @@ pub struct RunOptions {
     /// Where the trace goes; `-` is standard output (the default).
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Print the trace as text for people instead of JSON lines.
+    /// Print the trace as text for operators instead of JSON lines.
     #[arg(long)]
     pub text: bool,
     /// Also write a flight record.
@@ -157,13 +166,13 @@ pub struct FlyOptions {
     /// Choose the solver by this table instead of the one that ships; `apex profile build --table` writes one.
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
-    /// Wall time after which a solver that does not return is given up; default is 5 minutes.
+    /// Wall time after which a solver that does not return is abandoned; default is 5 minutes.
     #[arg(long, value_name = "TIME")]
     pub solver_patience: Option<String>,
     /// Mebibytes by which the program may grow while a solver works; default is 1024.
     #[arg(long, value_name = "NUMBER")]
     pub solver_memory: Option<u32>,
-    /// Serve Sherpa while flying, and go on serving after.
+    /// Serve Sherpa while flying, and continue serving after.
     #[arg(long)]
     pub serve: bool,
     /// Port of Sherpa.
@@ -187,6 +196,26 @@ pub struct ReplayOptions {
     pub json: bool,
 }
 
+/// `apex verify`
+#[derive(Args)]
+pub struct VerifyOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `apex score`
+#[derive(Args)]
+pub struct ScoreOptions {
+    /// The flight record.
+    pub record: PathBuf,
+    /// Print the report as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `apex why`
 #[derive(Args)]
 pub struct WhyOptions {
@@ -197,7 +226,7 @@ pub struct WhyOptions {
     pub task: String,
     /// How it is told.
     #[command(flatten)]
-    pub telling: TellingOptions,
+    pub explanation: ExplanationOptions,
 }
 
 /// `apex why-not`
@@ -209,12 +238,12 @@ pub struct WhyNotOptions {
     pub what: String,
     /// How it is told.
     #[command(flatten)]
-    pub telling: TellingOptions,
+    pub explanation: ExplanationOptions,
 }
 
 /// When and how an explanation is told.
 #[derive(Args)]
-pub struct TellingOptions {
+pub struct ExplanationOptions {
     /// The instant: seconds, `1:30:00`, or a duration; default is the end.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub at: Option<String>,
@@ -381,7 +410,7 @@ pub struct PlanOptions {
 /// How a plan is printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum PlanFormat {
-    /// A table for people.
+    /// A table for operators.
     Table,
     /// One object with the plan, its value, bound and processor time.
     Json,

@@ -1,7 +1,7 @@
 //! Standard output and standard error. A reader that has seen enough (`apex trace F | head -1`) is no failure; a full
 //! disk is one, and never a panic.
 
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{CliError, CliResult};
 use std::cell::Cell;
 use std::fmt;
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -12,7 +12,7 @@ use std::rc::Rc;
 ///
 /// # Errors
 /// The output cannot be written. A reader that went away is no error.
-pub fn print(text: impl fmt::Display) -> Outcome {
+pub fn print(text: impl fmt::Display) -> CliResult {
     let mut out = io::stdout().lock();
     match write!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(error)),
@@ -24,7 +24,7 @@ pub fn print(text: impl fmt::Display) -> Outcome {
 ///
 /// # Errors
 /// As [`print`].
-pub fn print_line(text: impl fmt::Display) -> Outcome {
+pub fn print_line(text: impl fmt::Display) -> CliResult {
     print(format_args!("{text}\n"))
 }
 
@@ -32,10 +32,10 @@ pub fn print_line(text: impl fmt::Display) -> Outcome {
 ///
 /// # Errors
 /// The file cannot be written; or as [`print`].
-pub fn put(out: Option<&Path>, text: &str) -> Outcome {
+pub fn put(out: Option<&Path>, text: &str) -> CliResult {
     let Some(path) = out else { return print(text) };
     if path.is_dir() {
-        return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
+        return Err(CliError::user(format!("{} is a folder", path.display())).help("name a file in it"));
     }
     std::fs::write(path, text).map_err(|error| {
         let help = match error.kind() {
@@ -43,19 +43,19 @@ pub fn put(out: Option<&Path>, text: &str) -> Outcome {
             ErrorKind::PermissionDenied => "name a file that you may write",
             _ => "what is in the file now is incomplete; look at the space there",
         };
-        Trouble::failure(format!("cannot write {}", path.display())).because(error).help(help)
+        CliError::failure(format!("cannot write {}", path.display())).because(error).help(help)
     })
 }
 
-/// Prints one line to standard error. Where that cannot be written there is nobody left to tell.
-pub fn complain(text: impl fmt::Display) {
+/// Prints one line to standard error. A failure to write it is ignored: the exit code still reports the error.
+pub fn print_error(text: impl fmt::Display) {
     // Nothing can be done about it, and the exit code still says what happened.
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// What to say when standard output cannot be written.
-fn unwritable(error: io::Error) -> Trouble {
-    Trouble::failure("cannot write to standard output")
+fn unwritable(error: io::Error) -> CliError {
+    CliError::failure("cannot write to standard output")
         .because(error)
         .help("what was printed is incomplete; look at where the output goes, and at the space there")
 }

@@ -1,11 +1,12 @@
 //! Programs with their diagnostics on the terminal; times and lengths as people type them.
 
+use crate::error::{CliError, CliResult};
 use crate::output;
-use crate::trouble::{Outcome, Trouble};
 pub use apex_mission::program::{
     agent_of, check_conditions, check_program, check_program_with, check_text_with, check_texts, crew_of,
     host_functions, load_recorded, program_path,
 };
+pub use apex_mission::recorded::load_program as load_flown_program;
 use apex_mission::{Mission, scenario};
 use apex_model::library::Library;
 use apex_model::time::{Duration, Time};
@@ -20,17 +21,17 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// The program cannot be read or has errors; they have been printed.
-pub fn load_program(path: &Path) -> Outcome<Arc<Library>> {
+pub fn load_program(path: &Path) -> CliResult<Arc<Library>> {
     let checked = check_program(path, false)?;
     print_warnings_and_errors(&checked);
-    if checked.has_errors() { Err(Trouble::told()) } else { Ok(Arc::new(checked.library)) }
+    if checked.has_errors() { Err(CliError::already_reported()) } else { Ok(Arc::new(checked.library)) }
 }
 
 /// Loads the mission in a folder, or of a `mission.pdl`; diagnostics of its program are printed.
 ///
 /// # Errors
 /// As [`load_program`]; everything that can be wrong with the mission's settings and data.
-pub fn load_mission(path: &Path) -> Outcome<Mission> {
+pub fn load_mission(path: &Path) -> CliResult<Mission> {
     let library = load_program(path)?;
     Ok(Mission::of_program(path, library)?)
 }
@@ -39,14 +40,14 @@ pub fn load_mission(path: &Path) -> Outcome<Mission> {
 ///
 /// # Errors
 /// The inputs cannot be read, or are not scripted inputs.
-pub fn inputs_of(path: &Path) -> Outcome<Vec<Input>> {
+pub fn inputs_of(path: &Path) -> CliResult<Vec<Input>> {
     if path.as_os_str() != "-" {
         return Ok(scenario::read(path)?);
     }
     let mut text = String::new();
     std::io::stdin()
         .read_to_string(&mut text)
-        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+        .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     Ok(scenario::parse("<standard input>", &text)?)
 }
 
@@ -56,7 +57,7 @@ pub fn print_warnings_and_errors(checked: &Checked) {
         checked.diagnostics.iter().filter(|each| each.severity != apex_pdl::Severity::Note).cloned().collect();
     if !serious.is_empty() {
         let rendered = apex_pdl::render(&serious, &checked.library.sources, std::io::stderr().is_terminal());
-        output::complain(rendered.trim_end_matches('\n'));
+        output::print_error(rendered.trim_end_matches('\n'));
     }
 }
 
@@ -64,9 +65,9 @@ pub fn print_warnings_and_errors(checked: &Checked) {
 ///
 /// # Errors
 /// Says what was given and what is understood.
-pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
+pub fn parse_time(text: &str, option: &str) -> CliResult<Time> {
     let bad = || {
-        Trouble::user(format!("`{option} {text}` is no time"))
+        CliError::user(format!("`{option} {text}` is no time"))
             .help("write seconds (90), a duration (20s, 2h, P1M30S), or hours:minutes:seconds (1:30:00)")
     };
     let time = if text.contains(':') {
@@ -81,7 +82,7 @@ pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
     };
     match time.ok_or_else(bad)? {
         early if early < Time::ZERO => {
-            Err(Trouble::user(format!("`{option} {text}` is before the start")).help("mission time begins at 0"))
+            Err(CliError::user(format!("`{option} {text}` is before the start")).help("mission time begins at 0"))
         }
         time => Ok(time),
     }
@@ -91,12 +92,12 @@ pub fn parse_time(text: &str, option: &str) -> Outcome<Time> {
 ///
 /// # Errors
 /// Says what was given and what is understood.
-pub fn parse_length_m(text: &str, option: &str) -> Outcome<f64> {
+pub fn parse_length_m(text: &str, option: &str) -> CliResult<f64> {
     use apex_model::quantity::Dimension;
     let value = apex_pdl::read_value(text).ok();
     match value.as_ref().and_then(Value::as_number) {
         Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres > 0.0 && metres.is_finite() => Ok(metres),
-        _ => Err(Trouble::user(format!("`{option} {text}` is no length above 0"))
+        _ => Err(CliError::user(format!("`{option} {text}` is no length above 0"))
             .help("write metres (60), or a length with its unit (60m, 200ft)")),
     }
 }

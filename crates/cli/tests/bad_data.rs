@@ -67,7 +67,7 @@ fn targets_that_are_no_targets_are_named() {
         "targets.geojson",
         id,
         "\"id\": \"hangar-1\"",
-        &["two features have the id `hangar-1`", "features 1 and 2"],
+        &["two features have the id `hangar-1`", "feature 2", "the other one is m/targets.geojson: feature 1"],
     );
     picture("targets.geojson", "\"Point\"", "\"LineString\"", &["targets.geojson"]);
     picture("targets.geojson", "FeatureCollection", "FeatureCollectoin", &["targets.geojson is not GeoJSON"]);
@@ -102,11 +102,11 @@ fn tables_are_read_strictly() {
         &["m/winds.csv: missing columns: wind_speed_mps", "why: the first line names"],
     );
     watch(file, "south_deg", "south", &["m/winds.csv: unknown column `south`", "known are altitude_m_min"]);
-    watch(file, "300,3,0.1", "300,fast,0.1", &["m/winds.csv:2: `wind_speed_mps` is `fast`, not a number"]);
-    watch(file, "300,3,0.1", "300,,0.1", &["m/winds.csv:2: `wind_speed_mps` is empty"]);
-    watch(file, "300,3,0.1", "300,NaN,0.1", &["m/winds.csv:2: `wind_speed_mps` is NaN", "between 0 and 150"]);
-    watch(file, "300,4.5,0.08", "400,4.5,0.08", &["m/winds.csv:3: `wind_from_deg` is 400", "between 0 and 360"]);
-    watch(file, "300,3,0.1", "300,3,0.1,7", &["m/winds.csv", "line: 2"]);
+    watch(file, "300,3,0.05", "300,fast,0.05", &["m/winds.csv:2: `wind_speed_mps` is `fast`, not a number"]);
+    watch(file, "300,3,0.05", "300,,0.05", &["m/winds.csv:2: `wind_speed_mps` is empty"]);
+    watch(file, "300,3,0.05", "300,NaN,0.05", &["m/winds.csv:2: `wind_speed_mps` is NaN", "between 0 and 150"]);
+    watch(file, "300,4.5,0.04", "400,4.5,0.04", &["m/winds.csv:3: `wind_from_deg` is 400", "between 0 and 360"]);
+    watch(file, "300,3,0.05", "300,3,0.05,7", &["m/winds.csv", "line: 2"]);
     watch(file, ",,,,0,200", "1,,,,0,200", &["m/winds.csv:2: an area needs all four edges"]);
     watch(file, ",,,,0,200", ",,,,300,200", &["m/winds.csv:2: the layer's upper face is not above its lower face"]);
     let desk = Desk::with_mission("structure-watch");
@@ -158,7 +158,11 @@ fn options_of_the_application_are_told_with_their_place() {
     change(":duration 15min", ":start \"noon\"", &[place, "`:start \"noon\"` cannot be read", "2007-09-08"]);
     change("\"targets.geojson\"", "targets", &[place, "`:targets targets` cannot be read", "a string"]);
     change("(sim :model rmax", "(mavlink :model rmax", &[place, "unknown kind of vehicle `mavlink`", "`sim`"]);
-    change(":model rmax", ":model concorde", &[place, "unknown", "`concorde`", "predator-b, rmax"]);
+    change(
+        ":model rmax",
+        ":model concorde",
+        &[place, "unknown", "`concorde`", "fixed-wing-mapper, global-hawk, predator-b, quadrotor, rmax"],
+    );
     change(":at (37.4150 -122.0480))", ":at moffett)", &[place, "`:at moffett` is no place", "wind-tunnel"]);
     change(":at (37.4150 -122.0480))", ")", &[place, ":vehicle", "(sim :model NAME :at PLACE)"]);
     change(":vehicle (sim :model rmax :at (37.4150 -122.0480))", "", &[place, "names no vehicle", "`apex run`"]);
@@ -226,7 +230,8 @@ fn a_start_and_a_target_inside_an_obstacle_are_told() {
     let desk = Desk::with_mission("structure-watch");
     let pad = "[-121.106, 37.404], [-121.104, 37.404], [-121.104, 37.406], [-121.106, 37.406], [-121.106, 37.404]";
     desk.change("m/obstacles.geojson", mast, pad);
-    desk.apex(&["plan", "m"]).complained(2, &["The start cannot be used: inside restricted area Radio mast"]);
+    desk.apex(&["plan", "m"])
+        .complained(2, &["the requirement `airspace` cannot be met from the start", "restricted zone `Radio mast`"]);
 }
 
 #[test]

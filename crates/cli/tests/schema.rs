@@ -62,7 +62,7 @@ fn every_shipped_vehicle_file_obeys_the_schema() {
     let vehicles = schema("vehicle.schema.json");
     for shipped in apex_vehicle::SHIPPED {
         let file = obeys(&vehicles, shipped.text);
-        for (section, member) in [("flight", "wheel_base_m"), ("planning", "mood"), ("fuel", "colour")] {
+        for (section, member) in [("flight", "wheel_base_m"), ("planning", "mood"), ("reserve", "colour")] {
             let mut wrong = file.clone();
             wrong[section][member] = json!(1.0);
             assert!(!vehicles.is_valid(&wrong), "{section}.{member}");
@@ -70,6 +70,22 @@ fn every_shipped_vehicle_file_obeys_the_schema() {
         let mut wrong = file;
         wrong["flight"].as_object_mut().unwrap().remove("ceiling_m");
         assert!(!vehicles.is_valid(&wrong));
+    }
+}
+
+#[test]
+fn every_shipped_sensor_file_obeys_the_schema() {
+    let sensors = schema("sensor.schema.json");
+    for shipped in apex_vehicle::SHIPPED_SENSORS {
+        let file = obeys(&sensors, shipped.text);
+        for (section, member) in [("motion", "wheel_base_m"), ("data", "mood")] {
+            let mut wrong = file.clone();
+            wrong[section][member] = json!(1.0);
+            assert!(!sensors.is_valid(&wrong), "{section}.{member}");
+        }
+        let mut wrong = file;
+        wrong["kind"] = json!(if wrong["kind"] == "frame" { "video" } else { "frame" });
+        assert!(!sensors.is_valid(&wrong));
     }
 }
 
@@ -90,7 +106,7 @@ fn examples() -> Vec<Value> {
     let given = desk.apex(&["plan", "windows.txt", "--problem"]).well().out;
     let mut flown: Value = serde_json::from_str(FLOWN).unwrap();
     let layer = json!({"area": {"south_deg": 36.0, "north_deg": 38.0, "west_deg": -123.0, "east_deg": -121.0}, "altitude_m_min": 0.0,
-        "altitude_m_max": 900.0, "from_s": 0.0, "until_s": 1e18, "wind_east_mps": 2.0, "wind_north_mps": -1.0, "turbulence": 0.1});
+        "altitude_m_max": 900.0, "from_s": 0.0, "until_s": 1e18, "wind_east_mps": 2.0, "wind_north_mps": -1.0, "edr": 0.1});
     let problem = &mut flown["SingleVisit"];
     problem["wind"]["layers"] = json!([layer]);
     problem["landing_places"] = json!([{"name": "field", "position": {"latitude_deg": 37.0, "longitude_deg": -122.0}}]);

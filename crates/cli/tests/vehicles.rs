@@ -4,7 +4,7 @@
 
 mod common;
 
-use apex_vehicle::ShippedVehicle;
+use apex_vehicle::{ShippedSensor, ShippedVehicle};
 use common::Desk;
 
 /// A shipped mission whose model `name` is replaced by the file `my-uav.json`, a copy of that model's with one change.
@@ -79,14 +79,11 @@ fn plans_follow_the_vehicle_file_and_the_application() {
     let own = desk(
         "western-states",
         "predator-b",
-        "\"reserve_share\": {\"value\": 0.08",
-        "\"reserve_share\": {\"value\": 0.16",
+        "\"duration_min\": {\"value\": 45.0",
+        "\"duration_min\": {\"value\": 90.0",
     );
-    own.change(
-        "m/mission.pdl",
-        ":duration 24h",
-        ":duration 24h :end-margin 2h :zone-margin 5km :failure (:vehicle-cost 900)",
-    );
+    own.change("m/mission.pdl", ":duration 24h", ":duration 24h :end-margin 2h :zone-margin 5km");
+    own.change("m/mission.pdl", ":vehicle-cost 400", ":vehicle-cost 900");
     let changed = problem(&own);
     assert_eq!(
         changed["vehicle"]["fuel_reserve_kg"].as_f64(),
@@ -94,7 +91,7 @@ fn plans_follow_the_vehicle_file_and_the_application() {
     );
     assert_eq!((&changed["end_s"], &changed["zone_margin_m"]), (&79_200.0.into(), &5_000.0.into()));
     assert_eq!(changed["failure"]["vehicle_cost"], 900.0);
-    assert_eq!(changed["failure"]["mission_cost"], 300.0, "what is left out keeps its default");
+    assert_eq!(changed["failure"]["mission_cost"], 300.0, "the other costs stay");
 }
 
 #[test]
@@ -105,7 +102,7 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
         assert_eq!(desk.names(), ["m"], "no record is left behind");
     };
     refused(
-        "\"value\": 2500.0, \"source\": \"simulation assumption\"}",
+        "\"value\": 2500.0, \"source\": \"assumption\"}",
         "\"value\": -1, \"source\": \"none\"}",
         &[
             "vehicle file `m/my-uav.json`: invalid `flight.ceiling_m`",
@@ -120,13 +117,47 @@ fn a_wrong_vehicle_file_is_refused_with_its_field() {
     assert!(said.err.contains("names it as `:model \"their-uav.json\"`"), "{}", said.err);
 }
 
+/// A mission brings a sensor of its own: its bytes are in the record, and its errors name its file.
+#[test]
+fn a_vehicle_file_names_sensor_files_beside_it() {
+    let own = desk("first-picture", "rmax", "\"sensor\": \"rmax-camera\"", "\"sensor\": \"eye.json\"");
+    let camera = ShippedSensor::find("rmax-camera").unwrap().text.replace("The tilt camera", "OUR OWN tilt camera");
+    own.write("m/eye.json", &camera);
+    trace(&own);
+    let bytes = std::fs::read(own.path("r.apex")).unwrap();
+    assert!(bytes.windows(19).any(|window| window == b"OUR OWN tilt camera"));
+    own.apex(&["vehicle", "m/my-uav.json"]).well().told(&["camera-1", "rmax-camera (video)"]);
+    own.write("m/eye.json", &camera.replace("\"settle_s\": {\"value\": 0.4", "\"settle_s\": {\"value\": -0.4"));
+    let phrases = ["sensor file `m/eye.json`: invalid `mount.settle_s`", "not negative, found -0.4"];
+    own.apex(&["fly", "m", "--no-progress"]).complained(2, &phrases);
+    std::fs::remove_file(own.path("m/eye.json")).unwrap();
+    own.apex(&["fly", "m", "--no-progress"]).complained(2, &["`sensors[0].sensor`", "cannot read m/eye.json"]);
+    own.apex(&["replay", "r.apex"]).well();
+}
+
+#[test]
+fn figures_that_follow_from_a_vehicle_are_printed() {
+    let desk = Desk::new();
+    desk.apex(&["vehicle"]).well().told(&["quadrotor  library/vehicles/quadrotor.json"]);
+    let printed = desk.apex(&["vehicle", "predator-b", "quadrotor"]).well();
+    printed.told(&[
+        "endurance in cruise        1658 min",
+        "reserve                    48.02 kg, 45 min of cruise",
+        "from 7620 m              pixel 9.525 m below",
+        "at 12.5 lines/s          no gaps from 6093 m up",
+        "endurance in hover         55 min",
+    ]);
+    desk.apex(&["vehicle", "quadrotr"]).complained(2, &["did you mean `quadrotor`?"]);
+    desk.apex(&["vehicle", "none.json"]).complained(2, &["cannot read none.json"]);
+}
+
 #[test]
 fn fires_need_a_scanner() {
     let text = ShippedVehicle::find("predator-b").unwrap().text;
-    let (before, rest) = text.split_once("  \"scanner\"").unwrap();
-    let (_, after) = rest.split_once("  \"cameras\"").unwrap();
+    let carried = "{\"name\": \"scanner\", \"sensor\": \"ams-wildfire\", \"mode\": \"1.25 mrad wide\"},";
+    assert!(text.contains(carried));
     let own = Desk::with_mission("western-states");
-    own.write("m/my-uav.json", &format!("{before}  \"cameras\"{after}"));
+    own.write("m/my-uav.json", &text.replace(carried, ""));
     own.change("m/mission.pdl", ":model predator-b", ":model \"my-uav.json\"");
     own.apex(&["plan", "m"]).complained_of(&["no way to observe it: the vehicle `predator-b` carries no line scanner"]);
 }

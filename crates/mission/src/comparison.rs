@@ -1,10 +1,17 @@
 //! Two reports of one mission side by side.
 
 use crate::report::{MissionValue, Report};
+use crate::score::{CostKind, FlightScore};
 use apex_model::time::Time;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 
+/// Lines of the table are no wider than this many characters.
+const LINE_WIDTH: usize = 120;
+/// The widest column of names; longer names are wrapped.
+const NAME_WIDTH_MAX: usize = 40;
+/// Spaces before and between columns.
+const GAP: usize = 2;
 /// Notes printed on the terminal; all are in the record.
 const NOTES_PRINTED_MAX: usize = 30;
 
@@ -41,9 +48,7 @@ impl Comparison<'_> {
             ("Observed (begin, worth or observations)".to_string(), self.observed()),
             ("Not observed".to_string(), self.left_out()),
         ];
-        let rows = || groups.iter().flat_map(|(_, rows)| rows);
-        let name_width = rows().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let entry_width = rows().map(|(_, [entry, _])| entry.chars().count()).max().unwrap_or(0);
+        let widths = widths(groups.iter().flat_map(|(_, rows)| rows));
         let mut text = String::new();
         for (title, rows) in &groups {
             if rows.is_empty() {
@@ -53,10 +58,7 @@ impl Comparison<'_> {
                 // Writing to a string cannot fail.
                 let _ = writeln!(text, "\n{title}");
             }
-            for (name, [first, second]) in rows {
-                let line = format!("  {name:<name_width$}  {first:<entry_width$}  {second}");
-                let _ = writeln!(text, "{}", line.trim_end());
-            }
+            rows.iter().for_each(|row| write_row(&mut text, row, widths));
         }
         let notes = self.reports[1].notes.iter().filter(|note| note.at > self.from);
         for (number, note) in notes.take(NOTES_PRINTED_MAX).enumerate() {
@@ -73,7 +75,7 @@ impl Comparison<'_> {
             let entries = self.reports.map(|report| entry(report).unwrap_or_else(|| "-".to_string()));
             (entries != ["-", "-"]).then(|| (name.to_string(), entries))
         };
-        let score = |part: fn(&apex_metrics::mission_score::MissionScore) -> f64| {
+        let score = |part: fn(&FlightScore) -> f64| {
             move |report: &Report| match &report.value {
                 MissionValue::Score(score) => Some(format!("{:.1}", part(score))),
                 MissionValue::Ignorance(_) | MissionValue::None => None,
@@ -88,8 +90,8 @@ impl Comparison<'_> {
             row("because", &|report| Some(report.end.1.clone())),
             row("mission score", &score(|score| score.score)),
             row("benefits", &score(|score| score.benefits)),
-            row("personnel", &score(|score| score.personnel_cost)),
-            row("failure", &score(|score| score.failure_cost)),
+            row("personnel", &score(|score| score.cost_of(CostKind::Personnel))),
+            row("failure", &score(|score| score.cost_of(CostKind::Failure))),
             row("expected cost of ignorance", &ignorance),
             row("plans", &|report| Some(report.plans.to_string())),
             row("re-flown segments", &|report| {
@@ -125,16 +127,69 @@ impl Comparison<'_> {
     }
 }
 
+/// Widths of the columns: of names, and of the entries of each flight. Columns that fit keep their widths.
+fn widths<'a>(rows: impl Iterator<Item = &'a Row>) -> [usize; 3] {
+    let length = |text: &String| text.chars().count();
+    let mut longest = [0; 3];
+    for (name, [first, second]) in rows {
+        for (longest, text) in longest.iter_mut().zip([name, first, second]) {
+            *longest = length(text).max(*longest);
+        }
+    }
+    let [name, first, second] = longest;
+    let name = name.min(NAME_WIDTH_MAX);
+    let left = LINE_WIDTH - 3 * GAP - name;
+    let first = first.min((left / 2).max(left.saturating_sub(second)));
+    [name, first, left - first]
+}
+
+/// Writes one row, its cells wrapped to the widths.
+fn write_row(text: &mut String, (name, [first, second]): &Row, [name_width, first_width, second_width]: [usize; 3]) {
+    let cells = [wrapped(name, name_width), wrapped(first, first_width), wrapped(second, second_width)];
+    let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+    for number in 0..height {
+        let [name, first, second] = cells.each_ref().map(|cell| cell.get(number).map_or("", String::as_str));
+        let line = format!("{:GAP$}{name:<name_width$}{:GAP$}{first:<first_width$}{:GAP$}{second}", "", "", "");
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+}
+
+/// Lines of at most `width` characters, broken at single spaces; a longer word is broken where it reaches the width.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let mut letters: Vec<char> = word.chars().collect();
+        let used = lines.last().map_or(0, |line| line.chars().count());
+        if used > 0 && used + 1 + letters.len() > width {
+            lines.push(String::new());
+        } else if let Some(line) = lines.last_mut().filter(|line| !line.is_empty()) {
+            line.push(' ');
+        }
+        while letters.len() > width {
+            let rest = letters.split_off(width);
+            if let Some(line) = lines.last_mut() {
+                line.extend(letters);
+            }
+            lines.push(String::new());
+            letters = rest;
+        }
+        if let Some(line) = lines.last_mut() {
+            line.extend(letters);
+        }
+    }
+    lines
+}
+
 /// Begin and worth of a target's observation, or how often it was observed.
 fn observation(report: &Report, id: &str) -> String {
     let mut visits = report.visits.iter().filter(|visit| visit.target == id && visit.end.is_some());
     let Some(first) = visits.next() else { return "-".to_string() };
     match &report.value {
         MissionValue::Score(score) => {
-            let name = report.names.iter().find(|(known, _)| known == id).map(|(_, name)| name);
-            let of_target = score.targets.iter().find(|target| Some(&target.observation.target) == name);
-            let worth = of_target.map(|target| target.worth);
-            format!("{} {:>6.1}", whole(first.begin), worth.unwrap_or(0.0))
+            let points = score.looks.iter().find(|look| look.id == id).map(|look| look.flown.points);
+            format!("{} {:>6.1}", whole(first.begin), points.unwrap_or(0.0))
         }
         MissionValue::Ignorance(_) | MissionValue::None => format!("{} x{}", whole(first.begin), 1 + visits.count()),
     }
@@ -142,4 +197,36 @@ fn observation(report: &Report, id: &str) -> String {
 
 fn whole(time: Time) -> String {
     Time::from_seconds(time.seconds().round()).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_fit_keep_their_widths() {
+        let row: Row = ("because".to_string(), ["mission over".to_string(), "no fuel".to_string()]);
+        let widths = widths([&row].into_iter());
+        assert_eq!(widths[..2], [7, 12]);
+        let mut text = String::new();
+        write_row(&mut text, &row, widths);
+        assert_eq!(text, "  because  mission over  no fuel\n");
+    }
+
+    #[test]
+    fn no_line_is_wider_than_the_table_and_no_letter_is_lost() {
+        let (short, long, word) = ("a b  c".to_string(), "reserve fuel is needed ".repeat(9), "x".repeat(150));
+        for cells in [[&short, &long, &long], [&long, &short, &word], [&word, &word, &short], [&word, &long, &word]] {
+            let row: Row = (cells[0].clone(), [cells[1].clone(), cells[2].clone()]);
+            let mut text = String::new();
+            write_row(&mut text, &row, widths([&row].into_iter()));
+            assert!(text.lines().all(|line| line.chars().count() <= LINE_WIDTH), "{text}");
+            let letters = |text: &str| {
+                let mut letters: Vec<char> = text.chars().filter(|each| !each.is_whitespace()).collect();
+                letters.sort_unstable();
+                letters
+            };
+            assert_eq!(letters(&text), letters(&cells.map(String::as_str).concat()));
+        }
+    }
 }

@@ -1,10 +1,10 @@
 //! One flight of a mission, with whatever moves the vehicle: plan, book, score, report.
 
 use crate::Mission;
-use crate::deliberation::{Means, MissionDeliberator};
+use crate::crew;
+use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
-use crate::program;
-use crate::report::{Report, report};
+use crate::report::Report;
 use apex_executive::Agent;
 use apex_model::time::Time;
 use apex_runtime::limits::SOLVER_GRACE;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// A mission that is ready to be flown.
 pub struct MissionFlight {
     mission: Arc<Mission>,
-    means: Means,
+    means: PlanningResources,
 }
 
 /// What a flight came to.
@@ -25,11 +25,13 @@ pub struct FlightOutcome {
     pub end: RunEnd,
     /// What it achieved.
     pub report: Report,
+    /// Wall time that planners took.
+    pub planned_for: std::time::Duration,
 }
 
 impl MissionFlight {
     /// A flight of `mission` that plans by `means`.
-    pub fn new(mission: Arc<Mission>, means: Means) -> MissionFlight {
+    pub fn new(mission: Arc<Mission>, means: PlanningResources) -> MissionFlight {
         MissionFlight { mission, means }
     }
 
@@ -68,11 +70,11 @@ impl MissionFlight {
         // A solver times out before the thread that runs its job.
         let terms = FlyOptions { solver_timeout: self.means.patience + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&self.mission), self.means.clone());
-        let mut agents = program::crew_of(&self.mission.library)?;
+        let mut agents = crew::crew_of_mission(&self.mission)?;
         let end =
             drive(&mut agents, &mut deliberator, terms).map_err(|error| MissionError::flight(error.to_string()))?;
-        let report = report(&self.mission, deliberator.situation(), (end.at, end.reason.text()));
-        Ok(FlightOutcome { end, report })
+        let report = deliberator.report((end.at, end.reason.text()));
+        Ok(FlightOutcome { end, report, planned_for: deliberator.planned_for() })
     }
 }
 
@@ -103,14 +105,17 @@ pub fn describe(mission: &Mission, recorder: &mut Recorder) -> Result<(), Record
     if let Some(epoch) = &mission.settings.epoch_text {
         recorder.meta("epoch_utc", epoch)?;
     }
-    mission.targets.iter().filter(|target| target.is_observable()).try_for_each(|target| {
-        recorder.target(&TargetRow {
-            id: target.id.clone(),
-            name: target.name.clone(),
-            latitude_deg: target.position.latitude_deg,
-            longitude_deg: target.position.longitude_deg,
-            value: target.worth(),
-            geometry: target.geometry.clone(),
-        })
-    })
+    for target in mission.targets.iter().filter(|target| target.is_observable()) {
+        for (id, name, value) in target.plan_names() {
+            recorder.target(&TargetRow {
+                id,
+                name,
+                latitude_deg: target.position.latitude_deg,
+                longitude_deg: target.position.longitude_deg,
+                value,
+                geometry: target.geometry.clone(),
+            })?;
+        }
+    }
+    Ok(())
 }

@@ -1,12 +1,11 @@
 //! What if: continues a recorded flight from an instant on with other inputs, another plan, or another vehicle's world.
 
 use crate::Mission;
-use crate::deliberation::{Means, MissionDeliberator};
+use crate::crew;
+use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
 use crate::flight::{FlightOutcome, MissionFlight};
-use crate::program;
 use crate::recording::read;
-use crate::report::report;
 use apex_model::event::EventKind;
 use apex_model::problem::WindField;
 use apex_model::time::{Duration, Time};
@@ -33,7 +32,7 @@ pub struct Fork<'a> {
     /// Its mission.
     pub mission: Arc<Mission>,
     /// Who plans after `at`.
-    pub means: Means,
+    pub means: PlanningResources,
     /// The instant.
     pub at: Time,
 }
@@ -60,13 +59,13 @@ impl Fork<'_> {
         inputs.extend(changes.inputs);
         let terms = FlyOptions { inputs, solver_timeout: means.patience + 10 * SOLVER_GRACE, ..terms };
         let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
-        let program = reader.load(&program::load_recorded).map_err(read)?;
+        let program = reader.load(&|sources| crew::load_recorded_mission(&mission, sources)).map_err(read)?;
         let flown =
             apex_runtime::fork::fork((reader, &program), at, vehicle, change, &mut deliberator, observers, terms);
         let end =
             flown.map_err(|error| MissionError::flight("the recorded flight cannot be continued").because(error))?;
-        let report = report(&mission, deliberator.situation(), (end.at, end.reason.text()));
-        Ok(FlightOutcome { end, report })
+        let report = deliberator.report((end.at, end.reason.text()));
+        Ok(FlightOutcome { end, report, planned_for: deliberator.planned_for() })
     }
 }
 
@@ -75,7 +74,7 @@ fn check(mission: &Mission, changes: &Changes, at: Time) -> MissionResult {
         return Err(MissionError::data(format!("an input at {} is not after {at}, where the fork begins", early.at))
             .help("give inputs that come later, or fork earlier"));
     }
-    let known = |id: &&String| mission.targets.iter().any(|target| target.id == **id);
+    let known = |id: &&String| mission.targets.iter().any(|target| target.goes_by(id));
     match changes.plan.iter().find(|id| !known(id)) {
         Some(unknown) => {
             let ids: Vec<&str> = mission.targets.iter().map(|target| target.id.as_str()).collect();

@@ -2,7 +2,9 @@
 
 pub mod comparison;
 mod costs;
+pub mod crew;
 pub mod deliberation;
+mod energy;
 pub mod error;
 pub mod export;
 mod features;
@@ -10,25 +12,32 @@ pub mod files;
 pub mod fixing;
 pub mod flight;
 pub mod fork;
+mod manoeuvres;
 mod modems;
 pub mod monitor_report;
+mod observing;
 pub mod plan;
+mod predicted;
 pub mod problem;
 pub mod program;
 pub mod recorded;
 pub mod recording;
 pub mod replacing;
 pub mod report;
+mod report_text;
+pub mod requirements;
 pub mod scenario;
+pub mod score;
 mod settings;
 pub mod situation;
 mod sources;
 mod surroundings;
 mod tables;
 mod targets;
-mod telling;
 pub mod text;
 pub mod vehicle;
+pub mod verification;
+pub mod ways;
 
 pub use modems::Modem;
 pub use settings::Settings;
@@ -41,9 +50,11 @@ use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, CrewMember, FailureTerm, LandingPlace, Position, WindField};
 use apex_model::source::SourceFile;
 use apex_runtime::ports::Input;
+use requirements::Requirements;
 use sources::{DataFile, Sources};
 use std::path::Path;
 use std::sync::Arc;
+use targets::Terms;
 use vehicle::VehicleModel;
 
 /// A mission with all of its data.
@@ -69,7 +80,7 @@ pub struct Mission {
     pub airfields: Vec<Airfield>,
     /// Wind that the planner believes in.
     pub forecast: WindField,
-    /// All forecasts by the names of their files: the first is believed at the start, others when they are said to be out.
+    /// All forecasts by the names of their files: the first is assumed at the start, others when they are said to be out.
     pub forecasts: Vec<(String, WindField)>,
     /// Wind that blows.
     pub weather: WindField,
@@ -79,6 +90,8 @@ pub struct Mission {
     pub failure: FailureTerm,
     /// Scripted inputs.
     pub scenario: Vec<Input>,
+    /// What the flight must keep.
+    pub requirements: Requirements,
     /// Radios.
     pub modems: Vec<Modem>,
     /// Data files by name with their bytes, for the record; shared, since each plan is made for a copy of the mission.
@@ -119,7 +132,13 @@ impl Mission {
         let settings = settings::read(&library)?;
         let mut files = Files { sources, place: settings.place.clone(), data: Vec::new() };
         let model = vehicle::load(&settings.model, &mut files)?;
-        let mut targets = files.read("targets", &settings.targets, targets::read)?.unwrap_or_default();
+        let terms = Terms {
+            duration_s: settings.duration.seconds(),
+            epoch_unix_s: settings.epoch_unix_s,
+            money_per_point: settings.value_unit,
+        };
+        let mut targets =
+            files.read("targets", &settings.targets, |file| targets::read(file, terms))?.unwrap_or_default();
         costs::apply(&settings, &library, &mut targets)?;
         let airfields = files.read("airfields", &settings.airfields, surroundings::airfields)?.unwrap_or_default();
         let mut forecasts = Vec::new();
@@ -129,10 +148,17 @@ impl Mission {
         }
         let forecast = forecasts.first().map(|(_, wind)| wind.clone());
         let weather = files.read("weather", &settings.weather, surroundings::wind)?;
+        let planned_margin_m = match targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
+            true => settings.zone_margin_m,
+            false => settings.obstacle_margin_m,
+        };
         let mut mission = Mission {
+            requirements: requirements::state(&settings.stated_requirements(), &model, planned_margin_m)?,
             agent: program::agent_of(&library),
             zones: files.read("airspace", &settings.airspace, surroundings::airspace)?.unwrap_or_default(),
-            crew: files.read("people", &settings.people, surroundings::people)?.unwrap_or_default(),
+            crew: files
+                .read("people", &settings.people, |file| surroundings::people(file, settings.value_unit))?
+                .unwrap_or_default(),
             scenario: files.read("scenario", &settings.scenario, scenario::of_mission)?.unwrap_or_default(),
             weather: weather.or_else(|| forecast.clone()).unwrap_or_default(),
             forecast: forecast.unwrap_or_default(),
@@ -149,9 +175,38 @@ impl Mission {
             airfields,
         };
         (mission.start, mission.start_altitude_m) = mission.start_place()?;
+        mission.check_ceiling()?;
         mission.modems = modems::read(&mission)?;
+        requirements::check_start(&requirements::StartConditions {
+            place: &mission.settings.place,
+            requirements: &mission.requirements,
+            model: &mission.model,
+            zones: &mission.zones,
+            landing_places: mission.landing_places(),
+            start: mission.start,
+            start_altitude_m: mission.start_altitude_m,
+        })?;
         mission.data = Arc::new(files.data);
         Ok(mission)
+    }
+
+    /// The vehicle must be able to fly above the place where it starts, and above every target.
+    fn check_ceiling(&self) -> MissionResult<()> {
+        let (ceiling_m, cruise_m) = (self.model.ceiling_m, self.cruise_altitude_m());
+        let too_low = |what: String, altitude_m: f64| {
+            MissionError::vehicle(format!("the vehicle `{}` cannot fly this mission", self.model.name))
+                .because(format!(
+                    "{what} is at {altitude_m:.0} m and its ceiling, `flight.ceiling_m`, at {ceiling_m:.0} m"
+                ))
+                .help("choose another vehicle, or correct the elevation")
+        };
+        if self.start_altitude_m >= ceiling_m {
+            return Err(too_low(format!("its start `{}`", self.settings.start), self.start_altitude_m));
+        }
+        if cruise_m > ceiling_m {
+            return Err(too_low("its cruise above the highest ground of the mission".to_string(), cruise_m));
+        }
+        Ok(())
     }
 
     fn start_place(&self) -> MissionResult<(Position, f64)> {
@@ -163,6 +218,14 @@ impl Mission {
                 .at(&self.settings.place)
                 .help(format!("write a location (LATITUDE LONGITUDE) or one of: {}", names.join(", ")))
         })
+    }
+
+    /// Altitude above mean sea level of flights between targets.
+    pub fn cruise_altitude_m(&self) -> f64 {
+        let targets = self.targets.iter().map(|target| target.elevation_m + target.height_m);
+        let fields = self.airfields.iter().map(|airfield| airfield.elevation_m);
+        let highest_m = targets.chain(fields).fold(self.start_altitude_m, f64::max);
+        self.model.planning.cruise.altitude_m(highest_m)
     }
 
     fn place_names(&self) -> impl Iterator<Item = &str> {

@@ -1,7 +1,7 @@
-//! Results of conditions for people and for programs.
+//! Results of conditions for operators and for programs.
 
 use apex_executive::state::monitors::monitor::{Unmet, Verdict};
-use apex_executive::{Judgement, MonitorResult, SamplingGap, Telling};
+use apex_executive::{Judgement, MonitorResult, ResultEvent, SamplingGap};
 use apex_model::because::Evidence;
 use apex_model::library::Library;
 use apex_model::source::Place;
@@ -27,14 +27,14 @@ impl Style {
         let satisfaction = &result.result;
         let (start, end) = satisfaction.interval;
         let evidence: Vec<String> = satisfaction.evidence.iter().map(|evidence| evidence.text()).collect();
-        let open = result.telling == Telling::Recognised { open: true };
+        let open = result.telling == ResultEvent::Recognised { open: true };
         if self.json {
             let bindings: serde_json::Map<String, Json> = satisfaction
                 .bindings
                 .iter()
                 .map(|(name, value)| (name.printed().to_string(), Json::String(value.to_string())))
                 .collect();
-            let telling = if result.telling == Telling::Closed { "closed" } else { "recognised" };
+            let telling = if result.telling == ResultEvent::Closed { "closed" } else { "recognised" };
             let line = json!({
                 "condition": number, "telling": telling, "open": open, "start_s": start.seconds(),
                 "end_s": end.seconds(), "recognised_at_s": satisfaction.recognised_at.seconds(), "bindings": bindings,
@@ -53,7 +53,7 @@ impl Style {
         }
         let known_at = satisfaction.recognised_at;
         let _ = match result.telling {
-            Telling::Recognised { open: true } => write!(text, ", recognised at {known_at}, goes on"),
+            ResultEvent::Recognised { open: true } => write!(text, ", recognised at {known_at}, goes on"),
             _ if known_at == end && start == end => Ok(()),
             _ => write!(text, ", recognised at {known_at}"),
         };
@@ -102,7 +102,7 @@ impl Style {
     }
 }
 
-/// Is the gap worth a line for people: more than twice as long as the samples of its run are apart on average?
+/// Does the gap get a line for operators: more than twice as long as the samples of its run are apart on average?
 fn is_long(gap: &SamplingGap, evidence: &[Evidence]) -> bool {
     evidence.iter().any(|fact| match fact {
         Evidence::Run { variable, start, end, samples } if *variable == gap.variable && *end >= gap.end => {

@@ -1,17 +1,20 @@
 //! From a mission and its state now to a planning problem.
 
+mod timing;
+
 use super::situation::Situation;
-use super::{Fire, Mission, Site, TargetKind};
-use crate::vehicle::{Airframe, VehicleModel, line_scanner};
-use apex_geo::coverage::{Ground, LineFlight, LineScanner, ObservationWish, fly_lines, sweep_manoeuvre};
-use apex_geo::perimeter::perimeter_manoeuvre;
-use apex_geo::travel;
+use super::{Mission, Site, TargetKind};
+use crate::energy::energy;
+use crate::manoeuvres::{self, Wish};
+use crate::score::FlownScore;
+use crate::vehicle::{Airframe, turn_radius_m};
+use apex_geo::geodesy;
 use apex_model::problem::{
-    EventRate, Manoeuvre, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
-    SurveillanceProblem, SurveillanceTarget, WindField,
+    EventRate, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
+    SurveillanceTarget,
 };
 use apex_model::time::Time;
-use apex_planning::surveillance::travel::{Transit, Ways};
+use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
 
 /// Why there is no plan. Only the first kind is a reason to end a mission in progress and go home.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,13 +32,14 @@ impl std::fmt::Display for NoPlan {
     }
 }
 
-/// The problem that a plan of the mission, as it is believed at `at`, has to solve: what has been observed already is left out.
+/// The problem that a plan of the mission, as it is assumed at `at`, has to solve: what has been observed already is left
+/// out, and what has been seen in part is worth the rest.
 ///
 /// # Errors
 /// Nothing is left to plan for, or the data make no sense.
-pub fn pose(mission: &Mission, situation: &Situation, at: Time) -> Result<Problem, NoPlan> {
+pub fn pose(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Problem, NoPlan> {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
-        single_visit(mission, situation, at).map(Problem::SingleVisit)
+        single_visit(mission, situation, flown, at).map(Problem::SingleVisit)
     } else {
         surveillance(mission, situation, at).map(Problem::Surveillance)
     }
@@ -46,47 +50,30 @@ pub(super) fn here(mission: &Mission, situation: &Situation) -> Position {
     situation.vehicle.position.unwrap_or(mission.start)
 }
 
-fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<SingleVisitProblem, NoPlan> {
+fn single_visit(
+    mission: &Mission,
+    situation: &Situation,
+    flown: Option<&FlownScore>,
+    at: Time,
+) -> Result<SingleVisitProblem, NoPlan> {
     let model = &mission.model;
     let planning = &model.planning;
     let now_s = at.seconds();
-    let fuel_kg = situation.vehicle.fuel_kg.unwrap_or(model.fuel.capacity_kg);
-    let endurance_s = situation.vehicle.endurance_s.unwrap_or(fuel_kg / model.fuel.flow_kg_h_reference * 3600.0);
+    let energy = energy(mission, situation);
     let start = here(mission, situation);
-    let open: Vec<&super::Target> =
-        mission.targets.iter().filter(|target| !situation.observed().any(|visit| visit.target == target.id)).collect();
-    if open.is_empty() {
-        return Err(NoPlan::NothingLeft("no known target is left to observe".to_string()));
-    }
-    let mut precedence = Vec::new();
-    let mut targets = Vec::new();
-    for target in &open {
-        let TargetKind::Fire(fire) = &target.kind else { continue };
-        // An order that names a target already observed is fulfilled.
-        let pending = fire.after.iter().filter(|earlier| open.iter().any(|other| other.id == **earlier));
-        precedence.extend(pending.map(|earlier| (earlier.clone(), target.id.clone())));
-        targets.push(SingleVisitTarget {
-            name: target.id.clone(),
-            position: target.position,
-            value: fire.value,
-            manoeuvres: manoeuvres(mission, target, fire, start, now_s).map_err(NoPlan::Fault)?,
-            windows: fire.windows.clone(),
-            light: fire.light,
-            timing: Vec::new(),
-        });
-    }
+    let (targets, precedence) = wanted(mission, situation, flown, at)?;
     Ok(SingleVisitProblem {
         targets,
         vehicle: SingleVisitVehicle {
             true_airspeed_mps: model.true_airspeed_m_s_cruise,
-            cruise_altitude_m: planning.cruise_altitude_m,
+            cruise_altitude_m: mission.cruise_altitude_m(),
             climb_rate_mps: model.climb_rate_m_s_max * planning.climb_share,
             descent_rate_mps: model.descent_rate_m_s_max * planning.descent_share,
-            fuel_kg,
-            fuel_reserve_kg: model.fuel.capacity_kg * planning.reserve_share,
-            fuel_flow_kg_per_s: model.fuel.flow_kg_h_reference / 3600.0,
-            endurance_s,
-            endurance_reserve_s: mission.settings.duration.seconds() * planning.reserve_share,
+            fuel_kg: energy.fuel_kg,
+            fuel_reserve_kg: energy.fuel_reserve_kg,
+            fuel_flow_kg_per_s: energy.fuel_flow_kg_per_s,
+            endurance_s: energy.endurance_s,
+            endurance_reserve_s: energy.reserve_s,
             turn_radius_m: turn_radius_m(model),
         },
         start,
@@ -97,9 +84,9 @@ fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<Si
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
         zones: mission.zones.clone(),
-        zone_margin_m: mission.settings.zone_margin_m,
+        zone_margin_m: mission.requirements.zone_margin_m,
         landing_places: mission.landing_places(),
-        landing_distance_m_max: mission.settings.landing_distance_m_max,
+        landing_distance_m_max: mission.requirements.landing_distance_m_max(),
         wind: mission.forecast.clone(),
         crew: mission.crew.clone(),
         failure: mission.failure,
@@ -107,107 +94,70 @@ fn single_visit(mission: &Mission, situation: &Situation, at: Time) -> Result<Si
     })
 }
 
-/// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
-pub fn turn_radius_m(model: &VehicleModel) -> f64 {
-    match model.airframe {
-        Airframe::FixedWing => travel::turn_radius_m(
-            model.true_airspeed_m_s_cruise,
-            (model.turns.bank_share * model.bank_deg_max).to_radians(),
-        ),
-        Airframe::Rotorcraft => 0.0,
-    }
-}
+/// Targets of a problem, and pairs of their names of which the first must come first.
+type Wanted = (Vec<SingleVisitTarget>, Vec<(String, String)>);
 
-/// One sweep for each altitude that the vehicle can hold, best product of factors first; worse and slower ones are
-/// dropped.
-fn manoeuvres(
-    mission: &Mission,
-    target: &super::Target,
-    fire: &Fire,
-    approach: Position,
-    now_s: f64,
-) -> Result<Vec<Manoeuvre>, String> {
-    let Some((scanner, carried)) = line_scanner(&mission.model).zip(mission.model.scanner.as_ref()) else {
-        let name = &mission.model.name;
-        return Err(format!("{}: no way to observe it: the vehicle `{name}` carries no line scanner", target.id));
-    };
-    let grounds: Vec<Ground> = if target.polygons.is_empty() {
-        vec![Ground::Circle { centre: target.position, radius_m: fire.radius_m }]
-    } else {
-        target.polygons.iter().cloned().map(Ground::Polygon).collect()
-    };
-    let mut made: Vec<Manoeuvre> = Vec::new();
-    let mut reason = String::new();
-    for height_m in &carried.heights_m {
-        let altitude_m = target.elevation_m + height_m;
-        if altitude_m > mission.model.ceiling_m * mission.model.planning.ceiling_share {
-            continue;
-        }
-        let flight = LineFlight {
-            altitude_m,
-            true_airspeed_mps: mission.model.true_airspeed_m_s_cruise,
-            bank_deg: mission.model.bank_deg_max,
-            start_s: now_s,
-        };
-        match sweep(&grounds, target.elevation_m, fire, &scanner, &flight, &mission.forecast, approach) {
-            Ok(mut manoeuvre) => {
-                // The turn onto the first line is part of the way to it; each further line is met antiparallel and close by.
-                let further = manoeuvre.lines.len().saturating_sub(1) as f64;
-                manoeuvre.duration_s += carried.first_join_s + carried.further_join_s * further;
-                made.push(manoeuvre);
-            }
-            Err(error) => reason = error,
-        }
-    }
-    // Of equally good ones the first stays: in calm air altitudes may make no difference.
-    let better = |(number, a): (usize, &Manoeuvre), (other, b): (usize, &Manoeuvre)| {
-        let (a, b) = ((a.quality.product(), -a.duration_s), (b.quality.product(), -b.duration_s));
-        a.0 >= b.0 && a.1 >= b.1 && (a != b || number < other)
-    };
-    let all = || made.iter().enumerate();
-    let kept: Vec<Manoeuvre> =
-        all().filter(|each| !all().any(|other| better(other, *each))).map(|(_, each)| each.clone()).collect();
-    if kept.is_empty() { Err(format!("{}: no way to observe it: {reason}", target.id)) } else { Ok(kept) }
-}
-
-/// The sweeps of all parts of a target one after the other; worst quality of the parts.
-fn sweep(
-    grounds: &[Ground],
-    elevation_m: f64,
-    fire: &Fire,
-    scanner: &LineScanner,
-    flight: &LineFlight,
-    forecast: &WindField,
-    approach: Position,
-) -> Result<Manoeuvre, String> {
-    let mut whole: Option<Manoeuvre> = None;
-    let mut entry = approach;
-    for ground in grounds {
-        let wish = ObservationWish {
-            ground: ground.clone(),
-            ground_elevation_m: elevation_m,
-            resolution_m: fire.resolution_m,
-        };
-        let swept = sweep_manoeuvre(&wish, scanner, flight, forecast, entry)?;
-        // Where the outline is all that is wanted, flying along it may be quicker than sweeping what it encloses.
-        let along = fire.perimeter_only.then(|| perimeter_manoeuvre(&wish, scanner, flight, forecast, entry));
-        let part = match along {
-            Some(Ok(along)) if along.duration_s < swept.duration_s => along,
-            _ => swept,
-        };
-        entry = part.lines.last().map_or(entry, |(_, exit)| *exit);
-        match &mut whole {
-            None => whole = Some(part),
-            Some(whole) => {
-                if part.quality.product() < whole.quality.product() {
-                    whole.quality = part.quality;
+/// The looks that are still wanted, each posed as a separate target, and which come before which.
+fn wanted(mission: &Mission, situation: &Situation, flown: Option<&FlownScore>, at: Time) -> Result<Wanted, NoPlan> {
+    let start = here(mission, situation);
+    let is_open = |name: &str| !situation.observed().any(|visit| visit.target == name);
+    let results = flown.map(FlownScore::results).unwrap_or_default();
+    let (mut targets, mut after, mut troubles) = (Vec::new(), Vec::new(), Vec::new());
+    for target in &mission.targets {
+        let TargetKind::Fire(fire) = &target.kind else { continue };
+        // Not before the vehicle can be there.
+        let way_s = geodesy::distance_m(start, target.position) / mission.model.true_airspeed_m_s_cruise;
+        for (name, look) in fire.looks().filter(|(name, _)| is_open(name)) {
+            let from_s = timing::first_s(look, at.seconds() + way_s);
+            let wish = Wish { mission, target, fire, look, approach: start, from_s };
+            let manoeuvres = match manoeuvres::of(&wish) {
+                Ok(manoeuvres) => manoeuvres,
+                Err(why) => {
+                    troubles.push(format!("{name}: no way to observe it: {why}"));
+                    continue;
                 }
-                whole.lines.extend(part.lines);
-                (whole.duration_s, whole.length_m) = fly_lines(&whole.lines, flight, forecast)?;
-            }
+            };
+            let shortest_s = manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s).fold(f64::INFINITY, f64::min);
+            let result = results.iter().find(|result| result.name == target.id);
+            let result = result.and_then(|result| result.looks.iter().find(|seen| seen.name == look.name));
+            let seen = result.map_or(0.0, |seen| seen.factors.product() * look.value);
+            after.extend(fire.wanted.after.iter().map(|need| (need.target.clone(), name.clone())));
+            targets.push(SingleVisitTarget {
+                position: target.position,
+                value: (look.value - seen).max(0.0),
+                manoeuvres,
+                windows: timing::begins(look),
+                light: timing::hard_light(look),
+                timing: timing::table(mission, target, look, (at.seconds(), shortest_s)),
+                name,
+            });
         }
     }
-    whole.ok_or_else(|| "there is nothing to see".to_string())
+    match (targets.is_empty(), troubles.is_empty()) {
+        (true, true) => return Err(NoPlan::NothingLeft("no known target is left to observe".to_string())),
+        (true, false) => return Err(NoPlan::Fault(troubles.join("; "))),
+        (false, _) => {}
+    }
+    // An order that names a target already observed is fulfilled; of several looks the first in the data has to come first.
+    let first_look = |id: &String| {
+        let of_target = |target: &&SingleVisitTarget| {
+            target.name == *id || target.name.strip_prefix(id.as_str()).is_some_and(|rest| rest.starts_with('/'))
+        };
+        let seen = situation.observed().any(|visit| {
+            visit.target == *id || visit.target.strip_prefix(id.as_str()).is_some_and(|rest| rest.starts_with('/'))
+        });
+        targets.iter().find(of_target).filter(|_| !seen).map(|target| target.name.clone())
+    };
+    let precedence = after.iter().filter_map(|(earlier, later)| Some((first_look(earlier)?, later.clone()))).collect();
+    Ok((targets, precedence))
+}
+
+/// Why there is no way to observe a look from the mission's start, with what comes nearest; none where there is one.
+pub(crate) fn trouble(mission: &Mission, target: &super::Target, name: &str) -> Option<String> {
+    let TargetKind::Fire(fire) = &target.kind else { return None };
+    let (_, look) = fire.looks().find(|(of_look, _)| of_look == name)?;
+    let wish = Wish { mission, target, fire, look, approach: mission.start, from_s: timing::first_s(look, 0.0) };
+    manoeuvres::of(&wish).err()
 }
 
 fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<SurveillanceProblem, NoPlan> {
@@ -220,7 +170,8 @@ fn surveillance(mission: &Mission, situation: &Situation, at: Time) -> Result<Su
         targets.push(site_target(target, site, situation, now_s));
     }
     let travel = survey(mission, &positions, here(mission, situation), now_s).map_err(NoPlan::Fault)?.times;
-    let endurance_s = situation.vehicle.endurance_s.map(|left| left * (1.0 - mission.model.planning.reserve_share));
+    let energy = energy(mission, situation);
+    let endurance_s = situation.vehicle.endurance_s.map(|_| (energy.endurance_s - energy.reserve_s).max(0.0));
     Ok(SurveillanceProblem {
         targets,
         travel,
@@ -250,7 +201,12 @@ pub fn visit_altitude_m(mission: &Mission, site: &super::Target) -> f64 {
 ///
 /// # Errors
 /// A sentence that names what is wrong with a zone, the start or the base.
-pub fn survey(mission: &Mission, positions: &[Position], start: Position, now_s: f64) -> Result<Ways, String> {
+pub fn survey(
+    mission: &Mission,
+    positions: &[Position],
+    start: Position,
+    now_s: f64,
+) -> Result<SurveillanceTravel, String> {
     let heights = sites(mission).map(|site| visit_altitude_m(mission, site));
     let (low_m, high_m) =
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (f64::min(l, m), f64::max(h, m)));
@@ -262,10 +218,10 @@ pub fn survey(mission: &Mission, positions: &[Position], start: Position, now_s:
         time_s: now_s,
         until_s: mission.settings.duration.seconds(),
         zones: &mission.zones,
-        margin_m: mission.settings.obstacle_margin_m,
+        margin_m: mission.requirements.obstacle_margin_m,
         altitudes_m: (low_m, high_m),
     };
-    Ways::new(start, positions, mission.start, &transit)
+    SurveillanceTravel::new(start, positions, mission.start, &transit)
 }
 
 fn site_target(target: &super::Target, site: &Site, situation: &Situation, now_s: f64) -> SurveillanceTarget {

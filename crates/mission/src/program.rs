@@ -33,7 +33,7 @@ pub fn program_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("mission.pdl") } else { path.to_path_buf() }
 }
 
-/// Checks one program with everything it requires; relative requirements are looked for beside it.
+/// Checks one program with everything it requires; relative requirements are looked for next to it.
 ///
 /// # Errors
 /// The program cannot be read. Mistakes inside are diagnostics of the result.
@@ -101,7 +101,7 @@ pub fn check_conditions(texts: Vec<SourceText>, conditions: Vec<SourceText>, fol
     apex_pdl::check_conditions(texts, conditions, apex_pdl::CheckOptions { fragment: false, host: &host, resolve })
 }
 
-/// A required text among `known` ones, else beside them, else one that ships.
+/// A required text among `known` ones, else next to them, else one that ships.
 fn resolve_among(known: &[SourceText], folder: &Path, requirement: Requirement) -> Result<SourceText, String> {
     let wanted = match &requirement {
         Requirement::File { name, .. } => name.clone(),
@@ -156,8 +156,16 @@ pub fn load_recorded(sources: &[SourceFile]) -> Result<(Arc<Library>, AgentDecla
 /// # Errors
 /// A host function that is declared and not there.
 pub fn crew_of(library: &Arc<Library>) -> MissionResult<Vec<Agent>> {
+    crew_with(library, &host_functions())
+}
+
+/// As [`crew_of`], with these functions of the host.
+///
+/// # Errors
+/// As [`crew_of`].
+pub(crate) fn crew_with(library: &Arc<Library>, functions: &HostFunctions) -> MissionResult<Vec<Agent>> {
     let load =
-        |declaration: &AgentDeclaration| apex_executive::load(Arc::clone(library), declaration, host_functions());
+        |declaration: &AgentDeclaration| apex_executive::load(Arc::clone(library), declaration, functions.clone());
     let crew: Result<Vec<Agent>, String> = library.crew().iter().map(load).collect();
     crew.map_err(|reason| MissionError::program("the program cannot be executed").because(reason))
 }

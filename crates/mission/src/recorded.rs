@@ -1,15 +1,18 @@
 //! The mission inside a flight record: loaded, replayed, and its situation and report at an instant.
 
 use crate::Mission;
-use crate::deliberation::{Means, MissionDeliberator};
+use crate::crew;
+use crate::deliberation::{MissionDeliberator, PlanningResources};
 use crate::error::{MissionError, MissionResult};
 use crate::program;
 use crate::recording::read;
 use crate::report::{Report, report};
+use crate::score::{FlownScore, told};
 use crate::situation::Situation;
+use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::program::NoDeliberator;
-use apex_runtime::record::RecordReader;
+use apex_runtime::record::{Program, RecordReader};
 use apex_runtime::replay::{ReplayReport, replay_with};
 use std::sync::Arc;
 
@@ -26,6 +29,17 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
     Mission::from_sources(&reader.pdl_sources().map_err(read)?, data).map(Some)
 }
 
+/// The program of a record with the functions that it was flown with: those of its mission, where it holds one.
+///
+/// # Errors
+/// A sentence that says why the record's program or mission cannot be loaded.
+pub fn load_program(reader: &RecordReader, sources: &[SourceFile]) -> Result<Program, String> {
+    match mission_of(reader).map_err(|error| error.to_string())? {
+        Some(mission) => crew::load_recorded_mission(&mission, sources),
+        None => program::load_recorded(sources),
+    }
+}
+
 /// Replays a record: decisions byte for byte, and every planning problem posed again.
 ///
 /// # Errors
@@ -33,9 +47,11 @@ pub fn mission_of(reader: &RecordReader) -> MissionResult<Option<Mission>> {
 pub fn replay(reader: &RecordReader) -> MissionResult<ReplayReport> {
     let report = match mission_of(reader)? {
         Some(mission) => {
-            let means = Means::of(&Arc::new(apex_solvers::shipped()));
-            let mut deliberator = MissionDeliberator::new(Arc::new(mission), means);
-            replay_with(reader, &program::load_recorded, &mut deliberator)
+            let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+            let mission = Arc::new(mission);
+            let mut deliberator = MissionDeliberator::new(Arc::clone(&mission), means);
+            let load = |sources: &[SourceFile]| crew::load_recorded_mission(&mission, sources);
+            replay_with(reader, &load, &mut deliberator)
         }
         None => replay_with(reader, &program::load_recorded, &mut NoDeliberator),
     };
@@ -55,14 +71,30 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
     for step in reader.steps_of_all(at).map_err(read)? {
         let step = step.map_err(read)?;
         if step.batch_number > last {
-            let effects = step.decoded_effects().map_err(|fault| {
-                MissionError::record_file(format!("the flight record {} is damaged", reader.path().display()))
-                    .because(fault)
-            })?;
+            let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
             situation.observe(mission, step.agent, &step.batch, &effects);
         }
     }
     Ok(situation)
+}
+
+/// The situation at the end of the record, and what was observed until then, both folded from its steps alone.
+fn folded(reader: &RecordReader, mission: &Mission) -> MissionResult<(Situation, Result<Option<FlownScore>, String>)> {
+    let mut situation = Situation::default();
+    let mut flown = FlownScore::new(mission);
+    for step in reader.steps_of_all(Time::END).map_err(read)? {
+        let step = step.map_err(read)?;
+        let effects = step.decoded_effects().map_err(|fault| damaged(reader, fault))?;
+        situation.observe(mission, step.agent, &step.batch, &effects);
+        if let (0, Ok(Some(flown))) = (step.agent, &mut flown) {
+            flown.observe(&step.batch);
+        }
+    }
+    Ok((situation, flown))
+}
+
+fn damaged(reader: &RecordReader, fault: impl std::fmt::Display) -> MissionError {
+    MissionError::record_file(format!("the flight record {} is damaged", reader.path().display())).because(fault)
 }
 
 /// The report of the recorded flight, computed from its steps.
@@ -70,7 +102,7 @@ pub fn situation_at(reader: &RecordReader, mission: &Mission, at: Time) -> Missi
 /// # Errors
 /// A record that cannot be read.
 pub fn report_of(reader: &RecordReader, mission: &Mission) -> MissionResult<Report> {
-    let situation = situation_at(reader, mission, Time::END)?;
+    let (situation, flown) = folded(reader, mission)?;
     let end = match (
         reader.meta("end_ns").map_err(read)?.and_then(|text| text.parse().ok()),
         reader.meta("end_reason").map_err(read)?,
@@ -81,5 +113,5 @@ pub fn report_of(reader: &RecordReader, mission: &Mission) -> MissionResult<Repo
             (end, "the record ends here, without the end of the flight".to_string())
         }
     };
-    Ok(report(mission, &situation, end))
+    Ok(report(mission, &situation, told(&flown), end))
 }

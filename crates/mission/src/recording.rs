@@ -87,7 +87,7 @@ fn refuse_when_held(path: &Path) -> MissionResult {
     }
 }
 
-/// The disk has not even room for what every record begins with.
+/// The disk has not even space for what every record begins with.
 fn no_room(path: &Path) -> MissionError {
     MissionError::record(format!("the flight record {} cannot be begun", path.display()))
         .because("the disk is full")
@@ -124,7 +124,7 @@ fn check_place(path: &Path) -> MissionResult {
     check_kind(path, "choose another name with `--record`; what stands there is left as it is")
 }
 
-/// Devices, pipes and folders are no records, and opening some of them blocks forever.
+/// Devices, pipes and folders are not records, and opening some of them blocks forever.
 fn check_kind(path: &Path, help: &str) -> MissionResult {
     match std::fs::metadata(path) {
         Ok(found) if !found.is_file() => {

@@ -1,12 +1,11 @@
 //! What a flight achieved, for people and as JSON: score by factor, visits, what was left out and why, decisions of note.
 
-use super::problem::pose;
+use super::problem::{pose, trouble};
+use super::score::{FlightScore, FlownScore, flight_score};
 use super::situation::{Note, Situation, Visit};
-use super::vehicle::line_scanner;
 use super::{Mission, Target, TargetKind};
 use apex_metrics::eci::{ExpectedCost, expected_cost};
-use apex_metrics::mission_score::{MissionScore, Observation, crew_hours, mission_score};
-use apex_model::problem::{Problem, QualityFactor, QualityFactors, SurveillanceVisit};
+use apex_model::problem::{Problem, SurveillanceVisit};
 use apex_model::time::Time;
 use apex_runtime::target_state::{TargetChange, TargetState};
 
@@ -33,25 +32,31 @@ pub struct Report {
 /// What a mission is measured by.
 pub enum MissionValue {
     /// Single visits: the mission score.
-    Score(MissionScore),
+    Score(FlightScore),
     /// Surveillance: the expected cost of ignorance.
     Ignorance(ExpectedCost),
     /// Neither.
     None,
 }
 
-/// Makes the report of a flight that ended in this situation, at this time and for this reason.
-pub fn report(mission: &Mission, situation: &Situation, end: (Time, String)) -> Report {
+/// Makes the report of a flight that ended in this situation, at this time and for this reason; `flown` is what it observed,
+/// or why that is not known.
+pub fn report(
+    mission: &Mission,
+    situation: &Situation,
+    flown: Result<&FlownScore, &str>,
+    end: (Time, String),
+) -> Report {
     let left_out = mission
         .targets
         .iter()
-        .filter(|target| matches!(target.kind, TargetKind::Fire(_) | TargetKind::Site(_)))
-        .filter(|target| !situation.observed().any(|visit| visit.target == target.id))
-        .map(|target| (target.id.clone(), reason_left_out(target, situation)))
+        .flat_map(|target| names_of(target).into_iter().map(move |name| (target, name)))
+        .filter(|(_, name)| !situation.observed().any(|visit| visit.target == *name))
+        .map(|(target, name)| (name.clone(), reason_left_out(mission, target, &name, situation)))
         .collect();
     Report {
         mission: mission.settings.name.clone(),
-        value: value(mission, situation, end.0),
+        value: value(mission, situation, flown, end.0),
         end,
         visits: situation.visits.clone(),
         left_out,
@@ -61,12 +66,26 @@ pub fn report(mission: &Mission, situation: &Situation, end: (Time, String)) -> 
     }
 }
 
-fn reason_left_out(target: &Target, situation: &Situation) -> String {
+/// Names in plans of what is to be observed of a target: its own, or one for each wanted look.
+fn names_of(target: &Target) -> Vec<String> {
+    match &target.kind {
+        TargetKind::Fire(fire) => fire.looks().map(|(name, _)| name).collect(),
+        TargetKind::Site(_) => vec![target.id.clone()],
+        TargetKind::Plain | TargetKind::Base => Vec::new(),
+    }
+}
+
+fn reason_left_out(mission: &Mission, target: &Target, name: &str, situation: &Situation) -> String {
     if target.announced_late && !situation.updates.is_announced(&target.id) {
         return "never announced".to_string();
     }
-    let last = situation.target_changes.iter().rev().find(|change| change.target == target.id);
-    let Some(TargetChange { at, state, detail, .. }) = last else { return "no plan ever reached it".to_string() };
+    let last = situation.target_changes.iter().rev().find(|change| change.target == name);
+    let Some(TargetChange { at, state, detail, .. }) = last else {
+        return match trouble(mission, target, name) {
+            Some(why) => format!("no way to observe it: {why}"),
+            None => "no plan ever reached it".to_string(),
+        };
+    };
     match state {
         TargetState::Skipped => detail.clone(),
         TargetState::Planned => format!("{detail}, but the flight ended before"),
@@ -75,17 +94,13 @@ fn reason_left_out(target: &Target, situation: &Situation) -> String {
     }
 }
 
-fn value(mission: &Mission, situation: &Situation, end: Time) -> MissionValue {
+fn value(mission: &Mission, situation: &Situation, flown: Result<&FlownScore, &str>, end: Time) -> MissionValue {
     if mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_))) {
         let mission = &situation.updates.valued(mission);
-        let observations: Vec<Observation> =
-            situation.observed().filter_map(|visit| observation(mission, visit)).collect();
-        let hours = end.seconds() / 3600.0;
-        let crew = crew_hours(&mission.crew, hours);
-        return MissionValue::Score(mission_score(&observations, &crew, &mission.failure, hours));
+        return MissionValue::Score(flight_score(mission, situation, flown, end.seconds() / 3600.0));
     }
     let mission = &situation.updates.believed(mission);
-    let Ok(Problem::Surveillance(problem)) = pose(mission, &Situation::default(), Time::ZERO) else {
+    let Ok(Problem::Surveillance(problem)) = pose(mission, &Situation::default(), None, Time::ZERO) else {
         return MissionValue::None;
     };
     if problem.targets.is_empty() {
@@ -97,53 +112,4 @@ fn value(mission: &Mission, situation: &Situation, end: Time) -> MissionValue {
     };
     let visits: Vec<SurveillanceVisit> = situation.observed().filter_map(flown).collect();
     MissionValue::Ignorance(expected_cost(&problem, &visits))
-}
-
-/// Coverage, resolution, clarity and timing as flown.
-fn observation(mission: &Mission, visit: &Visit) -> Option<Observation> {
-    let target = mission.targets.iter().find(|target| target.id == visit.target)?;
-    let TargetKind::Fire(fire) = &target.kind else { return None };
-    let count = |(all, seen, level): (usize, usize, usize), line: &super::situation::ScanLine| {
-        let (more, more_seen, more_level) = line.count();
-        (all + more, seen + more_seen, level + more_level)
-    };
-    let (all, seen, level) = visit.lines.iter().fold((0, 0, 0), count);
-    let share = |part: usize, whole: usize| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
-    let coverage = (share(seen, all) / fire.share).min(1.0);
-    let clarity = share(level, seen);
-    let height_m = visit.altitude_m().unwrap_or(target.elevation_m) - target.elevation_m;
-    let obtained_m = line_scanner(&mission.model).map_or(0.0, |scanner| scanner.resolution_m(height_m.max(0.0)));
-    let resolution = if obtained_m > 0.0 { (fire.resolution_m / obtained_m).min(1.0) } else { 0.0 };
-    Some(Observation {
-        target: target.name.clone(),
-        value: fire.value,
-        quality: QualityFactors {
-            coverage: factor(coverage, format!("{:.0} % of the lines seen", 100.0 * share(seen, all))),
-            resolution: factor(
-                resolution,
-                format!(
-                    "{obtained_m:.1} m per pixel from {height_m:.0} m above ground, {:.1} m wanted",
-                    fire.resolution_m
-                ),
-            ),
-            clarity: factor(
-                clarity,
-                format!("{} of {seen} pieces with a wing low, up to {:.0} deg", seen - level, visit.roll_deg_max),
-            ),
-        },
-        timing: timing(target, visit),
-    })
-}
-
-fn timing(target: &Target, visit: &Visit) -> QualityFactor {
-    let TargetKind::Fire(fire) = &target.kind else { return QualityFactor::default() };
-    let begin_s = visit.begin.seconds();
-    if fire.windows.is_empty() || fire.windows.iter().any(|window| window.contains(begin_s)) {
-        return QualityFactor::default();
-    }
-    factor(0.0, format!("began at {}, outside of its windows", visit.begin))
-}
-
-fn factor(value: f64, cause: String) -> QualityFactor {
-    QualityFactor { factor: value, cause: if value >= 1.0 { String::new() } else { cause } }
 }

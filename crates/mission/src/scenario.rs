@@ -10,7 +10,7 @@ use std::path::Path;
 /// Reads scripted inputs from a file.
 ///
 /// # Errors
-/// An unreadable file, lines that are no inputs.
+/// An unreadable file, lines that are not inputs.
 pub fn read(path: &Path) -> MissionResult<Vec<Input>> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
@@ -23,7 +23,7 @@ pub(crate) fn of_mission(file: &DataFile) -> MissionResult<Vec<Input>> {
 /// Reads scripted inputs from a text; `name` says in messages where it is from.
 ///
 /// # Errors
-/// Lines that are no inputs.
+/// Lines that are not inputs.
 pub fn parse(name: &str, text: &str) -> MissionResult<Vec<Input>> {
     let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
     read_inputs(name, text, &read_value).map_err(|errors| {

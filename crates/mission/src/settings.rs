@@ -1,6 +1,7 @@
 //! What `(defapplication ..)` says about a mission, read into plain settings.
 
 use crate::error::{MissionError, MissionResult};
+use crate::requirements::Stated;
 use crate::vehicle::ModelSource;
 use apex_model::library::{Application, Library};
 use apex_model::problem::FailureTerm;
@@ -51,30 +52,25 @@ pub struct Settings {
     pub zone_margin_m: f64,
     /// Distance that flights between structures keep from obstacles, m.
     pub obstacle_margin_m: f64,
-    /// What failure costs, in points.
+    /// Requirements as written.
+    pub requirements: Vec<Value>,
+    /// What failure costs, in points; nothing where the mission does not say.
     pub failure: FailureTerm,
+    /// Money that one point of value represents: costs in mission data are money.
+    pub value_unit: f64,
     /// Radios as written.
     pub modems: Vec<Value>,
     /// Structures with the functions of the program that are their costs.
     pub costs: Vec<(String, Symbol)>,
 }
 
-/// Failure if the mission does not state it, in points: one in ten thousand hours, then a whole aircraft of 400 and half of a
-/// mission of 300.
-const FAILURE: FailureTerm = FailureTerm {
-    probability_per_hour: 1e-4,
-    vehicle_share: 1.0,
-    vehicle_cost: 400.0,
-    mission_share: 0.5,
-    mission_cost: 300.0,
-};
 const END_MARGIN: Duration = Duration(3_600_000_000_000);
 const ZONE_MARGIN_M: f64 = 3_000.0;
 const OBSTACLE_MARGIN_M: f64 = 40.0;
-/// Greater margins leave no room to fly in.
+/// Greater margins leave no space to fly in.
 const MARGIN_M_MAX: f64 = 1e6;
 /// Greatest cost that a mission may state.
-const POINTS_MAX: f64 = 1e9;
+const MONEY_MAX: f64 = 1e12;
 
 const KNOWN: &[&str] = &[
     "vehicle",
@@ -93,6 +89,8 @@ const KNOWN: &[&str] = &[
     "zone-margin",
     "obstacle-margin",
     "failure",
+    "value-unit",
+    "requirements",
     "modems",
     "costs",
     "libraries",
@@ -105,6 +103,19 @@ const KNOWN: &[&str] = &[
     "reset",
     "type",
 ];
+
+impl Settings {
+    /// What the application states about requirements.
+    pub(crate) fn stated_requirements(&self) -> Stated<'_> {
+        Stated {
+            place: &self.place,
+            forms: &self.requirements,
+            landing_distance_m_max: self.landing_distance_m_max,
+            zone_margin_m: self.zone_margin_m,
+            obstacle_margin_m: self.obstacle_margin_m,
+        }
+    }
+}
 
 /// Reads the settings of the library's application.
 ///
@@ -126,6 +137,7 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
     let (model, start) = vehicle_of(application, place.clone())?;
     let reader = Reader { application, place };
     let epoch_text = reader.text("start")?;
+    let value_unit = reader.value_unit()?;
     Ok(Settings {
         place: reader.place.clone(),
         name: application.name.to_string(),
@@ -146,7 +158,9 @@ pub(crate) fn read(library: &Library) -> MissionResult<Settings> {
         end_margin: reader.end_margin()?,
         zone_margin_m: reader.margin_m("zone-margin", ZONE_MARGIN_M)?,
         obstacle_margin_m: reader.margin_m("obstacle-margin", OBSTACLE_MARGIN_M)?,
-        failure: reader.failure()?,
+        failure: reader.failure()?.in_points(value_unit),
+        value_unit,
+        requirements: reader.list("requirements")?,
         modems: application.option("modems").and_then(Value::as_list).unwrap_or_default().to_vec(),
         costs: reader.costs()?,
     })
@@ -190,6 +204,15 @@ impl Reader<'_> {
             other => Err(self.wrong(option, other, &format!("strings, for example `:{option} (\"..\" \"..\")`"))),
         };
         items.iter().map(text).collect()
+    }
+
+    /// A list of forms; none without the option.
+    fn list(&self, option: &str) -> MissionResult<Vec<Value>> {
+        match self.application.option(option) {
+            None => Ok(Vec::new()),
+            Some(Value::List(items)) => Ok(items.to_vec()),
+            Some(other) => Err(self.wrong(option, other, &format!("a list of forms: `:{option} ((NAME ..) ..)`"))),
+        }
     }
 
     fn duration(&self) -> MissionResult<Duration> {
@@ -239,10 +262,10 @@ impl Reader<'_> {
     /// `(:probability-per-hour P :vehicle-share S :vehicle-cost C :mission-share S :mission-cost C)`, each optional.
     fn failure(&self) -> MissionResult<FailureTerm> {
         use apex_model::quantity::Dimension;
-        let mut term = FAILURE;
-        let Some(found) = self.application.option("failure") else { return Ok(term) };
+        let Some(found) = self.application.option("failure") else { return Ok(FailureTerm::default()) };
+        let mut term = FailureTerm { vehicle_share: 1.0, mission_share: 1.0, ..FailureTerm::default() };
         let wrong = |what: String| {
-            self.wrong("failure", found, "`:failure (:probability-per-hour 1e-4 :vehicle-share 1 :vehicle-cost 400 :mission-share 0.5 :mission-cost 300)`; what is left out has these values")
+            self.wrong("failure", found, "`:failure (:probability-per-hour 1e-4 :vehicle-share 1 :vehicle-cost 400 :mission-share 0.5 :mission-cost 300)`; shares left out are 1, costs left out are 0")
                 .because(what)
         };
         let items = found.as_list().ok_or_else(|| wrong("expected a list of keys with numbers".to_string()))?;
@@ -254,9 +277,9 @@ impl Reader<'_> {
             let (figure, most) = match key.folded() {
                 ":probability-per-hour" => (&mut term.probability_per_hour, 1.0),
                 ":vehicle-share" => (&mut term.vehicle_share, 1.0),
-                ":vehicle-cost" => (&mut term.vehicle_cost, POINTS_MAX),
+                ":vehicle-cost" => (&mut term.vehicle_cost, MONEY_MAX),
                 ":mission-share" => (&mut term.mission_share, 1.0),
-                ":mission-cost" => (&mut term.mission_cost, POINTS_MAX),
+                ":mission-cost" => (&mut term.mission_cost, MONEY_MAX),
                 other => return Err(wrong(format!("unknown key {other}"))),
             };
             if known.contains(&key.folded()) {
@@ -268,7 +291,21 @@ impl Reader<'_> {
                 _ => return Err(wrong(format!("{key} is {value}; expected a number from 0 to {most}"))),
             }
         }
+        if !known.contains(&":probability-per-hour") {
+            return Err(wrong("it states no :probability-per-hour, without which failure costs nothing".to_string()));
+        }
         Ok(term)
+    }
+
+    fn value_unit(&self) -> MissionResult<f64> {
+        use apex_model::quantity::Dimension;
+        match self.application.option("value-unit").map(|value| (value, value.as_number())) {
+            None => Ok(1.0),
+            Some((_, Some((unit, Dimension::NONE)))) if unit > 0.0 && unit <= MONEY_MAX => Ok(unit),
+            Some((other, _)) => {
+                Err(self.wrong("value-unit", other, "how much money one point represents: `:value-unit 250`"))
+            }
+        }
     }
 
     /// `((TARGET FUNCTION) ..)`

@@ -131,7 +131,12 @@ pub(crate) fn airfields(file: &DataFile) -> MissionResult<Vec<Airfield>> {
 
 const WIND_COLUMNS: &[&str] = &["altitude_m_min", "altitude_m_max", "wind_from_deg", "wind_speed_mps"];
 const WIND_COLUMNS_OPTIONAL: &[&str] =
-    &["south_deg", "north_deg", "west_deg", "east_deg", "from_h", "until_h", "turbulence"];
+    &["south_deg", "north_deg", "west_deg", "east_deg", "from_h", "until_h", "edr", "turbulence"];
+/// EDR of one unit of the former column `turbulence`, which went from 0 (smooth) to 1 (severe). ICAO Annex 3 calls an EDR
+/// above 0.45 severe.
+const EDR_PER_TURBULENCE: f64 = 0.5;
+/// Greatest EDR of a wind table, m^(2/3)/s: about twice the lower bound of severe turbulence.
+const EDR_MAX: f64 = 1.0;
 
 /// Reads a wind field.
 ///
@@ -180,22 +185,35 @@ fn wind_layer(row: &tables::Row<'_>) -> MissionResult<WindLayer> {
         until_s,
         wind_east_mps: speed_mps * libm::sin(towards_rad),
         wind_north_mps: speed_mps * libm::cos(towards_rad),
-        turbulence: row.number("turbulence", 0.0, 1.0)?.unwrap_or(0.0),
+        edr: edr(row)?,
     })
 }
 
-/// Reads the people who work on the mission.
+/// Reads the turbulence of a row as EDR: from the column `edr`, else from the former column `turbulence`.
+fn edr(row: &tables::Row<'_>) -> MissionResult<f64> {
+    let edr = row.number("edr", 0.0, EDR_MAX)?;
+    let turbulence = row.number("turbulence", 0.0, 1.0)?;
+    if edr.is_some() && turbulence.is_some() {
+        return Err(row
+            .trouble("both `edr` and `turbulence` are given")
+            .because("they describe the same thing: `turbulence` is read as an EDR of half its number")
+            .help("delete the column `turbulence`"));
+    }
+    Ok(edr.or(turbulence.map(|number| EDR_PER_TURBULENCE * number)).unwrap_or(0.0))
+}
+
+/// Reads the people who work on the mission; wages are money, of which `money_per_point` makes a point.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them.
-pub(crate) fn people(file: &DataFile) -> MissionResult<Vec<CrewMember>> {
+pub(crate) fn people(file: &DataFile, money_per_point: f64) -> MissionResult<Vec<CrewMember>> {
     let table = tables::read(file, &["role", "wage_per_hour"], &["fixed_hours", "flight_share"])?;
     table
         .rows()
         .map(|row| {
             Ok(CrewMember {
                 role: row.text("role").ok_or_else(|| row.trouble("`role` is empty"))?.to_string(),
-                wage_per_hour: row.required("wage_per_hour", 0.0, 1e9)?,
+                wage_per_hour: row.required("wage_per_hour", 0.0, 1e9)? / money_per_point,
                 fixed_hours: row.number("fixed_hours", 0.0, 1e6)?.unwrap_or(0.0),
                 flight_share: row.number("flight_share", 0.0, 1.0)?.unwrap_or(1.0),
             })

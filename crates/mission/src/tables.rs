@@ -26,10 +26,7 @@ pub(crate) struct Row<'a> {
 /// Unreadable file, rows of unequal length, missing or unknown columns, no rows.
 pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> MissionResult<Table> {
     let place = &file.place;
-    let broken = |error: csv::Error| MissionError::data(format!("{place} is not a table")).because(error);
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
-    let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
+    let (header, rows) = rows(file)?;
     let missing: Vec<&str> =
         columns.iter().copied().filter(|column| !header.iter().any(|name| name == column)).collect();
     if !missing.is_empty() {
@@ -44,16 +41,32 @@ pub(crate) fn read(file: &DataFile, columns: &[&str], optional: &[&str]) -> Miss
             .at(place)
             .help(format!("known are {}", [columns, optional].concat().join(", "))));
     }
+    if rows.is_empty() {
+        return Err(MissionError::data(format!("{place} has a header but no rows")));
+    }
+    Ok(Table { file: place.clone(), header, rows })
+}
+
+/// A header in lower case, and line number and cells of each row.
+pub(crate) type Rows = (Vec<String>, Vec<(u64, Vec<String>)>);
+
+/// Reads the header and the rows of a table. Lines that begin with `#` are comments.
+///
+/// # Errors
+/// Text that is not a table, rows of unequal length.
+pub(crate) fn rows(file: &DataFile) -> MissionResult<Rows> {
+    let place = &file.place;
+    let broken = |error: csv::Error| MissionError::data(format!("{place} is not a table")).because(error);
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
+    let header = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(broken)?;
         let line = record.position().map_or(0, csv::Position::line);
         rows.push((line, record.iter().map(str::to_string).collect()));
     }
-    if rows.is_empty() {
-        return Err(MissionError::data(format!("{place} has a header but no rows")));
-    }
-    Ok(Table { file: place.clone(), header, rows })
+    Ok((header, rows))
 }
 
 impl Table {

@@ -1,10 +1,18 @@
 //! Targets of a mission: fires, structures, places to look at and to start from (docs/reference/mission-data.md).
 
+mod looks;
+
+pub(crate) use looks::Terms;
+
 use super::features::{self, NamedFeature};
 use crate::error::MissionResult;
 use crate::sources::DataFile;
+use apex_geo::geodesy;
 use apex_metrics::tabulate::POINTS_MAX;
-use apex_model::problem::{CostFunction, EventRate, Light, Position, TimeWindow};
+use apex_model::problem::{CostFunction, EventRate, Position};
+use apex_observation::grid::{GridSettings, PLANNING_CELLS, TargetGrid};
+use apex_observation::target::{ObservedTarget, Polygon, TargetArea, WantedLook};
+use std::sync::Arc;
 
 const SQUARE_METRES_PER_ACRE: f64 = 4_046.856_422_4;
 
@@ -13,7 +21,7 @@ const SQUARE_METRES_PER_ACRE: f64 = 4_046.856_422_4;
 pub struct Target {
     /// Its name in PDL.
     pub id: String,
-    /// Its name for people.
+    /// Its name for operators.
     pub name: String,
     /// Its middle.
     pub position: Position,
@@ -47,22 +55,34 @@ pub enum TargetKind {
 /// Wishes for the observation of a fire.
 #[derive(Debug, Clone)]
 pub struct Fire {
-    /// Worth of a perfect observation.
-    pub value: f64,
-    /// Radius of the circle that stands for it where there is no perimeter.
+    /// Radius of the circle that represents it where there is no perimeter.
     pub radius_m: f64,
-    /// Wanted metres per pixel.
-    pub resolution_m: f64,
-    /// Only the perimeter must be seen.
-    pub perimeter_only: bool,
-    /// Share that is enough.
-    pub share: f64,
-    /// The observation must begin in one of these; empty is any time.
-    pub windows: Vec<TimeWindow>,
-    /// Light wanted.
-    pub light: Light,
-    /// Targets to be observed before it.
-    pub after: Vec<String>,
+    /// Its ground, and the looks that are wanted of it.
+    pub wanted: ObservedTarget,
+    /// Its ground cut into cells: what predictions count.
+    pub(crate) grid: Arc<TargetGrid>,
+}
+
+impl Fire {
+    /// Worth of perfect looks.
+    pub fn value(&self) -> f64 {
+        self.wanted.looks.iter().map(|look| look.value).sum()
+    }
+
+    /// The wanted looks with their names in plans: the target's where it has one look only, else `TARGET/LOOK`.
+    pub fn looks(&self) -> impl Iterator<Item = (String, &WantedLook)> {
+        let alone = self.wanted.looks.len() == 1;
+        let name = move |look: &WantedLook| match alone {
+            true => self.wanted.name.clone(),
+            false => format!("{}/{}", self.wanted.name, look.name),
+        };
+        self.wanted.looks.iter().map(move |look| (name(look), look))
+    }
+
+    /// Only its perimeter must be seen.
+    pub fn perimeter_only(&self) -> bool {
+        matches!(self.wanted.area, TargetArea::Perimeter { .. })
+    }
 }
 
 /// What makes a structure worth a look.
@@ -84,10 +104,29 @@ impl Target {
     /// Worth of a perfect observation, or importance, for display.
     pub fn worth(&self) -> f64 {
         match &self.kind {
-            TargetKind::Fire(fire) => fire.value,
+            TargetKind::Fire(fire) => fire.value(),
             TargetKind::Site(site) => maximum(&site.cost),
             TargetKind::Plain | TargetKind::Base => 0.0,
         }
+    }
+
+    /// What plans call it, what reports call it, and its worth: once, or for each of several wanted looks.
+    pub fn plan_names(&self) -> Vec<(String, String, f64)> {
+        match &self.kind {
+            TargetKind::Fire(fire) if fire.wanted.looks.len() > 1 => {
+                fire.looks().map(|(id, look)| (id, format!("{} {}", self.name, look.name), look.value)).collect()
+            }
+            _ => vec![(self.id.clone(), self.name.clone(), self.worth())],
+        }
+    }
+
+    /// Is this its name, or the name of one of its wanted looks?
+    pub fn goes_by(&self, name: &str) -> bool {
+        let of_look = || match &self.kind {
+            TargetKind::Fire(fire) => fire.looks().any(|(look, _)| look == name),
+            TargetKind::Site(_) | TargetKind::Plain | TargetKind::Base => false,
+        };
+        self.id == name || of_look()
     }
 
     /// True for what is to be observed.
@@ -107,30 +146,30 @@ fn maximum(cost: &CostFunction) -> f64 {
     }
 }
 
-/// Reads the targets' file.
+/// Reads the targets' file of a mission on these terms.
 ///
 /// # Errors
 /// As docs/reference/mission-data.md lists them, each with file, feature and property.
-pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<Target>> {
+pub(crate) fn read(file: &DataFile, terms: Terms) -> MissionResult<Vec<Target>> {
     let features = features::read(file)?;
-    let targets = features.iter().map(target).collect::<MissionResult<Vec<_>>>()?;
+    let targets = features.iter().map(|feature| target(feature, terms)).collect::<MissionResult<Vec<_>>>()?;
     for (feature, target) in features.iter().zip(&targets) {
         let TargetKind::Fire(fire) = &target.kind else { continue };
-        let known = |name: &String| targets.iter().any(|other| other.id == *name);
-        if let Some(unknown) = fire.after.iter().find(|name| !known(name)) {
+        let unknown = fire.wanted.after.iter().find(|need| !targets.iter().any(|other| other.id == need.target));
+        if let Some(unknown) = unknown {
             return Err(feature
-                .trouble(format!("`after` names `{unknown}`, which is no target"))
+                .trouble(format!("`after` names `{}`, which is not a target", unknown.target))
                 .help("name the `id` of another feature of this file"));
         }
     }
     Ok(targets)
 }
 
-fn target(feature: &NamedFeature) -> MissionResult<Target> {
+fn target(feature: &NamedFeature, terms: Terms) -> MissionResult<Target> {
     let polygons = feature.polygons()?;
     let kind = feature.word("kind", &["fire", "structure", "target", "base"])?;
     let kind = match kind.unwrap_or(if polygons.is_empty() { "target" } else { "fire" }) {
-        "fire" => TargetKind::Fire(fire(feature, &polygons)?),
+        "fire" => TargetKind::Fire(fire(feature, &polygons, terms)?),
         "structure" => TargetKind::Site(site(feature)?),
         "base" => TargetKind::Base,
         _ => TargetKind::Plain,
@@ -139,7 +178,7 @@ fn target(feature: &NamedFeature) -> MissionResult<Target> {
         id: feature.id.clone(),
         name: feature.name.clone(),
         position: feature.position()?,
-        elevation_m: feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0),
+        elevation_m: elevation_m(feature)?,
         announced_late: feature.word("announced", &["at-start", "by-event"])? == Some("by-event"),
         height_m: feature.number("height_m", 0.0, 9_000.0)?.unwrap_or(0.0),
         polygons,
@@ -148,7 +187,12 @@ fn target(feature: &NamedFeature) -> MissionResult<Target> {
     })
 }
 
-fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> MissionResult<Fire> {
+/// Width of the band along a perimeter where the mission states none.
+const PERIMETER_WIDTH_M: f64 = 500.0;
+/// Corners of the polygon that represents a circle.
+const CIRCLE_CORNERS: u32 = 64;
+
+fn fire(feature: &NamedFeature, polygons: &[Vec<Position>], terms: Terms) -> MissionResult<Fire> {
     let acres = feature.number("acres", f64::MIN_POSITIVE, 1e9)?;
     let area_m2 = match (acres, polygons.is_empty()) {
         (_, false) => polygons.iter().map(|ring| features::area_m2(ring)).sum(),
@@ -159,21 +203,66 @@ fn fire(feature: &NamedFeature, polygons: &[Vec<Position>]) -> MissionResult<Fir
                 .help("add `acres`, or draw its perimeter"));
         }
     };
-    let light = match feature.word("light", &["any", "day", "night"])? {
-        Some("day") => Light::Day,
-        Some("night") => Light::Night,
-        _ => Light::Any,
+    let position = feature.position()?;
+    let radius_m = libm::sqrt(area_m2 / std::f64::consts::PI);
+    let wanted = ObservedTarget {
+        name: feature.id.clone(),
+        area: area(feature, polygons, position, radius_m)?,
+        elevation_m: elevation_m(feature)?,
+        is_water: feature.flag("water")?.unwrap_or(false),
+        looks: looks::read(feature, position, terms)?,
+        after: looks::after(feature)?,
     };
-    Ok(Fire {
-        value: feature.number("value", 0.0, 1e9)?.unwrap_or(1.0),
-        radius_m: (area_m2 / std::f64::consts::PI).sqrt(),
-        resolution_m: feature.number("resolution_m", f64::MIN_POSITIVE, 1e6)?.unwrap_or(1e6),
-        perimeter_only: feature.word("coverage", &["perimeter", "interior"])? == Some("perimeter"),
-        share: feature.number("share", f64::MIN_POSITIVE, 1.0)?.unwrap_or(1.0),
-        windows: feature.spans_s("windows_h")?,
-        light,
-        after: feature.texts("after")?,
+    let grid = TargetGrid::new(&wanted, GridSettings { cells: PLANNING_CELLS, ..GridSettings::default() }).map_err(
+        |error| {
+            feature
+                .trouble("its ground cannot be cut into cells")
+                .because(error)
+                .help("give the corners of each outline in order, each once; outlines do not overlap")
+        },
+    )?;
+    Ok(Fire { radius_m, wanted, grid: Arc::new(grid) })
+}
+
+/// What of a fire must be seen.
+fn area(
+    feature: &NamedFeature,
+    polygons: &[Vec<Position>],
+    centre: Position,
+    radius_m: f64,
+) -> MissionResult<TargetArea> {
+    let width_m = feature.number("perimeter_width_m", f64::MIN_POSITIVE, 1e6)?;
+    let interior_weight = feature.number("interior_weight", 0.0, 1.0)?;
+    let outlines = |rings: &[Vec<Position>]| -> Vec<Polygon> {
+        rings.iter().map(|ring| Polygon { outer: ring.clone(), holes: Vec::new() }).collect()
+    };
+    if feature.word("coverage", &["perimeter", "interior"])? == Some("perimeter") {
+        let polygons = if polygons.is_empty() { vec![circle(centre, radius_m)] } else { polygons.to_vec() };
+        return Ok(TargetArea::Perimeter {
+            polygons: outlines(&polygons),
+            half_width_m: 0.5 * width_m.unwrap_or(PERIMETER_WIDTH_M),
+            interior_weight: interior_weight.unwrap_or(0.0),
+        });
+    }
+    if let Some(idle) = ["perimeter_width_m", "interior_weight"].into_iter().find(|key| feature.has(key)) {
+        return Err(feature
+            .trouble(format!("`{idle}` has no meaning where `coverage` is interior"))
+            .help("write `\"coverage\": \"perimeter\"`, or leave it out"));
+    }
+    Ok(match polygons.is_empty() {
+        true => TargetArea::Circle { centre, radius_m },
+        false => TargetArea::Polygons(outlines(polygons)),
     })
+}
+
+/// Corners of a circle.
+fn circle(centre: Position, radius_m: f64) -> Vec<Position> {
+    let corner = |number| geodesy::destination(centre, 360.0 * f64::from(number) / f64::from(CIRCLE_CORNERS), radius_m);
+    (0..CIRCLE_CORNERS).map(corner).collect()
+}
+
+fn elevation_m(feature: &NamedFeature) -> MissionResult<f64> {
+    Ok(feature.number("elevation_m", -500.0, 9_000.0)?.unwrap_or(0.0))
 }
 
 fn site(feature: &NamedFeature) -> MissionResult<Site> {

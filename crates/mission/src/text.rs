@@ -2,7 +2,7 @@
 
 use apex_model::time::Duration;
 
-/// Lines for people are no wider than this.
+/// Lines for operators are no wider than this.
 const LINE_WIDTH: usize = 100;
 /// Indent of the text next to the times of a history.
 const TIME_INDENT: &str = "                ";

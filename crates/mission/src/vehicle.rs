@@ -4,11 +4,12 @@ use crate::Files;
 use crate::error::{ErrorKind, MissionError, MissionResult};
 use crate::files::text_of;
 use crate::settings;
-use apex_geo::coverage::LineScanner;
+use crate::sources::Sources;
+use apex_geo::travel;
 use apex_model::library::Library;
 use apex_pdl::SourceText;
 pub use apex_vehicle::{Airframe, VehicleModel};
-use apex_vehicle::{ShippedVehicle, VehicleFileError};
+use apex_vehicle::{CruiseLevel, EnergyModel, ShippedSensor, ShippedVehicle, VehicleFileError};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -25,6 +26,19 @@ pub enum ModelSource {
     Shipped(String),
     /// A vehicle file, relative to the mission's folder.
     File(String),
+}
+
+/// Reads a vehicle model with its sensors: one that ships, by name, or a vehicle file, whose name ends in `.json`.
+///
+/// # Errors
+/// An unknown model, a file that cannot be read or is invalid.
+pub fn read(name: &str) -> MissionResult<VehicleModel> {
+    let path = Path::new(name);
+    let is_file = path.extension().is_some_and(|extension| extension == "json");
+    let file = path.file_name().filter(|_| is_file).map(|file| file.to_string_lossy().into_owned());
+    let source = file.map_or_else(|| ModelSource::Shipped(name.to_string()), ModelSource::File);
+    let sources = Sources::Folder(path.parent().unwrap_or(Path::new("")).to_path_buf());
+    load(&source, &mut Files { sources: &sources, place: "the command line".to_string(), data: Vec::new() })
 }
 
 /// Reads the vehicle model and keeps the bytes of its file for the record. Of a shipped model, the copy that a record holds
@@ -47,27 +61,58 @@ pub(crate) fn load(source: &ModelSource, files: &mut Files<'_>) -> MissionResult
                     (shipped.file.to_string(), shipped.text.to_string())
                 }
             };
-            let model = VehicleModel::parse(&file, &text).map_err(invalid)?;
+            let model = with_sensors(&file, &text, files)?;
             files.data.push((file, text.into_bytes()));
             Ok(model)
         }
         ModelSource::File(name) => {
-            let model = files.read("model", &Some(name.clone()), |file| {
-                VehicleModel::parse(&file.place, &file.text()?).map_err(invalid)
-            })?;
-            model.ok_or_else(|| MissionError::new(ErrorKind::Vehicle, format!("{name}: no vehicle model")))
+            let file = files.read("model", &Some(name.clone()), |file| Ok((file.place.clone(), file.text()?)))?;
+            let (place, text) =
+                file.ok_or_else(|| MissionError::new(ErrorKind::Vehicle, format!("{name}: no vehicle model")))?;
+            with_sensors(&place, &text, files)
         }
     }
 }
 
-fn invalid(error: VehicleFileError) -> MissionError {
-    MissionError::new(ErrorKind::Vehicle, error.place()).because(error.reason()).help(error.help)
+/// Reads a vehicle model with its sensors and keeps the bytes of the sensor files for the record.
+fn with_sensors(file: &str, text: &str, files: &mut Files<'_>) -> MissionResult<VehicleModel> {
+    let place = file.to_string();
+    let mut read: Vec<(String, Vec<u8>)> = Vec::new();
+    let sources = files.sources;
+    let parsed = VehicleModel::parse_with(file, text, &mut |reference: &str| {
+        let (name, place, bytes) = sensor_file(reference, sources, &place)?;
+        let text = text_of(&place, bytes.clone()).map_err(|error| error.to_string())?;
+        read.push((name, bytes));
+        Ok(Some((place, text)))
+    });
+    for (name, bytes) in read {
+        if !files.data.iter().any(|(known, _)| *known == name) {
+            files.data.push((name, bytes));
+        }
+    }
+    parsed.map_err(invalid)
 }
 
-/// Returns the line scanner of a vehicle; `None` if it carries none.
-pub(crate) fn line_scanner(model: &VehicleModel) -> Option<LineScanner> {
-    let scanner = model.scanner.as_ref()?;
-    Some(LineScanner { field_of_view_deg: scanner.field_of_view_deg, pixel_mrad: scanner.pixel_mrad })
+/// Name in the record, name in messages, and bytes of the sensor that the vehicle file `vehicle` calls `reference`: a file beside
+/// the mission, or a sensor that ships, of which the copy in a record counts more.
+fn sensor_file(reference: &str, sources: &Sources, vehicle: &str) -> Result<(String, String, Vec<u8>), String> {
+    if reference.ends_with(".json") {
+        let file = sources
+            .read(reference, || format!("{vehicle} names it as `\"sensor\": \"{reference}\"`"))
+            .map_err(|error| error.to_string())?;
+        return Ok((reference.to_string(), file.place, file.bytes));
+    }
+    let shipped = ShippedSensor::find(reference);
+    let name = shipped.as_ref().map_or_else(|_| format!("library/sensors/{reference}.json"), |it| it.file.to_string());
+    let bytes = match sources.held(&name) {
+        Some(bytes) => bytes.to_vec(),
+        None => shipped?.text.as_bytes().to_vec(),
+    };
+    Ok((name.clone(), name, bytes))
+}
+
+fn invalid(error: VehicleFileError) -> MissionError {
+    MissionError::new(ErrorKind::Vehicle, error.place()).because(error.reason()).help(error.help)
 }
 
 /// Returns the text that has to replace the library of figures in a program: `None` if the program does not use that
@@ -83,7 +128,16 @@ pub(crate) fn figures_for(
     // Errors of the vehicle are reported when the mission is loaded.
     let model = match settings::vehicle_of(application, String::new()).ok()?.0 {
         ModelSource::Shipped(name) => VehicleModel::named(&name).ok()?,
-        ModelSource::File(name) => VehicleModel::parse(&name, &read(&folder.join(&name)).ok()?).ok()?,
+        ModelSource::File(name) => {
+            let text = read(&folder.join(&name)).ok()?;
+            let mut sensor = |reference: &str| match reference.ends_with(".json") {
+                true => read(&folder.join(reference))
+                    .map(|text| Some((reference.to_string(), text)))
+                    .map_err(|error| error.to_string()),
+                false => Ok(None),
+            };
+            VehicleModel::parse_with(&name, &text, &mut sensor).ok()?
+        }
     };
     let text = figures(&model);
     (text != *shipped.text).then(|| SourceText { name: FIGURES_NAME.to_string(), text })
@@ -91,6 +145,15 @@ pub(crate) fn figures_for(
 
 /// Returns the figures of a vehicle as a library of PDL.
 pub fn figures(model: &VehicleModel) -> String {
+    let (capacity_kg, low_kg, low_share) = match model.energy {
+        EnergyModel::Fuel(_) => (model.stored_full(), (model.low() * 10.0).round() / 10.0, 0.0),
+        EnergyModel::Battery(_) => (0.0, 0.0, (model.low() / model.stored_full() * 1e4).round() / 1e4),
+    };
+    let cruise = match model.planning.cruise {
+        CruiseLevel::Altitude(altitude_m) => ("cruise-altitude", altitude_m, "m"),
+        CruiseLevel::Height(height_m) => ("cruise-height", height_m, "m"),
+    };
+    let reserve_share = (model.reserve() / model.stored_full() * 1e4).round() / 1e4;
     let constants = [
         ("level-roll-max", model.level_roll_deg_max, "deg"),
         ("bank-max", model.bank_deg_max, "deg"),
@@ -99,10 +162,12 @@ pub fn figures(model: &VehicleModel) -> String {
         ("climb-rate-max", model.climb_rate_m_s_max, "m/s"),
         ("descent-rate-max", model.descent_rate_m_s_max, "m/s"),
         ("ceiling", model.ceiling_m, "m"),
-        ("cruise-altitude", model.planning.cruise_altitude_m, "m"),
-        ("fuel-capacity", model.fuel.capacity_kg, "kg"),
-        ("low-fuel", model.fuel.low_kg, "kg"),
-        ("reserve-share", model.planning.reserve_share, ""),
+        ("wind-max", model.wind_m_s_max, "m/s"),
+        cruise,
+        ("fuel-capacity", capacity_kg, "kg"),
+        ("low-fuel", low_kg, "kg"),
+        ("low-charge", low_share, ""),
+        ("reserve-share", reserve_share, ""),
     ];
     let mut text = format!(
         ";;; Figures of the vehicle `{}`, from its vehicle file. A mission's own vehicle replaces this text; a program without a\n\
@@ -115,6 +180,17 @@ pub fn figures(model: &VehicleModel) -> String {
         let _ = writeln!(text, "(defconstant +vehicle-{name}+ {value}{unit})");
     }
     text
+}
+
+/// Least radius of the turns that a plan counts on; 0 for who turns on the spot.
+pub fn turn_radius_m(model: &VehicleModel) -> f64 {
+    match model.airframe {
+        Airframe::FixedWing => travel::turn_radius_m(
+            model.true_airspeed_m_s_cruise,
+            (model.turns.bank_share * model.bank_deg_max).to_radians(),
+        ),
+        Airframe::Rotorcraft => 0.0,
+    }
 }
 
 #[cfg(test)]

@@ -46,6 +46,26 @@ fn an_error_names_kind_and_place() {
 }
 
 #[test]
+fn turbulence_is_read_as_edr_and_the_former_column_as_half_its_number() {
+    let mission = Mission::load(&folder("structure-watch")).unwrap();
+    let with = |table: &str| {
+        let mut changed = data(&mission);
+        changed.iter_mut().find(|(name, _)| name == "winds.csv").unwrap().1 = table.as_bytes().to_vec();
+        Mission::from_sources(&mission.library.sources, changed)
+    };
+    let columns = "altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps";
+    let edr = |table: &str| with(table).unwrap().forecasts[0].1.layers[0].edr;
+    assert_eq!(edr(&format!("{columns},edr\n0,100,270,3,0.2\n")), 0.2);
+    assert_eq!(edr(&format!("{columns},turbulence\n0,100,270,3,0.2\n")), 0.1);
+    assert_eq!(edr(&format!("{columns}\n0,100,270,3\n")), 0.0);
+    let both = with(&format!("{columns},edr,turbulence\n0,100,270,3,0.2,0.4\n")).unwrap_err();
+    assert_eq!(both.message, "both `edr` and `turbulence` are given");
+    assert_eq!(both.place.as_deref(), Some("winds.csv:2"));
+    let beyond = with(&format!("{columns},edr\n0,100,270,3,1.2\n")).unwrap_err();
+    assert_eq!(beyond.message, "`edr` is 1.2, which is not between 0 and 1");
+}
+
+#[test]
 fn errors_of_the_program_are_values() {
     let folder = tempfile::TempDir::new().unwrap();
     let program = folder.path().join("mission.pdl");

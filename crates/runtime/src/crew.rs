@@ -1,4 +1,4 @@
-//! The crew: the agents of one application, each with an inbox of its own, at one clock.
+//! The crew: the agents of one application, each with its inbox, at one clock.
 //!
 //! At an instant agents step in rounds, within a round in the order of their declarations. What an agent says to another
 //! in a round reaches it at the same instant in the next round, so no agent depends on its place in the order. Rounds are
@@ -215,7 +215,7 @@ impl<'a> Crew<'a> {
         Ok(())
     }
 
-    /// Tells the agents that are not finished, but for `except`, that the application ends; answers with their numbers.
+    /// Tells the agents that are not finished, except for `except`, that the application ends; answers with their numbers.
     pub(crate) fn stop(&mut self, except: Option<usize>, now: Time, reason: &str) -> Result<Vec<usize>, RunError> {
         let mut stopped = Vec::new();
         for (index, (agent, inbox)) in self.agents.iter().zip(&mut self.inboxes).enumerate() {

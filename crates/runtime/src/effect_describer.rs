@@ -37,7 +37,7 @@ pub struct EffectRow {
     pub value: Option<Value>,
     /// The goal, form or variable.
     pub subject: String,
-    /// The cause (or what was said) in words, without the place.
+    /// The cause (or what was said) as text, without the place.
     pub text: String,
     /// `file:line:column`.
     pub place: Option<String>,
@@ -194,7 +194,7 @@ impl EffectDescriber {
     }
 }
 
-/// The cause with its evidence, without the place, which has a column of its own.
+/// The cause with its evidence, without the place, which has a separate column.
 pub fn cause_text(because: &Because) -> String {
     let mut text = because.cause.text();
     for (index, evidence) in because.evidence.iter().enumerate() {

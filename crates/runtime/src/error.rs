@@ -1,4 +1,4 @@
-//! What can go wrong in the shell, in sentences for people: what, where, why, what to do.
+//! What can go wrong in the shell, in sentences for operators: what, where, why, what to do.
 
 use apex_model::time::Time;
 use std::path::PathBuf;

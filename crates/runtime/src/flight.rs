@@ -34,7 +34,7 @@ pub(crate) struct Flight<'a, 'o> {
     scheduled: Vec<Input>,
     answers: Vec<ScriptedAnswer>,
     controls: Option<Receiver<Control>>,
-    /// Somebody outside may still say something besides `stop`.
+    /// Somebody outside may still say something in addition `stop`.
     expecting: bool,
     until: Time,
     poll: Option<Duration>,
@@ -338,7 +338,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         Ok(())
     }
 
-    /// Gathers the inputs of this instant; answers with the cause of the step, in words.
+    /// Gathers the inputs of this instant; answers with the cause of the step, as text.
     fn collect(&mut self) -> Result<String, RunError> {
         let now = self.now;
         let mut inputs = Vec::new();
@@ -370,6 +370,7 @@ impl<'a, 'o> Flight<'a, 'o> {
         self.end.effects += effects.len() as u64;
         self.each_observer(now, |observer| observer.observe(batch, &effects))?;
         self.deliberator.observe(index, batch, &effects);
+        self.deliberator.derive().into_iter().try_for_each(|input| self.crew.deliver(input))?;
         let numbering = Numbering::new(index, self.crew.len());
         let sent = outbox::send(&effects, numbering, now, self.vehicle, &mut self.pool);
         for request in &sent.requests {

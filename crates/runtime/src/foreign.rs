@@ -22,7 +22,7 @@ use std::cell::RefCell;
 use std::io::{BufRead, Read, Write};
 use std::rc::Rc;
 
-/// What Apex says to the simulator besides effects, from the application's `:init`, `:start`, `:step` and `:stop`.
+/// What Apex says to the simulator in addition effects, from the application's `:init`, `:start`, `:step` and `:stop`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cues {
     /// Said in the greeting.

@@ -1,4 +1,4 @@
-//! Invocation (deliberation): one solver at work on a thread of its own, watched and contained.
+//! Invocation (deliberation): one solver at work on a separate thread, watched and contained.
 //!
 //! While it works its best plan so far can be polled, and it can be paused and cancelled. Whatever it does,
 //! the caller has an answer in bounded time: a panic, work beyond the budget, endless work, memory beyond the limit are named
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 pub struct Limits {
     /// Work units.
     pub units: u64,
-    /// Wall time until it is given up, pauses not counted.
+    /// Wall time until it is abandoned, pauses not counted.
     pub patience: Duration,
     /// Bytes by which the program may grow meanwhile.
     pub memory_bytes: u64,
@@ -331,12 +331,18 @@ fn cpu_s() -> Option<f64> {
 #[derive(Debug, Default)]
 pub struct Invocations {
     left_behind: BTreeMap<String, Arc<Shared>>,
+    worked: Duration,
 }
 
 impl Invocations {
     /// Nobody was left behind yet.
     pub fn new() -> Invocations {
         Invocations::default()
+    }
+
+    /// Wall time that all solvers together took.
+    pub fn worked(&self) -> Duration {
+        self.worked
     }
 
     /// Lets `solver` plan for `problem`, from the plan `previous` if there is one, until it answers or is not wanted.
@@ -367,7 +373,9 @@ impl Invocations {
             Err(why) => refused(why),
             Ok(invocation) => {
                 let shared = Arc::clone(&invocation.shared);
+                let begun = Instant::now();
                 let answer = invocation.finish(cancel);
+                self.worked += begun.elapsed();
                 if !shared.ended.load(Ordering::Acquire) {
                     self.left_behind.insert(name.to_string(), shared);
                 }

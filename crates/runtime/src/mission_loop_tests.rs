@@ -243,7 +243,7 @@ fn stop_ends_in_good_order_and_a_paced_run_waits_for_people() {
     assert_eq!(fly_balloon(0, options).0.unwrap().reason, EndReason::Quiescent);
 }
 
-/// Answers as [`Slow`] does, after a wall time of its own.
+/// Answers as [`Slow`] does, after a separate wall time.
 struct FakeQueue {
     clock: Arc<ManualClock>,
     takes_s: f64,

@@ -71,7 +71,7 @@ pub struct Pacer {
 /// How long to sleep before an instant of mission time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wait {
-    /// The instant has come.
+    /// The instant has arrived.
     Over,
     /// At most so long.
     For(Duration),

@@ -62,12 +62,18 @@ pub struct SolverAnswer {
 /// The mission next to the executive: poses planning problems from its situation at an instant.
 ///
 /// All calls come from the thread of the flight, in the order of the steps, so that a problem depends on the recorded
-/// inputs and effects only. Solving is a [`SolverJob`] of its own, on any thread.
+/// inputs and effects only. Solving is a separate [`SolverJob`], on any thread.
 pub trait Deliberator {
     /// Observes one step of the agent with this number, before its effects are sent. The situation afterwards is a
     /// function of the steps observed.
     fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
         let _ = (agent, batch, effects);
+    }
+
+    /// Takes what the mission derives from the step that it has just observed: inputs of the same instant for the next batch,
+    /// recorded like all others. Must be a function of the steps observed, so that replay derives the same.
+    fn derive(&mut self) -> Vec<Input> {
+        Vec::new()
     }
 
     /// Poses the problem that answers `request`, made at `at`. Must not change the situation.
@@ -234,7 +240,7 @@ pub trait Observer {
     }
 }
 
-/// A shared observer, so that mission bookkeeping can write rows of its own into the recorder of a running mission.
+/// A shared observer, so that mission bookkeeping can write its rows into the recorder of a running mission.
 impl<O: Observer + ?Sized> Observer for Arc<Mutex<O>> {
     fn turn(&mut self, agent: usize) -> Result<(), String> {
         self.lock().unwrap_or_else(PoisonError::into_inner).turn(agent)

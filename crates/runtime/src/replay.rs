@@ -5,10 +5,11 @@ use crate::crew::Numbering;
 use crate::effect_describer::{EffectDescriber, EffectRow};
 use crate::error::RecordError;
 use crate::outbox;
-use crate::ports::Deliberator;
+use crate::ports::{Deliberator, Input};
 use crate::record::{LoadProgram, ProblemRow, RecordReader, RecordedStep};
 use apex_executive::step;
 use apex_model::effect::{Effect, SolveRequestId};
+use apex_model::event::Batch;
 use apex_model::time::Time;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -52,6 +53,8 @@ pub enum Differing {
     Problem(SolveRequestId),
     /// The mission's situation after the step.
     Situation,
+    /// An input that the mission derives from the step before: the batch does not hold it.
+    Derived,
 }
 
 impl fmt::Display for Differing {
@@ -60,6 +63,7 @@ impl fmt::Display for Differing {
             Differing::Effect(position) => write!(f, "effect {position}"),
             Differing::Problem(request) => write!(f, "planning problem of request {}", request.0),
             Differing::Situation => f.write_str("situation of the mission"),
+            Differing::Derived => f.write_str("input that the mission derives"),
         }
     }
 }
@@ -151,6 +155,8 @@ struct Witness<'a> {
     deliberator: &'a mut dyn Deliberator,
     problems: BTreeMap<SolveRequestId, ProblemRow>,
     situations: BTreeMap<i64, Vec<u8>>,
+    /// What the steps so far have derived and no batch has held.
+    derived: Vec<Input>,
     posed: u64,
 }
 
@@ -161,15 +167,22 @@ impl<'a> Witness<'a> {
         let ours = reader.meta("apex_version")?.as_deref() == Some(env!("CARGO_PKG_VERSION"));
         let situations = if ours { reader.situations()? } else { Vec::new() };
         let situations = situations.into_iter().map(|row| (row.batch_number, row.body)).collect();
-        Ok(Witness { deliberator, problems, situations, posed: 0 })
+        Ok(Witness { deliberator, problems, situations, derived: Vec::new(), posed: 0 })
     }
 
     fn check(&mut self, recorded: &RecordedStep, effects: &[Effect], numbering: Numbering) -> Option<Difference> {
         let (now, batch) = (recorded.batch.now, recorded.batch_number);
-        self.deliberator.observe(recorded.agent, &recorded.batch, effects);
         let difference = |what, recorded: Option<String>, replayed: Option<String>| {
             Some(Difference { at: now, batch, what, recorded, replayed })
         };
+        // Every agent gets what is derived; the first is the one that is compared.
+        if recorded.agent == 0
+            && let Some(missing) = missing(&std::mem::take(&mut self.derived), &recorded.batch)
+        {
+            return difference(Differing::Derived, None, Some(missing));
+        }
+        self.deliberator.observe(recorded.agent, &recorded.batch, effects);
+        self.derived.extend(self.deliberator.derive());
         for request in outbox::requests(effects, numbering) {
             let posed = self.deliberator.pose(&request, now).problem;
             let what = Differing::Problem(request.request);
@@ -195,6 +208,12 @@ impl<'a> Witness<'a> {
         let what = Differing::Problem(request);
         Some(Difference { at: row.at, batch: 0, what, recorded: Some(row.problem), replayed: None })
     }
+}
+
+/// The first of the derived inputs that the next batch does not hold, as text.
+fn missing(derived: &[Input], batch: &Batch) -> Option<String> {
+    let holds = |input: &&Input| batch.events.iter().any(|event| event.at == input.at && event.kind == input.kind);
+    derived.iter().find(|input| !holds(input)).map(|input| format!("{:?} at {}", input.kind, input.at))
 }
 
 fn compare(recorded: &RecordedStep, effects: &[Effect], describer: &mut EffectDescriber) -> Option<Difference> {

@@ -17,9 +17,9 @@ pub struct FlyOptions {
     pub until: Time,
     /// Mission seconds per second of wall time; none is as fast as possible, 0 waits for [`Control::Pace`].
     pub pace: Option<f64>,
-    /// By which a pace is kept: the one on the wall, but for tests.
+    /// By which a pace is kept: the one on the wall, except for tests.
     pub clock: Arc<dyn Clock>,
-    /// Inputs that come at known times, besides the vehicle's: a scenario, an operator's answers. Any order.
+    /// Inputs that come at known times, in addition the vehicle's: a scenario, an operator's answers. Any order.
     pub inputs: Vec<Input>,
     /// What the operator answers to questions that will be asked; each answers one.
     pub answers: Vec<ScriptedAnswer>,
@@ -88,7 +88,7 @@ pub enum EndReason {
 }
 
 impl EndReason {
-    /// The reason in words, as stored under `end_reason` in the record.
+    /// The reason as text, as stored under `end_reason` in the record.
     pub fn text(&self) -> String {
         match self {
             EndReason::Application(reason) => reason.clone(),

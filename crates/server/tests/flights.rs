@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use apex_mission::Mission;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::MissionFlight;
 use apex_mission::recorded::replay;
 use apex_model::time::Time;
@@ -23,8 +23,8 @@ fn missions() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions")
 }
 
-fn means() -> Means {
-    Means::of(&Arc::new(apex_solvers::shipped()))
+fn means() -> PlanningResources {
+    PlanningResources::of(&Arc::new(apex_solvers::shipped()))
 }
 
 /// Serves on a thread that ends with the test program; `missions: None` flies nothing.

@@ -2,7 +2,7 @@
 
 use crate::world::world;
 use apex_mission::Mission;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::recording;
@@ -49,7 +49,7 @@ pub fn pace_of(mission: &Mission, wished: Option<f64>) -> MissionResult<Option<f
 /// A mission that cannot be simulated, a flight that breaks, a record that cannot be written.
 pub fn fly(
     mission: Arc<Mission>,
-    means: Means,
+    means: PlanningResources,
     seed: Option<u64>,
     terms: FlyOptions,
     recorder: &mut Recorder,

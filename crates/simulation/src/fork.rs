@@ -2,7 +2,7 @@
 
 use crate::flight::{BUILT_IN, create_record};
 use crate::world::world;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::fork::{Changes, Fork};
@@ -10,10 +10,13 @@ use apex_mission::report::Report;
 use apex_mission::{Mission, recorded, recording};
 use apex_model::problem::WindField;
 use apex_model::time::Time;
+use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
+use apex_runtime::{Control, FlyOptions};
 use apex_sim::SimulatedWorld;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::Receiver;
 
 /// `forked_with` of a fork that changes nothing.
 const NOTHING: &str = "nothing is changed";
@@ -25,6 +28,17 @@ pub struct WorldChanges {
     pub wind: Option<WindField>,
     /// Seed of turbulence and radio links after the instant; `None` leaves it.
     pub seed: Option<u64>,
+}
+
+/// How the continued flight is run; the default is to the end of the mission, without commands and further observers.
+#[derive(Default)]
+pub struct ForkTerms<'o> {
+    /// When the continued flight ends at the latest.
+    pub until: Option<Time>,
+    /// Commands of the caller, such as to stop.
+    pub controls: Option<Receiver<Control>>,
+    /// Sees all steps in addition to the recorder, those of the past included.
+    pub observer: Option<&'o mut dyn Observer>,
 }
 
 /// Both flights.
@@ -45,8 +59,8 @@ pub fn fork(
     reader: &RecordReader,
     at: Time,
     (changes, world_changes, text): (Changes, WorldChanges, Option<String>),
-    means: Means,
-    until: Option<Time>,
+    means: PlanningResources,
+    terms: ForkTerms<'_>,
     output: &Path,
 ) -> MissionResult<Forked> {
     let mission = Arc::new(forkable(reader, at)?);
@@ -72,9 +86,14 @@ pub fn fork(
             vehicle.reseed(seed);
         }
     };
-    let terms = MissionFlight::terms(&mission, until);
+    let ForkTerms { until, controls, observer } = terms;
+    let terms = FlyOptions { controls, ..MissionFlight::terms(&mission, until) };
     let fork = Fork { reader, mission: Arc::clone(&mission), means, at };
-    let forked = fork.fly(&mut vehicle, change, changes, terms, &mut [&mut recorder])?;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
+    if let Some(observer) = observer {
+        observers.push(observer);
+    }
+    let forked = fork.fly(&mut vehicle, change, changes, terms, &mut observers)?;
     forked.store(&mut recorder).map_err(recording::written)?;
     Ok(Forked { recorded: recorded::report_of(reader, &mission)?, forked })
 }

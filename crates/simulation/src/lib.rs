@@ -6,5 +6,5 @@ mod fork;
 mod world;
 
 pub use flight::{create_record, fly, pace_of};
-pub use fork::{Forked, WorldChanges, fork};
+pub use fork::{ForkTerms, Forked, WorldChanges, fork};
 pub use world::world;

@@ -4,7 +4,7 @@ use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::{Mission, Target, TargetKind};
 use apex_sim::{Ground, GroundPatch, Modem, NamedPlace, SimulatedWorld, Start, WorldConfig};
 
-/// Added around every target for its patch of ground: aircraft see and turn beside it.
+/// Added around every target for its patch of ground: aircraft see and turn next to it.
 const PATCH_MARGIN_M: f64 = 10_000.0;
 /// Heading of the parked vehicle.
 const START_HEADING_DEG: f64 = 0.0;

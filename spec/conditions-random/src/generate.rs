@@ -48,7 +48,7 @@ impl Maker {
         self.dice.between(low, high) as Span * STEP
     }
 
-    /// A span of the grid, seldom a nanosecond beside it.
+    /// A span of the grid, seldom a nanosecond next to it.
     fn span(&mut self, low: usize, high: usize) -> Span {
         let span = self.steps(low, high);
         if self.dice.chance(6) { span + 1 } else { span }

@@ -48,7 +48,7 @@ pub enum Kind {
     },
     /// At least so long after; not longer than.
     Delay(Span, Option<Span>),
-    /// The instant has come; the interval has been reached.
+    /// The instant has arrived; the interval has been reached.
     Timestamp(Time, Option<Time>),
     /// A message, with tests of its instant.
     Event(Vec<Term>, Vec<(Relation, Time)>),

@@ -29,7 +29,7 @@ pub enum What {
 /// The clean past of one variable, object or agent, as known at an instant.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Past {
-    /// The instant up to which everything that had come is in it, if it is from an instant before.
+    /// The instant up to which everything that had arrived is in it, if it is from an instant before.
     pub(crate) known_at: Time,
     /// Samples by attribute and object.
     pub(crate) variables: Vec<Series>,
@@ -74,7 +74,7 @@ pub(crate) fn known(arrivals: &[Arrival], lateness: &BTreeMap<String, Span>, now
     for (number, arrival) in arrivals.iter().enumerate().filter(|(_, arrival)| arrival.arrives <= now) {
         let at = arrival.at;
         match &arrival.what {
-            // Rule 18: a missing measurement proves nothing; it is as if nothing had come.
+            // Rule 18: a missing measurement proves nothing; it is as if nothing had arrived.
             What::Sample(_, _, None) => {}
             What::Sample(attribute, object, Some(value)) => {
                 let late = lateness.get(attribute).copied().unwrap_or(0);

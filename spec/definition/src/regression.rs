@@ -12,7 +12,7 @@ use crate::ways::{View, Way, Ways};
 /// A crossing nearer to an instant than this, in nanoseconds, is at that instant: rounding can be as large.
 const ROUNDING_NS: f64 = 1e-3;
 
-/// What lies further ahead is not foretold: the slope of a line that is level but for rounding is none.
+/// What lies further ahead is not foretold: the slope of a line that is level except for rounding is none.
 const FARTHEST: Time = Time::MAX / 2;
 
 /// What a line says.

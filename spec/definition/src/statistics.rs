@@ -1,4 +1,4 @@
-//! Statistics of a run (rule 11): two passes over all samples, unweighted or by how long each value held; the variance is
+//! Statistics of a run (rule 11): two skips all samples, unweighted or by how long each value held; the variance is
 //! the population's.
 
 use crate::aggregate::Inside;
@@ -32,7 +32,7 @@ fn value_of(statistic: Statistic, episode: &Episode, inside: &Inside) -> Option<
     }
 }
 
-/// Mean and variance of values by how long they held, in seconds; none where nothing held for any time.
+/// Mean and variance of values by how long they held, in seconds; none if nothing held for any time.
 fn weighted(held: &[(f64, f64)]) -> Option<(f64, f64)> {
     let seconds: f64 = held.iter().map(|(_, seconds)| seconds).sum();
     let mean = held.iter().map(|(value, seconds)| value * seconds).sum::<f64>() / seconds;

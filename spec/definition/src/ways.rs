@@ -12,11 +12,11 @@ pub type Interval = (Time, Time);
 /// One way in which a condition is true.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Way {
-    /// First and last evidence; none where nothing was needed.
+    /// First and last evidence; none if nothing was needed.
     pub(crate) hull: Option<Interval>,
     /// The evidence may still go on.
     pub(crate) open: bool,
-    /// Up to when what it rests on persists beyond its evidence; none where nothing persists.
+    /// Up to when what it rests on persists beyond its evidence; none if nothing persists.
     pub(crate) lasts: Option<Time>,
     /// It rests on what holds at this instant, and may not at the next.
     pub(crate) instant: bool,
@@ -157,7 +157,7 @@ fn of_kind(condition: &Condition, view: View<'_>) -> Ways {
 }
 
 /// `:and`: every way of the first with every one of the second, and so on, that agree about their variables; none of
-/// those which a `:not` beside them forbids.
+/// those which a `:not` next to them forbids.
 fn all_of(parts: &[Condition], view: View<'_>) -> Ways {
     let (forbidding, asking): (Vec<_>, Vec<_>) = parts.iter().partition(|part| matches!(part.kind, Kind::Not(_)));
     let mut found = Ways::from(vec![Way::nothing(view.created)]);

@@ -6,7 +6,7 @@ use apex_executive::Agent;
 use apex_reference::trace::State;
 use apex_reference::{Cut, Line, Run, What};
 
-/// Tasks made at an instant that does not come to rest, and still there when the reference gives up, from which on that
+/// Tasks made at an instant that does not come to rest, and still there when the reference abandons, from which on that
 /// instant is left out.
 const MADE_MAX: usize = 10;
 
@@ -85,7 +85,7 @@ fn difference(theirs: &Run, ours: &Run) -> Option<String> {
     let mut told = 0;
     let length = match (theirs.cut, ours.cut) {
         (None, None) => theirs.lines.len().max(ours.lines.len()),
-        // Whoever gives up has told what came before; of a restless instant the executive tells more.
+        // Whoever abandons has told what came before; of a restless instant the executive tells more.
         (Some(_), _) => theirs.lines.len(),
         (None, Some(_)) => theirs.lines.len().min(ours.lines.len()),
     };

@@ -183,7 +183,7 @@ impl Agent<'_> {
         }
     }
 
-    /// A clock of a primitive has come to its end.
+    /// A clock of a primitive has arrived to its end.
     pub(crate) fn clock_rings(&mut self, id: usize, alarm: Alarm) {
         let now = self.now;
         let serial = self.next_serial();

@@ -155,7 +155,7 @@ pub struct Step {
     pub interrupt_cost: Option<Expr>,
     /// Again and again.
     pub repetition: Option<Repetition>,
-    /// What it needs besides what its method needs.
+    /// What it needs in addition what its method needs.
     pub profile: Vec<Need>,
     /// Forms that run at certain moments.
     pub hooks: Hooks,
@@ -199,7 +199,7 @@ pub enum Priority {
 /// `repeating` and `responding`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repetition {
-    /// A fresh instance beside each one that is enabled, rather than the same task again.
+    /// A fresh instance next to each one that is enabled, rather than the same task again.
     pub responding: bool,
     /// Again as long as this holds.
     pub while_true: Option<Expr>,

@@ -44,7 +44,7 @@ impl Agent<'_> {
         true
     }
 
-    /// The task of a responding step was enabled: a fresh instance waits beside it.
+    /// The task of a responding step was enabled: a fresh instance waits next to it.
     pub(crate) fn respond(&mut self, id: usize) {
         let Origin::Step(procedure, step) = self.tasks[id].origin else { return };
         let Some(parent) = self.tasks[id].parent else { return };

@@ -191,7 +191,7 @@ impl<'p> Agent<'p> {
         let (now, newest) = (self.now, self.arrivals.checked_sub(1));
         let task = &mut self.tasks[id];
         task.started_at = None;
-        // What has come by now belongs to the work that is started over.
+        // What has arrived by now belongs to the work that is started over.
         task.answered = task.answered.max(newest);
         task.created_at = now;
         task.choice = None;

@@ -120,7 +120,7 @@ pub(crate) fn rmax(start: Start) -> WorldConfig {
     WorldConfig::new("rmax-1", VehicleModel::named("rmax").unwrap(), start)
 }
 
-pub(crate) fn wind(east_mps: f64, north_mps: f64, turbulence: f64) -> WindField {
+pub(crate) fn wind(east_mps: f64, north_mps: f64, edr: f64) -> WindField {
     let layer = WindLayer {
         area: None,
         altitude_m_min: -1e3,
@@ -129,7 +129,7 @@ pub(crate) fn wind(east_mps: f64, north_mps: f64, turbulence: f64) -> WindField 
         until_s: FOREVER_S,
         wind_east_mps: east_mps,
         wind_north_mps: north_mps,
-        turbulence,
+        edr,
     };
     WindField { layers: vec![layer], blend: false }
 }

@@ -1,15 +1,15 @@
 //! `apex check`: every mistake of an author before anything flies.
 
 use super::fix;
+use crate::error::{CliError, CliResult};
 use crate::options::CheckOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
 use apex_executive::memory;
 use apex_pdl::{Checked, Fix, Severity, TextEdit};
 use std::io::IsTerminal;
 
 /// Checks each file by itself with what it requires.
-pub fn run(options: &CheckOptions) -> Outcome {
+pub fn run(options: &CheckOptions) -> CliResult {
     if options.fix {
         return fix::run(options);
     }
@@ -28,11 +28,11 @@ pub fn run(options: &CheckOptions) -> Outcome {
             }
         }
     }
-    if wrong { Err(Trouble::told()) } else { Ok(()) }
+    if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
 /// Prints diagnostics, as text or as JSON lines.
-pub fn print(checked: &Checked, json: bool) -> Outcome {
+pub fn print(checked: &Checked, json: bool) -> CliResult {
     if json {
         return print_json(checked);
     }
@@ -41,7 +41,7 @@ pub fn print(checked: &Checked, json: bool) -> Outcome {
 }
 
 /// What is kept, and because of which clauses.
-fn memory(checked: &Checked, json: bool) -> Outcome {
+fn memory(checked: &Checked, json: bool) -> CliResult {
     let library = &checked.library;
     if !json {
         return output::print(memory::report(library));
@@ -87,7 +87,7 @@ fn counted(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn print_json(checked: &Checked) -> Outcome {
+fn print_json(checked: &Checked) -> CliResult {
     for each in &checked.diagnostics {
         let line = serde_json::json!({
             "code": each.code,

@@ -1,10 +1,10 @@
 //! `apex export`: the samples and events of a flight record, a log or lines of JSON as a table.
 
+use crate::error::{CliError, CliResult, read_text};
 use crate::monitor::input::Source;
 use crate::options::{ExportFormat, ExportOptions};
 use crate::output::Listened;
 use crate::sources;
-use crate::trouble::{Outcome, Trouble, read_text};
 use apex_executive::MonitorSession;
 use apex_model::event::{EventKind, Message, StateVariable};
 use apex_model::library::Library;
@@ -18,11 +18,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Writes every sample and event with what became of it.
-pub fn run(options: &ExportOptions) -> Outcome {
+pub fn run(options: &ExportOptions) -> CliResult {
     let mut source = Source::of(&options.inputs, options.mapping.as_deref(), options.log_time)?;
     let library = Arc::new(library(options, &mut source)?);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
-        .map_err(|reason| Trouble::user("the library cannot be used").because(reason))?;
+        .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
     if let Some(path) = out {
         refuse_to_overwrite(path, &options.inputs)?;
@@ -39,7 +39,7 @@ pub fn run(options: &ExportOptions) -> Outcome {
             Box::new(ParquetWriter::new(created(path)?, facts(&library)).map_err(|error| unwritten(out, &error))?)
         }
         (ExportFormat::Parquet, None) => {
-            return Err(Trouble::user("a Parquet table needs a file").help("name it with `--out FILE.parquet`"));
+            return Err(CliError::user("a Parquet table needs a file").help("name it with `--out FILE.parquet`"));
         }
     };
     let mut table = Table { session, writer, rows: 0, now: Time::BEGINNING };
@@ -52,7 +52,7 @@ pub fn run(options: &ExportOptions) -> Outcome {
     table.writer.finish().map_err(|error| unwritten(out, &error))?;
     fed?;
     if let Some(path) = out {
-        crate::output::complain(format_args!("{rows} rows in {}", path.display()));
+        crate::output::print_error(format_args!("{rows} rows in {}", path.display()));
     }
     Ok(())
 }
@@ -106,7 +106,7 @@ impl Table {
     }
 }
 
-fn library(options: &ExportOptions, source: &mut Source) -> Outcome<Library> {
+fn library(options: &ExportOptions, source: &mut Source) -> CliResult<Library> {
     let mut texts: Vec<SourceText> = Vec::new();
     for path in &options.library {
         texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
@@ -120,19 +120,19 @@ fn library(options: &ExportOptions, source: &mut Source) -> Outcome<Library> {
     let checked = sources::check_texts(texts, &folder);
     if checked.has_errors() {
         sources::print_warnings_and_errors(&checked);
-        return Err(Trouble::told());
+        return Err(CliError::already_reported());
     }
     Ok(checked.library)
 }
 
 /// The format that was asked for, or the one that the file's name says.
-fn format_of(options: &ExportOptions, out: Option<&Path>) -> Outcome<ExportFormat> {
+fn format_of(options: &ExportOptions, out: Option<&Path>) -> CliResult<ExportFormat> {
     let extension = out.and_then(Path::extension).map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match (options.format, extension.as_deref()) {
         (Some(format), _) => Ok(format),
         (None, Some("parquet" | "pq")) => Ok(ExportFormat::Parquet),
         (None, None | Some("csv")) => Ok(ExportFormat::Csv),
-        (None, Some(other)) => Err(Trouble::user(format!("`.{other}` does not say which format is wanted"))
+        (None, Some(other)) => Err(CliError::user(format!("`.{other}` does not say which format is wanted"))
             .help("add `--format csv` or `--format parquet`")),
     }
 }
@@ -148,23 +148,23 @@ fn facts(library: &Library) -> Vec<(String, String)> {
     facts
 }
 
-fn refuse_to_overwrite(out: &Path, inputs: &Path) -> Outcome {
+fn refuse_to_overwrite(out: &Path, inputs: &Path) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     if real(out).is_some() && real(out) == real(inputs) {
-        return Err(Trouble::user(format!("the table would be written over its source, {}", out.display()))
+        return Err(CliError::user(format!("the table would be written over its source, {}", out.display()))
             .help("give `--out` another file"));
     }
     Ok(())
 }
 
-fn created(path: &Path) -> Outcome<BufWriter<File>> {
+fn created(path: &Path) -> CliResult<BufWriter<File>> {
     let file = File::create(path).map_err(|error| unwritten(Some(path), &error))?;
     Ok(BufWriter::new(file))
 }
 
-fn unwritten(path: Option<&Path>, error: &std::io::Error) -> Trouble {
+fn unwritten(path: Option<&Path>, error: &std::io::Error) -> CliError {
     let name = path.map_or_else(|| "standard output".to_string(), |path| path.display().to_string());
-    Trouble::failure(format!("cannot write {name}"))
+    CliError::failure(format!("cannot write {name}"))
         .because(error)
         .help("the table is incomplete; look at the place and the space there")
 }

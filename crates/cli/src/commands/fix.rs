@@ -1,8 +1,8 @@
 //! `apex check --fix`: makes the safe fixes, pass after pass, and says what is left.
 
 use super::check;
+use crate::error::{CliError, CliResult};
 use crate::options::CheckOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
 use apex_mission::fixing::{Program, Text};
 use apex_pdl::{Checked, SourceText};
@@ -14,17 +14,17 @@ use std::path::{Path, PathBuf};
 const STANDARD_INPUT: &str = "-";
 
 /// Fixes each program by itself, with the files that it requires.
-pub fn run(options: &CheckOptions) -> Outcome {
+pub fn run(options: &CheckOptions) -> CliResult {
     let mut wrong = false;
     for file in &options.files {
         wrong |=
             if file.as_os_str() == STANDARD_INPUT { fix_standard_input(options)? } else { fix_files(file, options)? };
     }
-    if wrong { Err(Trouble::told()) } else { Ok(()) }
+    if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
 /// Fixes a program and writes its files; true if errors are left.
-fn fix_files(file: &Path, options: &CheckOptions) -> Outcome<bool> {
+fn fix_files(file: &Path, options: &CheckOptions) -> CliResult<bool> {
     let mut program = Program::default();
     let checked = program.mend(|read| sources::check_program_with(file, options.fragment, read))?;
     for (path, text) in program.texts.iter().filter(|(_, text)| text.before != text.now) {
@@ -37,7 +37,7 @@ fn fix_files(file: &Path, options: &CheckOptions) -> Outcome<bool> {
     let name = sources::program_path(file).display().to_string();
     if options.dry_run {
         // Standard output is the difference, for `patch`.
-        output::complain(summary(&program, &name, &checked, true));
+        output::print_error(summary(&program, &name, &checked, true));
     } else {
         report(&program, &checked, options)?;
         if !options.json {
@@ -48,11 +48,11 @@ fn fix_files(file: &Path, options: &CheckOptions) -> Outcome<bool> {
 }
 
 /// Fixes standard input to standard output; messages go to standard error.
-fn fix_standard_input(options: &CheckOptions) -> Outcome<bool> {
+fn fix_standard_input(options: &CheckOptions) -> CliResult<bool> {
     let mut text = String::new();
     std::io::stdin()
         .read_to_string(&mut text)
-        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+        .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     let name = PathBuf::from("<standard input>");
     // What it requires is read from files, which are not ours to change here.
     let mut program = Program { only: Some(name.clone()), ..Program::default() };
@@ -65,12 +65,12 @@ fn fix_standard_input(options: &CheckOptions) -> Outcome<bool> {
     let Some(text) = program.texts.get(&name) else { return Ok(checked.has_errors()) };
     output::print(if options.dry_run { difference(STANDARD_INPUT, text) } else { text.now.clone() })?;
     let rendered = apex_pdl::render(&checked.diagnostics, &checked.library.sources, std::io::stderr().is_terminal());
-    output::complain(rendered.trim_end_matches('\n'));
-    output::complain(summary(&program, "standard input", &checked, options.dry_run));
+    output::print_error(rendered.trim_end_matches('\n'));
+    output::print_error(summary(&program, "standard input", &checked, options.dry_run));
     Ok(checked.has_errors())
 }
 
-fn report(program: &Program, checked: &Checked, options: &CheckOptions) -> Outcome {
+fn report(program: &Program, checked: &Checked, options: &CheckOptions) -> CliResult {
     for made in &program.made {
         if options.json {
             output::print_line(serde_json::json!({ "fixed": made.title, "code": made.code, "place": made.place }))?;

@@ -1,11 +1,11 @@
 //! `apex fly`: a whole mission in simulated time, recorded, reported.
 
+use crate::error::{CliError, CliResult};
 use crate::options::FlyOptions;
-use crate::telling::{plain_duration, shell_word};
-use crate::trouble::{Outcome, Trouble};
+use crate::text::{plain_duration, shell_word};
 use crate::{commands, output, sources};
 use apex_mission::Mission;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_model::effect::Effect;
 use apex_model::event::Batch;
@@ -24,7 +24,7 @@ use std::thread::JoinHandle;
 const PACE_MAX: f64 = 1e9;
 
 /// Flies a mission.
-pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
+pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult {
     let pace = options.pace.map(checked_pace).transpose()?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
     let mission = Arc::new(sources::load_mission(&options.mission)?);
@@ -59,16 +59,16 @@ pub fn run(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome {
     }
 }
 
-fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> Outcome {
+fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -> CliResult {
     if json {
-        let sections: serde_json::Map<String, serde_json::Value> =
-            flight.report.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect();
-        return output::print_line(serde_json::Value::Object(sections));
+        return output::print_line(flight.report.json());
     }
     output::print(flight.report.text())?;
     output::print_line(format_args!(
-        "\n{} of flight in {seconds:.2} s: {} steps, {} events, {} decisions and other effects",
+        "\n{} of flight in {seconds:.2} s ({:.2} s planning, {:.2} s flying): {} steps, {} events, {} decisions and other effects",
         plain_duration(Duration(flight.end.at.0)),
+        flight.planned_for.as_secs_f64(),
+        (seconds - flight.planned_for.as_secs_f64()).max(0.0),
         flight.end.steps,
         flight.end.events,
         flight.end.effects
@@ -85,36 +85,36 @@ fn print_flight(flight: &FlightOutcome, seconds: f64, path: &Path, json: bool) -
     }
 }
 
-/// The pace, if it makes time go on.
+/// The pace, if it makes time continue.
 ///
 /// # Errors
 /// It does not.
-pub fn checked_pace(pace: f64) -> Outcome<f64> {
+pub fn checked_pace(pace: f64) -> CliResult<f64> {
     if pace > 0.0 && pace <= PACE_MAX {
         return Ok(pace);
     }
-    Err(Trouble::user(format!("`--pace {pace}` is no pace"))
+    Err(CliError::user(format!("`--pace {pace}` is no pace"))
         .help("write simulated seconds per second, above 0: 1 is real time, 10 is ten times faster; leave it out to fly as fast as possible"))
 }
 
 /// Tells before the flight that Sherpa will not have its port, rather than during it.
-fn check_port(port: u16) -> Outcome {
+fn check_port(port: u16) -> CliResult {
     match TcpListener::bind((Ipv4Addr::LOCALHOST, port)) {
         Ok(_) => Ok(()),
-        Err(error) => Err(Trouble::failure(format!("cannot serve on 127.0.0.1:{port}"))
+        Err(error) => Err(CliError::failure(format!("cannot serve on 127.0.0.1:{port}"))
             .because(error)
             .help("stop the program that uses the port, or choose another one with `--port` (0 takes any free one)")),
     }
 }
 
 /// The planners, with what the options let them take.
-fn means(options: &FlyOptions, planners: &Arc<Registry>) -> Outcome<Means> {
-    let mut means = Means::of(planners);
+fn means(options: &FlyOptions, planners: &Arc<Registry>) -> CliResult<PlanningResources> {
+    let mut means = PlanningResources::of(planners);
     means.table = options.table.as_deref().map(commands::profile::table).transpose()?;
     if let Some(text) = &options.solver_patience {
         let time = sources::parse_time(text, "--solver-patience")? - Time::ZERO;
         if time <= Duration::ZERO {
-            return Err(Trouble::user(format!("`--solver-patience {text}` gives no solver a chance"))
+            return Err(CliError::user(format!("`--solver-patience {text}` gives no solver a chance"))
                 .help("write a time above 0, for example `30s`"));
         }
         means.patience = std::time::Duration::from_secs_f64(time.seconds());
@@ -138,7 +138,7 @@ fn serve_beside(path: &Path, port: u16) -> (JoinHandle<()>, Receiver<Control>) {
         match commands::serve::serve(Some((&path, 0)), None, address, port, ready) {
             // The flight may be over already: then nobody listens, and nothing is left to stop.
             Ok(()) => say.send(Control::Stop).unwrap_or_default(),
-            Err(trouble) => output::complain(format_args!("{trouble}\n  the flight goes on without Sherpa")),
+            Err(error) => output::print_error(format_args!("{error}\n  the flight goes on without Sherpa")),
         }
     });
     (thread, controls)

@@ -1,21 +1,21 @@
 //! `apex fork`: a recorded flight, continued from an instant on with changes, and both reports side by side.
 
+use crate::error::{CliError, CliResult};
 use crate::options::ForkOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
 use apex_mission::comparison::Comparison;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::fork::{Changes, scaled_wind};
 use apex_mission::{recorded, scenario};
 use apex_model::problem::WindField;
 use apex_planning::Registry;
 use apex_runtime::record::RecordReader;
-use apex_simulation::{Forked, WorldChanges, fork};
+use apex_simulation::{ForkTerms, Forked, WorldChanges, fork};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Forks a recorded flight.
-pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> Outcome {
+pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> CliResult {
     let reader = recording::open(&options.record)?;
     let at = sources::parse_time(&options.at, "--at")?;
     let until = options.until.as_deref().map(|text| sources::parse_time(text, "--until")).transpose()?;
@@ -24,8 +24,9 @@ pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> Outcome {
     let world = WorldChanges { wind: wind(options, &reader)?, seed: options.seed };
     let path = options.output.clone().unwrap_or_else(|| beside(&options.record));
     let text = described(options);
+    let terms = ForkTerms { until, ..ForkTerms::default() };
     let Forked { recorded, forked } =
-        fork(&reader, at, (changes, world, text.clone()), Means::of(planners), until, &path)?;
+        fork(&reader, at, (changes, world, text.clone()), PlanningResources::of(planners), terms, &path)?;
     let comparison = Comparison { headings: ["recorded", "forked"], reports: [&recorded, &forked.report], from: at };
     if options.json {
         return output::print_line(comparison.json());
@@ -37,12 +38,12 @@ pub fn run(options: &ForkOptions, planners: &Arc<Registry>) -> Outcome {
 }
 
 /// The wind that blows after the fork; none leaves it as recorded.
-fn wind(options: &ForkOptions, reader: &RecordReader) -> Outcome<Option<WindField>> {
+fn wind(options: &ForkOptions, reader: &RecordReader) -> CliResult<Option<WindField>> {
     match (options.wind_factor, &options.weather) {
         (Some(factor), _) if (0.0..=100.0).contains(&factor) => {
             Ok(recorded::mission_of(reader)?.map(|mission| scaled_wind(&mission.weather, factor)))
         }
-        (Some(factor), _) => Err(Trouble::user(format!("invalid value `{factor}` for `--wind-factor`"))
+        (Some(factor), _) => Err(CliError::user(format!("invalid value `{factor}` for `--wind-factor`"))
             .because("expected a number from 0 to 100")
             .help("write for example `--wind-factor 2`")),
         (None, Some(path)) => Ok(Some(apex_mission::read_wind(path)?)),

@@ -1,13 +1,13 @@
 //! `apex fmt`: one layout for all PDL.
 
+use crate::error::{CliError, CliResult, read_text};
 use crate::options::FormatOptions;
 use crate::output;
-use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::source::SourceFile;
 use std::io::Read;
 
 /// Formats files in place; a file with a syntax error is reported and left alone.
-pub fn run(options: &FormatOptions) -> Outcome {
+pub fn run(options: &FormatOptions) -> CliResult {
     let mut wrong = false;
     let mut unformatted = Vec::new();
     for file in &options.files {
@@ -31,16 +31,16 @@ pub fn run(options: &FormatOptions) -> Outcome {
         }
     }
     if !unformatted.is_empty() {
-        return Err(Trouble::user(format!("not formatted: {}", unformatted.join(", "))).help("run `apex fmt` on them"));
+        return Err(CliError::user(format!("not formatted: {}", unformatted.join(", "))).help("run `apex fmt` on them"));
     }
-    if wrong { Err(Trouble::told()) } else { Ok(()) }
+    if wrong { Err(CliError::already_reported()) } else { Ok(()) }
 }
 
-fn format_standard_input() -> Outcome<bool> {
+fn format_standard_input() -> CliResult<bool> {
     let mut text = String::new();
     std::io::stdin()
         .read_to_string(&mut text)
-        .map_err(|error| Trouble::user("cannot read standard input").because(error))?;
+        .map_err(|error| CliError::user("cannot read standard input").because(error))?;
     match format_text(&text, "<standard input>") {
         Some(formatted) => {
             output::print(formatted)?;
@@ -56,7 +56,7 @@ fn format_text(text: &str, name: &str) -> Option<String> {
         Ok(formatted) => Some(formatted),
         Err(diagnostic) => {
             let source = SourceFile { name: name.into(), text: text.into() };
-            output::complain(apex_pdl::render(&[diagnostic], &[source], false).trim_end_matches('\n'));
+            output::print_error(apex_pdl::render(&[diagnostic], &[source], false).trim_end_matches('\n'));
             None
         }
     }

@@ -1,9 +1,9 @@
 //! `apex monitor`: conditions over a log, a flight record, a file of inputs or standard input.
 
+use crate::error::{CliError, CliResult, read_text};
 use crate::monitor::input::Source;
 use crate::options::MonitorOptions;
 use crate::output::Listened;
-use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{output, sources};
 use apex_executive::MonitorSession;
 use apex_executive::state::clause::MonitorId;
@@ -20,7 +20,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 /// Watches the conditions over the input and prints what comes of them.
-pub fn run(options: &MonitorOptions) -> Outcome {
+pub fn run(options: &MonitorOptions) -> CliResult {
     let path = options.inputs.as_deref();
     let path = path.unwrap_or_else(|| std::path::Path::new("-"));
     let mut source = Source::of(path, options.mapping.as_deref(), options.log_time)?;
@@ -33,7 +33,7 @@ pub fn run(options: &MonitorOptions) -> Outcome {
     let library = Arc::new(checked.library);
     let session = MonitorSession::new(Arc::clone(&library), sources::host_functions())
         .map(MonitorSession::with_gaps)
-        .map_err(|reason| Trouble::user("the library cannot be used").because(reason))?;
+        .map_err(|reason| CliError::user("the library cannot be used").because(reason))?;
     let mut watching = Watching { session, conditions, created, style, out: Listened::standard(), heard: false };
     let gone = watching.out.gone();
     let fed = source.feed(&library, &mut |at, kind| watching.take(at, kind));
@@ -46,25 +46,25 @@ pub fn run(options: &MonitorOptions) -> Outcome {
     fed?;
     match &options.expect {
         Some(expected) if verdicts.iter().any(|verdict| verdict != expected) => {
-            Err(Trouble::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
+            Err(CliError::failure(format!("not every verdict is `{expected}`")).because(verdicts.join(", ")))
         }
         _ => Ok(()),
     }
 }
 
-fn list_fields(mut source: Source, json: bool) -> Outcome {
+fn list_fields(mut source: Source, json: bool) -> CliResult {
     // Which state variables come of the fields is part of the answer, where a mapping is known.
     let mapped = source.declarations(&Library::default());
     match source {
         Source::Log(log) => crate::monitor::input::list_fields(&log, json),
-        _ => mapped.and(Err(Trouble::user("`--fields` is for logs")
+        _ => mapped.and(Err(CliError::user("`--fields` is for logs")
             .because("lines of JSON and flight records name state variables themselves")
             .help("`apex trace RECORD --type measurement` lists the samples of a record"))),
     }
 }
 
 /// Checks the conditions and everything that they need.
-fn conditions(options: &MonitorOptions, source: &mut Source) -> Outcome<CheckedConditions> {
+fn conditions(options: &MonitorOptions, source: &mut Source) -> CliResult<CheckedConditions> {
     let mut texts: Vec<SourceText> = Vec::new();
     for (index, text) in options.conditions.iter().enumerate() {
         texts.push(SourceText { name: format!("<condition {}>", index + 1), text: text.clone() });
@@ -73,7 +73,7 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> Outcome<CheckedC
         texts.push(SourceText { name: path.display().to_string(), text: read_text(path)? });
     }
     if texts.is_empty() {
-        return Err(Trouble::user("there is no condition to watch")
+        return Err(CliError::user("there is no condition to watch")
             .help("give one, such as '(roll-angle aircraft-1 > 15deg)', or `--condition-file FILE`; `--fields` lists what a log holds"));
     }
     let mut library_texts: Vec<SourceText> = Vec::new();
@@ -90,7 +90,7 @@ fn conditions(options: &MonitorOptions, source: &mut Source) -> Outcome<CheckedC
     let read = sources::check_conditions(library_texts, texts, &folder);
     sources::print_warnings_and_errors(&read.checked);
     if read.checked.has_errors() {
-        return Err(Trouble::told());
+        return Err(CliError::already_reported());
     }
     Ok(read)
 }
@@ -106,7 +106,7 @@ struct Watching {
 }
 
 impl Watching {
-    fn take(&mut self, at: Time, kind: EventKind) -> Outcome {
+    fn take(&mut self, at: Time, kind: EventKind) -> CliResult {
         if !self.heard {
             self.begin(self.created.unwrap_or(at))?;
         }
@@ -124,21 +124,21 @@ impl Watching {
         self.tell()
     }
 
-    fn begin(&mut self, created_at: Time) -> Outcome {
+    fn begin(&mut self, created_at: Time) -> CliResult {
         self.heard = true;
         for condition in self.conditions.clone() {
-            self.session.watch(condition, created_at).map_err(|trouble| {
-                Trouble::user(placed(&trouble.message, trouble.place, self.session.library()))
+            self.session.watch(condition, created_at).map_err(|error| {
+                CliError::user(placed(&error.message, error.place, self.session.library()))
                     .because("it must be known when the condition begins to be watched")
             })?;
         }
         Ok(())
     }
 
-    fn tell(&mut self) -> Outcome {
-        for trouble in self.session.take_troubles() {
-            let message = placed(&trouble.message, trouble.place, self.session.library());
-            output::complain(format_args!("warning: at {}: {message}", trouble.at));
+    fn tell(&mut self) -> CliResult {
+        for error in self.session.take_troubles() {
+            let message = placed(&error.message, error.place, self.session.library());
+            output::print_error(format_args!("warning: at {}: {message}", error.at));
         }
         for result in self.session.take_results() {
             if let Some(text) = self.style.result(&result) {
@@ -152,7 +152,7 @@ impl Watching {
     }
 
     /// Prints the remaining results, the verdicts, and what was never heard of.
-    fn end(&mut self) -> Outcome<Vec<String>> {
+    fn end(&mut self) -> CliResult<Vec<String>> {
         if !self.heard {
             self.begin(self.created.unwrap_or(Time::ZERO))?;
         }
@@ -184,7 +184,7 @@ impl Watching {
                     Interest::Attribute(attribute) if !heard.contains(attribute) => format!("({attribute} ..)"),
                     _ => continue,
                 };
-                output::complain(format_args!(
+                output::print_error(format_args!(
                     "note: there is no sample of {unheard} in this input; it has {}",
                     if listed.is_empty() { "none at all".to_string() } else { listed.join(" ") }
                 ));
@@ -192,15 +192,15 @@ impl Watching {
         }
     }
 
-    fn write(&mut self, text: &str) -> Outcome {
+    fn write(&mut self, text: &str) -> CliResult {
         self.out.write_all(text.as_bytes()).map_err(unwritten)
     }
 
-    fn flush(&mut self) -> Outcome {
+    fn flush(&mut self) -> CliResult {
         self.out.flush().map_err(unwritten)
     }
 }
 
-fn unwritten(error: std::io::Error) -> Trouble {
-    Trouble::failure("cannot write to standard output").because(error)
+fn unwritten(error: std::io::Error) -> CliError {
+    CliError::failure("cannot write to standard output").because(error)
 }

@@ -1,11 +1,11 @@
 //! `apex plan`: what a mission's planner would do from the start, without flying.
 
+use crate::error::{CliError, CliResult};
 use crate::options::{PlanFormat, PlanOptions};
 use crate::sources::{parse_length_m, parse_time};
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, sources};
 use apex_metrics::survival;
-use apex_mission::deliberation::{Deliberation, Means, Wish, name_obstacles, solve, translate};
+use apex_mission::deliberation::{Deliberation, PlanningResources, SolveOptions, name_obstacles, solve, translate};
 use apex_mission::export::chart::{Chart, chart};
 use apex_mission::export::table::PlanFacts;
 use apex_mission::export::{geojson, json, kml, qgc, table};
@@ -29,12 +29,12 @@ const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out 
 const NO_PLAN_BY_HAND_HELP: &str = "write what `--visits` names as the mission does, with commas between";
 
 /// Plans and prints.
-pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
+pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     let out = options.out.as_deref().filter(|path| path.as_os_str() != "-");
     let format = format_of(options, out);
     let height_m = options.height.as_deref().map(|text| parse_length_m(text, "--height")).transpose()?;
     if height_m.is_some() && format != PlanFormat::Qgc {
-        return Err(Trouble::user("`--height` is for plan files of QGroundControl")
+        return Err(CliError::user("`--height` is for plan files of QGroundControl")
             .help("add `--format qgc`, or leave `--height` out"));
     }
     let question = read(options)?;
@@ -68,7 +68,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
         PlanFormat::Geojson => geojson::write(&charted(&question, &solved)?),
         PlanFormat::Kml => kml::write(&charted(&question, &solved)?),
         PlanFormat::Qgc => qgc::write(&charted(&question, &solved)?, height_m).map_err(|reason| {
-            Trouble::user(format!("{}: the plan cannot be a plan file of QGroundControl", question.name))
+            CliError::user(format!("{}: the plan cannot be a plan file of QGroundControl", question.name))
                 .because(reason)
                 .help("add `--height 60m` to fly all of it so high above the start")
         })?,
@@ -80,7 +80,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> Outcome {
 ///
 /// # Errors
 /// When nothing of that name exists, or it is no problem.
-fn read(options: &PlanOptions) -> Outcome<PlanInput> {
+fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     let mut question = match PlanInput::find(&options.mission)? {
         Some(question) => question,
         None => PlanInput::of_mission(sources::load_mission(&options.mission)?)?,
@@ -89,7 +89,7 @@ fn read(options: &PlanOptions) -> Outcome<PlanInput> {
     if let Some(budget) = &options.budget {
         let end = parse_time(budget, "--budget")?;
         if end <= Time::ZERO {
-            return Err(Trouble::user(format!("a budget of {budget} is no time to plan in"))
+            return Err(CliError::user(format!("a budget of {budget} is no time to plan in"))
                 .help("write how long a solver may take, for example `--budget 2s`"));
         }
         question.budget = end - Time::ZERO;
@@ -104,7 +104,7 @@ fn read(options: &PlanOptions) -> Outcome<PlanInput> {
 }
 
 /// Refuses to plan for more than one vehicle.
-fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> Outcome {
+fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> CliResult {
     match vehicles {
         None | Some(1) => Ok(()),
         Some(more) => {
@@ -113,7 +113,7 @@ fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> Outcome {
                 Some(named) => format!("a plan is the path of one vehicle, though the file names {named}"),
                 None => "a plan is the path of one vehicle".to_string(),
             };
-            Err(Trouble::user(format!("{more} vehicles cannot be planned for"))
+            Err(CliError::user(format!("{more} vehicles cannot be planned for"))
                 .because(reason)
                 .help("leave `--vehicles` out to plan for one"))
         }
@@ -121,23 +121,23 @@ fn refuse_fleets(vehicles: Option<usize>, question: &PlanInput) -> Outcome {
 }
 
 /// What a solver answers, or what follows from the visits that a person names.
-fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>) -> Outcome<Deliberation> {
+fn planned(options: &PlanOptions, question: &PlanInput, planners: &Arc<Registry>) -> CliResult<Deliberation> {
     let by_hand = !options.visits.is_empty();
     let solver = if by_hand { Some("human") } else { options.solver.as_deref() };
     let no_plan_help = if by_hand { NO_PLAN_BY_HAND_HELP } else { NO_PLAN_HELP };
     let (budget, seed) = (question.budget, question.seed);
-    let mut means = Means::of(planners);
+    let mut means = PlanningResources::of(planners);
     if by_hand {
         let mut planners = Registry::clone(planners);
         planners
             .add(Arc::new(Human { visits: options.visits.clone(), repeat: options.repeat }))
-            .map_err(|reason| Trouble::user("the visits of a person cannot be planned").because(reason))?;
+            .map_err(|reason| CliError::user("the visits of a person cannot be planned").because(reason))?;
         means.planners = Arc::new(planners);
     }
     means.table = options.table.as_deref().map(super::profile::table).transpose()?;
-    let wish = Wish { means: &means, solver, budget, seed, previous: None };
+    let wish = SolveOptions { means: &means, solver, budget, seed, previous: None };
     solve(question.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new())
-        .map_err(|reason| Trouble::user("no plan was found").because(reason).help(no_plan_help))
+        .map_err(|reason| CliError::user("no plan was found").because(reason).help(no_plan_help))
 }
 
 /// What is asked for; else what the file's name says; else a table.
@@ -154,25 +154,25 @@ fn format_of(options: &PlanOptions, out: Option<&Path>) -> PlanFormat {
     if options.json { PlanFormat::Json } else { options.format.unwrap_or_else(of_name) }
 }
 
-fn refuse_to_overwrite(out: &Path, input: &Path) -> Outcome {
+fn refuse_to_overwrite(out: &Path, input: &Path) -> CliResult {
     let same = std::fs::canonicalize(out).ok().zip(std::fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
     if same {
-        return Err(Trouble::user(format!("{} is what the plan is made from", out.display()))
+        return Err(CliError::user(format!("{} is what the plan is made from", out.display()))
             .help("name another file with `--out`"));
     }
     Ok(())
 }
 
 /// Says before planning what could not be printed after it.
-fn refuse(format: PlanFormat, question: &PlanInput) -> Outcome {
+fn refuse(format: PlanFormat, question: &PlanInput) -> CliResult {
     match format {
         PlanFormat::Pdl if question.mission.is_none() => {
-            Err(Trouble::user("only a mission's plan can be a PDL procedure")
+            Err(CliError::user("only a mission's plan can be a PDL procedure")
                 .because("the goal that it serves, and the places and heights of its steps, are a mission's")
                 .help("plan for a mission's folder, or choose another `--format`"))
         }
         PlanFormat::Qgc if question.benchmark.is_some() => {
-            Err(Trouble::user("the plan of a benchmark cannot be a plan file of QGroundControl")
+            Err(CliError::user("the plan of a benchmark cannot be a plan file of QGroundControl")
                 .because("its coordinates are a plane's, not places on earth")
                 .help("choose `--format json` or `--format geojson`"))
         }
@@ -181,27 +181,27 @@ fn refuse(format: PlanFormat, question: &PlanInput) -> Outcome {
 }
 
 /// The cost of ignorance of a first event is of problems that have one, and for formats that say it.
-fn refuse_survival(format: PlanFormat, question: &PlanInput) -> Outcome {
+fn refuse_survival(format: PlanFormat, question: &PlanInput) -> CliResult {
     if !matches!(question.problem, Problem::Surveillance(_)) {
-        return Err(Trouble::user("`--survival` is for plans of surveillance")
+        return Err(CliError::user("`--survival` is for plans of surveillance")
             .because("single visits have no cost of ignorance")
             .help("leave `--survival` out"));
     }
     match format {
         PlanFormat::Table | PlanFormat::Json => Ok(()),
-        _ => Err(Trouble::user("`--survival` is for tables and JSON")
+        _ => Err(CliError::user("`--survival` is for tables and JSON")
             .because("the other formats hold what is flown")
             .help("leave `--survival` or `--format` out")),
     }
 }
 
 /// What a plan of surveillance costs where only the first event after an observation counts.
-fn survival_cost(solved: &Deliberation) -> Outcome<f64> {
+fn survival_cost(solved: &Deliberation) -> CliResult<f64> {
     let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (&solved.problem, &solved.plan) else {
-        return Err(Trouble::user("the plan is none of surveillance"));
+        return Err(CliError::user("the plan is none of surveillance"));
     };
     let cost = survival::expected_cost(problem, &plan.visits);
-    cost.map(|cost| cost.total).map_err(|why| Trouble::user("the cost of first events is not known").because(why))
+    cost.map(|cost| cost.total).map_err(|why| CliError::user("the cost of first events is not known").because(why))
 }
 
 fn json(question: &PlanInput, solved: &Deliberation, proven: &Proven, survival: Option<f64>) -> String {
@@ -226,10 +226,10 @@ fn pdl(question: &PlanInput, solved: &Deliberation) -> String {
     named.chain([translate(solved, goal, 1, mission).source.text.to_string()]).collect()
 }
 
-fn charted(question: &PlanInput, solved: &Deliberation) -> Outcome<Chart> {
+fn charted(question: &PlanInput, solved: &Deliberation) -> CliResult<Chart> {
     let mission = question.mission();
     chart(&question.name, (&solved.problem, &solved.plan), question.start, mission).map_err(|reason| {
-        Trouble::user(format!("{} has no places to put on a map", question.name))
+        CliError::user(format!("{} has no places to put on a map", question.name))
             .because(reason)
             .help("choose `--format table` or `--format json`, or give its targets coordinates")
     })

@@ -1,17 +1,17 @@
 //! `apex replay`: the same record, the same decisions, byte for byte.
 
+use crate::error::{CliError, CliResult};
 use crate::options::ReplayOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording};
 use apex_mission::recorded::replay;
 use apex_runtime::replay::Differing;
 
 /// Re-executes a record and compares.
-pub fn run(options: &ReplayOptions) -> Outcome {
+pub fn run(options: &ReplayOptions) -> CliResult {
     let reader = recording::open(&options.record)?;
-    let report = replay(&reader).map_err(|error| Trouble::failure(error.to_string()))?;
+    let report = replay(&reader).map_err(|error| CliError::failure(error.to_string()))?;
     if report.batches == 0 {
-        return Err(Trouble::failure(format!(
+        return Err(CliError::failure(format!(
             "{} holds no steps: there is nothing to compare",
             options.record.display()
         ))
@@ -24,7 +24,7 @@ pub fn run(options: &ReplayOptions) -> Outcome {
                 "batch": difference.batch,
                 "effect": match difference.what {
                     Differing::Effect(position) => Some(position),
-                    Differing::Problem(_) | Differing::Situation => None,
+                    Differing::Problem(_) | Differing::Situation | Differing::Derived => None,
                 },
                 "what": difference.what.to_string(),
                 "recorded": difference.recorded,
@@ -44,6 +44,6 @@ pub fn run(options: &ReplayOptions) -> Outcome {
     }
     match report.difference {
         None => Ok(()),
-        Some(_) => Err(Trouble { of_user: false, ..Trouble::told() }),
+        Some(_) => Err(CliError { of_user: false, ..CliError::already_reported() }),
     }
 }

@@ -2,12 +2,12 @@
 //! simulator, with a trace.
 
 use crate::console::{self, Asker};
+use crate::error::{CliError, CliResult, read_text};
 use crate::options::RunOptions;
 use crate::output::Listened;
-use crate::trouble::{Outcome, Trouble, read_text};
 use crate::{external_simulator, output, recording, sources};
 use apex_mission::Mission;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::flight::{FlightOutcome, MissionFlight};
 use apex_mission::report::Report;
 use apex_model::library::{Application, Library};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// Runs a program to its end. A mission that lives at the clock of the wall or of an outside simulator is flown: it plans,
 /// books its visits, and reports.
-pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
+pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> CliResult {
     let library = sources::load_program(&options.program)?;
     let clock = ClockSource::of(&library, options)?;
     let inputs = options.inputs.as_deref().map(sources::inputs_of).transpose()?.unwrap_or_default();
@@ -64,7 +64,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
         }
         ClockSource::Simulated | ClockSource::Simulator => None,
     };
-    let flight = mission.clone().map(|mission| MissionFlight::new(mission, Means::of(planners)));
+    let flight = mission.clone().map(|mission| MissionFlight::new(mission, PlanningResources::of(planners)));
     let run = Run { library: &library, flight, is_recorded, terms: &terms };
     let ended = match clock {
         ClockSource::Simulated => run.with_inputs(&mut observers, terms()),
@@ -81,7 +81,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
     }
     let (end, report) = ended?;
     flushed.map_err(|error| {
-        Trouble::failure("cannot write the trace")
+        CliError::failure("cannot write the trace")
             .because(error)
             .help("the trace is incomplete; look at where it goes, and at the space there")
     })?;
@@ -90,7 +90,7 @@ pub fn run(options: &RunOptions, planners: &Arc<Registry>) -> Outcome {
 }
 
 /// The mission of an application that names a vehicle and does not live in simulated time.
-fn live_mission(library: &Arc<Library>, options: &RunOptions) -> Outcome<Option<Arc<Mission>>> {
+fn live_mission(library: &Arc<Library>, options: &RunOptions) -> CliResult<Option<Arc<Mission>>> {
     let is_live = |application: &Application| {
         (application.kind.is("realtime") || application.kind.is("foreign-sim"))
             && application.option("vehicle").is_some()
@@ -102,14 +102,14 @@ fn live_mission(library: &Arc<Library>, options: &RunOptions) -> Outcome<Option<
 }
 
 /// Prints the report of a flight, and closes the record.
-fn finish(end: RunEnd, report: Option<Report>, recorder: Option<Recorder>) -> Outcome {
+fn finish(end: RunEnd, report: Option<Report>, recorder: Option<Recorder>) -> CliResult {
     if let Some(report) = &report {
         // Standard output belongs to the trace, or to the simulator.
-        output::complain(report.text().trim());
+        output::print_error(report.text().trim());
     }
     let Some(mut recorder) = recorder else { return Ok(()) };
     match report {
-        Some(report) => FlightOutcome { end, report }.store(&mut recorder),
+        Some(report) => FlightOutcome { end, report, planned_for: std::time::Duration::ZERO }.store(&mut recorder),
         None => recorder.finish(end.at, &end.reason.text()),
     }
     .map_err(recording::written)
@@ -131,29 +131,29 @@ impl Run<'_> {
     /// Tells the user that no built-in vehicle acknowledges commands.
     fn tell_who_acknowledges(&self) {
         if self.flight.is_some() {
-            output::complain(
+            output::print_error(
                 "note: no vehicle is built in: a vehicle reads commands in the trace and acknowledges them by lines such \
                  as {\"acknowledge\": 3}; `apex fly` flies the mission with the built-in simulator",
             );
         }
     }
 
-    fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: FlyOptions) -> Outcome<Ended> {
+    fn with_inputs(&self, observers: &mut Vec<&mut dyn Observer>, terms: FlyOptions) -> CliResult<Ended> {
         if let Some(flight) = &self.flight {
             let flown = flight.fly(&mut NoVehicle::silent(), terms, observers)?;
             return Ok((flown.end, Some(flown.report)));
         }
         let end = program::run_all(&mut sources::crew_of(self.library)?, observers, terms);
-        Ok((end.map_err(|error| Trouble::failure(error.to_string()))?, None))
+        Ok((end.map_err(|error| CliError::failure(error.to_string()))?, None))
     }
 
-    fn with_simulator(&self, observers: &mut Vec<&mut dyn Observer>, port: Option<u16>) -> Outcome<Ended> {
+    fn with_simulator(&self, observers: &mut Vec<&mut dyn Observer>, port: Option<u16>) -> CliResult<Ended> {
         let mut report = None;
         let end = external_simulator::run(self.library, port, self.is_recorded, &mut |link| {
             let Some(flight) = &self.flight else {
                 let mut agents = sources::crew_of(self.library)?;
                 return foreign::run(&mut agents, link, &mut NoDeliberator, observers, (self.terms)())
-                    .map_err(|error| Trouble::failure(error.to_string()));
+                    .map_err(|error| CliError::failure(error.to_string()));
             };
             let mut reset = false;
             let flown = flight.run((self.terms)(), |agents, deliberator, terms| {
@@ -170,12 +170,12 @@ impl Run<'_> {
 
 fn tell_end(end: &RunEnd) {
     if !matches!(end.reason, EndReason::Application(_)) {
-        output::complain(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
+        output::print_error(format_args!("note: the run ended at {} because {}", end.at, end.reason.text()));
     }
     if end.late.steps > 0 {
         let Lateness { steps, worst } = end.late;
         let of = end.steps;
-        output::complain(format_args!(
+        output::print_error(format_args!(
             "note: {steps} of {of} steps came late, the worst by {} ms: the computer does not keep up",
             worst.as_millis()
         ));
@@ -193,7 +193,7 @@ enum ClockSource {
 }
 
 impl ClockSource {
-    fn of(library: &Library, options: &RunOptions) -> Outcome<ClockSource> {
+    fn of(library: &Library, options: &RunOptions) -> CliResult<ClockSource> {
         let kind = library.application.as_ref().map(|application| application.kind.clone());
         let is = |name: &str| kind.as_ref().is_some_and(|kind| kind.is(name));
         let paced = options.pace.map(crate::commands::fly::checked_pace).transpose()?;
@@ -201,7 +201,7 @@ impl ClockSource {
             let stray = if options.interactive { Some("--interactive") } else { options.pace.map(|_| "--pace") };
             return match stray {
                 None => Ok(ClockSource::Simulator),
-                Some(option) => Err(Trouble::user(format!("`{option}` has no meaning for this application"))
+                Some(option) => Err(CliError::user(format!("`{option}` has no meaning for this application"))
                     .because("it is of type foreign-sim: an outside simulator owns the clock")
                     .help("leave the option out")),
             };
@@ -217,7 +217,7 @@ impl ClockSource {
 }
 
 /// A trace or record written over what is being run would be lost work.
-fn refuse_to_overwrite_inputs(options: &RunOptions) -> Outcome {
+fn refuse_to_overwrite_inputs(options: &RunOptions) -> CliResult {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     let program = real(&sources::program_path(&options.program));
     let inputs = options.inputs.as_deref().and_then(real);
@@ -230,12 +230,12 @@ fn refuse_to_overwrite_inputs(options: &RunOptions) -> Outcome {
         same if same == record.as_ref() => "the flight record",
         _ => return Ok(()),
     };
-    Err(Trouble::user(format!("the trace would be written over {what}, {}", trace.display()))
+    Err(CliError::user(format!("the trace would be written over {what}, {}", trace.display()))
         .help("give `--trace` another file"))
 }
 
 /// A record with the program's sources inside, and of a mission all that belongs to it.
-fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> Outcome<Recorder> {
+fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> CliResult<Recorder> {
     if let Some(mission) = mission {
         return Ok(recording::of_mission(path, mission)?);
     }
@@ -245,24 +245,24 @@ fn recorder(path: &Path, library: &Library, mission: Option<&Mission>) -> Outcom
 }
 
 /// Reads what the operator answers.
-fn answers_of(path: &Path) -> Outcome<Vec<ScriptedAnswer>> {
+fn answers_of(path: &Path) -> CliResult<Vec<ScriptedAnswer>> {
     let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
     read_answers(&path.display().to_string(), &read_text(path)?, &read_value).map_err(|errors| {
-        Trouble::user(errors.to_string())
+        CliError::user(errors.to_string())
             .help("each line is {\"question\": \"WORDS OF THE QUESTION\", \"value\": VALUE, \"after\": SECONDS}")
     })
 }
 
 /// Where the trace goes. What belongs to a simulator is not written into.
-fn trace_output(path: Option<&Path>, output_is_taken: bool) -> Outcome<Listened> {
+fn trace_output(path: Option<&Path>, output_is_taken: bool) -> CliResult<Listened> {
     match path {
         Some(path) if path.as_os_str() != "-" => match std::fs::File::create(path) {
             Ok(file) => Ok(Listened::new(Box::new(file))),
-            Err(error) => Err(Trouble::user(format!("cannot write the trace to {}", path.display()))
+            Err(error) => Err(CliError::user(format!("cannot write the trace to {}", path.display()))
                 .because(error)
                 .help("choose another place with `--trace`, or leave it out to see the trace here")),
         },
-        Some(_) if output_is_taken => Err(Trouble::user("`--trace -` would write between the lines to the simulator")
+        Some(_) if output_is_taken => Err(CliError::user("`--trace -` would write between the lines to the simulator")
             .help("give `--trace` a file, or connect the simulator with `--listen`")),
         None if output_is_taken => Ok(Listened::new(Box::new(std::io::sink()))),
         _ => Ok(Listened::standard()),

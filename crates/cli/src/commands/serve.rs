@@ -1,9 +1,9 @@
 //! `apex serve`: Sherpa on a flight record, finished or still being written; and flights of missions for programs.
 
+use crate::error::{CliError, CliResult};
 use crate::options::ServeOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_planning::Registry;
 use apex_server::FlightOptions;
 use std::net::IpAddr;
@@ -11,18 +11,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Serves until Ctrl-C.
-pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> Outcome {
+pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> CliResult {
     if options.record.is_none() && options.missions.is_none() {
-        return Err(Trouble::user("`apex serve` needs a flight record or a folder of missions")
+        return Err(CliError::user("`apex serve` needs a flight record or a folder of missions")
             .help("write `apex serve RECORD`, or `apex serve --missions FOLDER`"));
     }
     let address: IpAddr = options.address.parse().map_err(|error| {
-        Trouble::user(format!("`--address {}` is no address", options.address))
+        CliError::user(format!("`--address {}` is no address", options.address))
             .because(error)
             .help("write an IP address of this machine, for example 127.0.0.1")
     })?;
     let record =
-        options.record.as_deref().map(|record| Ok::<_, Trouble>((record, agent_of(record, options)?))).transpose()?;
+        options.record.as_deref().map(|record| Ok::<_, CliError>((record, agent_of(record, options)?))).transpose()?;
     let flights = options.missions.as_deref().map(|missions| flights(missions, options, planners)).transpose()?;
     let open = options.open;
     serve(record, flights, address, options.port, move |url| {
@@ -35,19 +35,19 @@ pub fn run(options: &ServeOptions, planners: &Arc<Registry>) -> Outcome {
 }
 
 /// The number of the agent to show. Opens the record so that a wrong file is told before a port is taken.
-fn agent_of(record: &Path, options: &ServeOptions) -> Outcome<usize> {
+fn agent_of(record: &Path, options: &ServeOptions) -> CliResult<usize> {
     let reader = recording::open(record)?;
-    let called = |name: &String| reader.agent_called(name).map_err(|error| Trouble::user(error.to_string()));
+    let called = |name: &String| reader.agent_called(name).map_err(|error| CliError::user(error.to_string()));
     Ok(options.agent.as_ref().map(called).transpose()?.unwrap_or(0))
 }
 
 /// What the server needs to fly `missions`.
-fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) -> Outcome<FlightOptions> {
+fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) -> CliResult<FlightOptions> {
     let folder = |path: PathBuf, option: &str, help: &str| {
         if path.is_dir() {
             return Ok(path);
         }
-        Err(Trouble::user(format!("`{option} {}` is not a folder", path.display())).help(help))
+        Err(CliError::user(format!("`{option} {}` is not a folder", path.display())).help(help))
     };
     let records = options.records.clone().unwrap_or_else(|| PathBuf::from("."));
     Ok(FlightOptions {
@@ -57,7 +57,7 @@ fn flights(missions: &Path, options: &ServeOptions, planners: &Arc<Registry>) ->
             "name the folder whose sub-folders are missions, for example `missions`",
         )?,
         records: folder(records, "--records", "make the folder, or choose another one")?,
-        means: Means::of(planners),
+        means: PlanningResources::of(planners),
     })
 }
 
@@ -69,7 +69,7 @@ pub fn serve(
     address: IpAddr,
     port: u16,
     ready: impl FnOnce(&str) + Send + 'static,
-) -> Outcome {
+) -> CliResult {
     apex_server::serve(apex_server::ServeOptions {
         record: record.map(|(record, _)| record.to_path_buf()),
         agent: record.map_or(0, |(_, agent)| agent),
@@ -79,7 +79,7 @@ pub fn serve(
         flights,
         ready: Box::new(ready),
     })
-    .map_err(|error| Trouble::failure(error.to_string()))
+    .map_err(|error| CliError::failure(error.to_string()))
 }
 
 /// Asks the desktop for its browser; where there is none the printed address is enough.
@@ -91,7 +91,7 @@ fn open_browser(url: &str) {
         .stderr(std::process::Stdio::null())
         .spawn();
     if let Err(error) = started {
-        output::complain(format_args!(
+        output::print_error(format_args!(
             "note: no browser could be opened ({program}: {error}); open the address yourself"
         ));
     }

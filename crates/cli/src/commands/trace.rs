@@ -1,7 +1,7 @@
 //! `apex trace`: what happened in a flight, filtered.
 
+use crate::error::{CliError, CliResult};
 use crate::options::TraceOptions;
-use crate::trouble::{Outcome, Trouble};
 use crate::{output, recording, sources};
 use apex_model::time::Time;
 use apex_runtime::trace::{TraceFilter, TraceFormat, trace_record};
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::rc::Rc;
 
 /// Prints the lines of a record that the filters admit.
-pub fn run(options: &TraceOptions) -> Outcome {
+pub fn run(options: &TraceOptions) -> CliResult {
     let reader = recording::open(&options.record)?;
     let time =
         |text: &Option<String>, option: &str| text.as_deref().map(|text| sources::parse_time(text, option)).transpose();
@@ -22,12 +22,12 @@ pub fn run(options: &TraceOptions) -> Outcome {
         to: time(&options.to, "--to")?,
         place: options.procedure.clone(),
     };
-    filter.check().map_err(Trouble::user)?;
+    filter.check().map_err(CliError::user)?;
     if let Some(agent) = &options.agent {
-        reader.agent_called(agent).map_err(|error| Trouble::user(error.to_string()))?;
+        reader.agent_called(agent).map_err(|error| CliError::user(error.to_string()))?;
     }
     if filter.from.unwrap_or(Time::ZERO) > filter.to.unwrap_or(Time::END) {
-        return Err(Trouble::user("`--from` is later than `--to`").help("exchange them"));
+        return Err(CliError::user("`--from` is later than `--to`").help("exchange them"));
     }
     let filtered = filter != TraceFilter::default();
     let format = if options.json { TraceFormat::JsonLines } else { TraceFormat::Text };
@@ -38,10 +38,10 @@ pub fn run(options: &TraceOptions) -> Outcome {
     match traced {
         // Whoever reads our output has seen enough.
         _ if gone.get() => Ok(()),
-        Err(error) => Err(Trouble::failure(error.to_string())),
+        Err(error) => Err(CliError::failure(error.to_string())),
         Ok(_) => {
             if filtered && !written.get() {
-                output::complain("note: nothing in this record matches");
+                output::print_error("note: nothing in this record matches");
             }
             Ok(())
         }

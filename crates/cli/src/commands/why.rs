@@ -1,37 +1,39 @@
 //! `apex why`: why a task started, waits, was interrupted or ended; why a resource is somebody's, a command was sent.
 
-use crate::options::{TellingOptions, WhyOptions};
-use crate::telling::wrapped_line;
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{CliError, CliResult};
+use crate::options::{ExplanationOptions, WhyOptions};
+use crate::text::wrapped_line;
 use crate::{output, recording, sources};
+use apex_model::source::SourceFile;
 use apex_model::time::Time;
 use apex_runtime::explain::{Explainer, Question};
 use serde::Serialize;
 
 /// Explains one thing at one instant.
-pub fn run(options: &WhyOptions) -> Outcome {
+pub fn run(options: &WhyOptions) -> CliResult {
     if options.task.trim().is_empty() {
-        return Err(Trouble::user("the task to explain has no name")
+        return Err(CliError::user("the task to explain has no name")
             .help("give its number (T12), its tag, or words of its goal"));
     }
     let reader = recording::open(&options.record)?;
-    let question = question(&options.task, &options.telling)?;
-    let explainer = Explainer::new(&reader, &sources::load_recorded);
-    let answer = explainer.why(&question).map_err(|error| Trouble::user(error.to_string()))?;
-    print(&answer, &answer.to_string(), options.telling.json)
+    let question = question(&options.task, &options.explanation)?;
+    let load = |texts: &[SourceFile]| sources::load_flown_program(&reader, texts);
+    let explainer = Explainer::new(&reader, &load);
+    let answer = explainer.why(&question).map_err(|error| CliError::user(error.to_string()))?;
+    print(&answer, &answer.to_string(), options.explanation.json)
 }
 
 /// What is asked.
-pub fn question(what: &str, telling: &TellingOptions) -> Outcome<Question> {
-    let at = telling.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
-    Ok(Question { what: what.to_owned(), at: at.unwrap_or(Time::END), depth: telling.depth })
+pub fn question(what: &str, explanation: &ExplanationOptions) -> CliResult<Question> {
+    let at = explanation.at.as_deref().map(|text| sources::parse_time(text, "--at")).transpose()?;
+    Ok(Question { what: what.to_owned(), at: at.unwrap_or(Time::END), depth: explanation.depth })
 }
 
 /// Prints an answer as JSON or as text.
-pub fn print(answer: &impl Serialize, text: &str, json: bool) -> Outcome {
+pub fn print(answer: &impl Serialize, text: &str, json: bool) -> CliResult {
     if json {
         let json = serde_json::to_string_pretty(answer)
-            .map_err(|error| Trouble::failure("cannot write the explanation as JSON").because(error))?;
+            .map_err(|error| CliError::failure("cannot write the explanation as JSON").because(error))?;
         return output::print_line(json);
     }
     let lines: Vec<String> = text.trim_end().lines().map(wrapped_line).collect();

@@ -1,6 +1,6 @@
 //! What is watched or exported: a log, a flight record, or lines of JSON, as measurements and events in order of time.
 
-use crate::trouble::{Outcome, Trouble, read_text, unreadable};
+use crate::error::{CliError, CliResult, read_text, unreadable};
 use crate::{output, recording, sources};
 use apex_logs::{Format, LogError, LogFile, MappingFile, ReadErrors};
 use apex_model::event::EventKind;
@@ -32,13 +32,13 @@ const RECORD_MAGIC: &[u8] = b"SQLite format 3\0";
 
 impl Source {
     /// Finds out what `path` is. `mapping` is for logs; with `own_time` their own clock counts.
-    pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool) -> Outcome<Source> {
+    pub fn of(path: &Path, mapping: Option<&Path>, own_time: bool) -> CliResult<Source> {
         let mapping = mapping.map(read_mapping).transpose()?;
         if path.as_os_str() == "-" {
             return no_mapping(Source::Lines, mapping.is_some());
         }
         if path.is_dir() {
-            return Err(Trouble::user(format!("{} is a folder", path.display())).help("name a file in it"));
+            return Err(CliError::user(format!("{} is a folder", path.display())).help("name a file in it"));
         }
         let mut first = vec![0; 512];
         let mut file = File::open(path).map_err(|error| unreadable(path, &error))?;
@@ -54,19 +54,19 @@ impl Source {
             return no_mapping(Source::LinesFile(path.to_path_buf()), mapping.is_some());
         }
         let Some(format) = Format::of(&first, &extension) else {
-            return Err(Trouble::user(format!("{} is in no format that is known here", path.display()))
+            return Err(CliError::user(format!("{} is in no format that is known here", path.display()))
                 .because("neither its first bytes nor its name's ending say what it is")
                 .help("known are JSON lines, flight records, .ulg, .bin, .log, .tlog, .mcap and .csv"));
         };
         Ok(Source::Log(LogFile::new(path, format, mapping, own_time)))
     }
 
-    /// Texts that declare the state variables of the source, beside those of `library`.
-    pub fn declarations(&mut self, library: &Library) -> Outcome<Option<SourceText>> {
+    /// Texts that declare the state variables of the source, next to those of `library`.
+    pub fn declarations(&mut self, library: &Library) -> CliResult<Option<SourceText>> {
         let Source::Log(log) = self else { return Ok(None) };
         let (path, format) = (log.path().to_path_buf(), log.format());
         let Some(mapping) = log.mapping(&read_form).map_err(|error| unread(&path, error))? else {
-            return Err(Trouble::user(format!("{} needs a mapping", path.display()))
+            return Err(CliError::user(format!("{} needs a mapping", path.display()))
                 .because(format!("nothing says what the fields of a log in {} mean", format.name()))
                 .help("`--fields` lists them; write (map \"TOPIC.FIELD\" (ATTRIBUTE OBJECT)) for those you need into a file, and name it with `--mapping`"));
         };
@@ -75,18 +75,18 @@ impl Source {
     }
 
     /// The PDL in a flight record, where it is `wanted`: it declares the record's state variables.
-    pub fn recorded_texts(&self, wanted: bool) -> Outcome<Vec<SourceText>> {
+    pub fn recorded_texts(&self, wanted: bool) -> CliResult<Vec<SourceText>> {
         let Source::Record(reader) = self else { return Ok(Vec::new()) };
         if !wanted {
             return Ok(Vec::new());
         }
-        let recorded = reader.pdl_sources().map_err(|error| Trouble::failure(error.to_string()))?;
+        let recorded = reader.pdl_sources().map_err(|error| CliError::failure(error.to_string()))?;
         let text = |source: SourceFile| SourceText { name: source.name.to_string(), text: source.text.to_string() };
         Ok(recorded.into_iter().map(text).collect())
     }
 
     /// Hands everything over, in order of time.
-    pub fn feed(self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+    pub fn feed(self, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
         match self {
             Source::Lines => feed_lines(sink),
             Source::LinesFile(path) => {
@@ -98,34 +98,34 @@ impl Source {
     }
 }
 
-fn no_mapping(source: Source, mapped: bool) -> Outcome<Source> {
+fn no_mapping(source: Source, mapped: bool) -> CliResult<Source> {
     if mapped {
-        return Err(Trouble::user("`--mapping` has no meaning for this input")
+        return Err(CliError::user("`--mapping` has no meaning for this input")
             .because("its lines name state variables themselves")
             .help("leave the option out"));
     }
     Ok(source)
 }
 
-fn feed_lines(sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+fn feed_lines(sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
     let read_value = |text: &str| apex_pdl::read_value(text).map_err(|diagnostic| diagnostic.message);
     let mut now = Time::ZERO;
     for (number, line) in std::io::stdin().lock().lines().enumerate() {
-        let line = line.map_err(|error| Trouble::failure("cannot read standard input").because(error))?;
+        let line = line.map_err(|error| CliError::failure("cannot read standard input").because(error))?;
         let text = line.trim();
         if text.is_empty() || text.starts_with('#') {
             continue;
         }
         let input = read_live(text, now, &read_value)
-            .map_err(|fault| Trouble::user(format!("<standard input>:{}: {fault}", number + 1)))?;
+            .map_err(|fault| CliError::user(format!("<standard input>:{}: {fault}", number + 1)))?;
         now = now.max(input.at);
         sink(input.at, input.kind)?;
     }
     Ok(())
 }
 
-fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
-    let failed = |error: apex_runtime::RecordError| Trouble::failure(error.to_string());
+fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
+    let failed = |error: apex_runtime::RecordError| CliError::failure(error.to_string());
     for step in reader.steps().map_err(failed)?.without_effects() {
         for event in step.map_err(failed)?.batch.events {
             sink(event.at, event.kind)?;
@@ -134,7 +134,7 @@ fn feed_record(reader: &RecordReader, sink: &mut dyn FnMut(Time, EventKind) -> O
     Ok(())
 }
 
-fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> Outcome) -> Outcome {
+fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKind) -> CliResult) -> CliResult {
     let path = log.path().to_path_buf();
     let mut measured = |at, variable, value| sink(at, EventKind::Measurement(variable, value));
     let damages = log.feed(library, &mut measured).map_err(|error| unread(&path, error))?;
@@ -143,14 +143,14 @@ fn feed_log(log: LogFile, library: &Library, sink: &mut dyn FnMut(Time, EventKin
 }
 
 /// Prints what the log holds.
-pub fn list_fields(log: &LogFile, json: bool) -> Outcome {
+pub fn list_fields(log: &LogFile, json: bool) -> CliResult {
     let (fields, span, damages) = log.fields().map_err(|error| unread(log.path(), error))?;
     output::print(apex_logs::field_list(log.format(), &fields, span, log.known_mapping(), json))?;
     tell_damages(log.path(), &damages);
     Ok(())
 }
 
-fn read_mapping(path: &Path) -> Outcome<MappingFile> {
+fn read_mapping(path: &Path) -> CliResult<MappingFile> {
     let text = read_text(path)?;
     Ok(MappingFile::parse(&path.display().to_string(), &text, &read_form)?)
 }
@@ -159,22 +159,22 @@ fn read_form(text: &str) -> Result<Value, (u32, String)> {
     apex_pdl::read_value(text).map_err(|diagnostic| (diagnostic.span.line, diagnostic.message))
 }
 
-fn unread(path: &Path, error: LogError<Trouble>) -> Trouble {
+fn unread(path: &Path, error: LogError<CliError>) -> CliError {
     match error {
         LogError::Open(error) => unreadable(path, &error),
-        LogError::Read(error) => Trouble::failure(format!("cannot read {} to its end", path.display())).because(error),
+        LogError::Read(error) => CliError::failure(format!("cannot read {} to its end", path.display())).because(error),
         LogError::Mapping(error) => error.into(),
-        LogError::Sink(trouble) => trouble,
+        LogError::Sink(error) => error,
     }
 }
 
 /// Says what could not be read.
 fn tell_damages(path: &Path, damages: &ReadErrors) {
     for what in &damages.first {
-        output::complain(format_args!("note: {}: {what}", path.display()));
+        output::print_error(format_args!("note: {}: {what}", path.display()));
     }
     let more = damages.count.saturating_sub(damages.first.len() as u64);
     if more > 0 {
-        output::complain(format_args!("note: {}: and {more} more places like these", path.display()));
+        output::print_error(format_args!("note: {}: and {more} more places like these", path.display()));
     }
 }

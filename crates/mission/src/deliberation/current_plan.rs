@@ -152,6 +152,7 @@ fn visited(problem: &SingleVisitProblem, steps: &[PlannedActivity]) -> Option<Si
             end_s,
             timing,
             worth: of.value * manoeuvre.quality.product() * timing,
+            quality: Some(manoeuvre.quality.clone()),
         });
         ready_s = end_s;
     }

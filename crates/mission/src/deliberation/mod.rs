@@ -5,11 +5,13 @@ mod operator_plan;
 pub mod solve;
 mod steps;
 
-pub use solve::{Deliberation, Means, PLAN_VISITS_MAX, Wish, name_obstacles, solve, validate};
+pub use solve::{Deliberation, PLAN_VISITS_MAX, PlanningResources, SolveOptions, name_obstacles, solve, validate};
 pub use steps::translate;
 
 use crate::Mission;
 use crate::problem::{NoPlan, here, pose};
+use crate::report::{Report, report};
+use crate::score::{FlownScore, told};
 use crate::situation::{OperatorPlan, Situation};
 use apex_model::effect::{Effect, SolveRequest};
 use apex_model::event::Batch;
@@ -18,7 +20,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::solver::{time_of, units_in};
 use apex_runtime::invocation::Invocations;
-use apex_runtime::ports::{CancelToken, Deliberator, Posed, SolverAnswer};
+use apex_runtime::ports::{CancelToken, Deliberator, Input, Posed, SolverAnswer};
 use apex_runtime::target_state::TargetChange;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -31,35 +33,56 @@ const BUDGET_DEFAULT: Duration = Duration(10_000_000_000);
 pub struct MissionDeliberator {
     mission: Arc<Mission>,
     situation: Situation,
-    means: Means,
+    /// What has been observed; none if no single visits are wanted, an error if the targets make no sense.
+    flown: Result<Option<FlownScore>, String>,
+    means: PlanningResources,
     /// Solvers that were left behind: a matter of the machine, not of the mission.
     invocations: Arc<Mutex<Invocations>>,
 }
 
 impl MissionDeliberator {
     /// A deliberator at the beginning of the mission.
-    pub fn new(mission: Arc<Mission>, means: Means) -> MissionDeliberator {
-        MissionDeliberator::in_situation(mission, Situation::default(), means)
-    }
-
-    /// A deliberator that continues from a situation.
-    pub fn in_situation(mission: Arc<Mission>, situation: Situation, means: Means) -> MissionDeliberator {
-        MissionDeliberator { mission, situation, means, invocations: Arc::default() }
+    pub fn new(mission: Arc<Mission>, means: PlanningResources) -> MissionDeliberator {
+        let flown = FlownScore::new(&mission);
+        MissionDeliberator { mission, situation: Situation::default(), flown, means, invocations: Arc::default() }
     }
 
     /// The situation now.
     pub fn situation(&self) -> &Situation {
         &self.situation
     }
+
+    /// Wall time that planners took so far.
+    pub fn planned_for(&self) -> std::time::Duration {
+        self.invocations.lock().unwrap_or_else(PoisonError::into_inner).worked()
+    }
+
+    /// The report of a flight that ended so.
+    pub fn report(&self, end: (Time, String)) -> Report {
+        report(&self.mission, &self.situation, told(&self.flown), end)
+    }
 }
 
 impl Deliberator for MissionDeliberator {
     fn observe(&mut self, agent: usize, batch: &Batch, effects: &[Effect]) {
         self.situation.observe(&self.mission, agent, batch, effects);
+        // Only the first agent flies.
+        if let (0, Ok(Some(flown))) = (agent, &mut self.flown) {
+            flown.observe(batch);
+        }
+    }
+
+    fn derive(&mut self) -> Vec<Input> {
+        self.situation.take_derived()
     }
 
     fn pose(&mut self, request: &SolveRequest, at: Time) -> Posed {
-        let question = Question::of(&self.mission, &self.situation, request, at);
+        let question = Question::of(
+            &self.mission,
+            (&self.situation, self.flown.as_ref().ok().and_then(Option::as_ref)),
+            request,
+            at,
+        );
         let problem = serde_json::to_string(&question.shown()).unwrap_or_else(|error| error.to_string());
         let (means, invocations) = (self.means.clone(), Arc::clone(&self.invocations));
         Posed::new(problem, move |cancel| {
@@ -124,9 +147,14 @@ struct Shown<'a> {
 }
 
 impl Question {
-    fn of(mission: &Mission, situation: &Situation, request: &SolveRequest, at: Time) -> Question {
+    fn of(
+        mission: &Mission,
+        (situation, flown): (&Situation, Option<&FlownScore>),
+        request: &SolveRequest,
+        at: Time,
+    ) -> Question {
         let believed = situation.updates.believed(mission);
-        let problem = pose(&believed, situation, at);
+        let problem = pose(&believed, situation, flown, at);
         let previous = problem
             .as_ref()
             .ok()
@@ -174,13 +202,13 @@ impl Question {
         }
     }
 
-    fn answer(self, means: &Means, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
+    fn answer(self, means: &PlanningResources, invocations: &mut Invocations, cancel: &CancelToken) -> SolverAnswer {
         let Question { believed, goal, budget, from, has_observed, is_imposed, number, .. } = self;
         let solver = self.solver.as_deref();
         let (previous, begun_from) = self.previous.unzip();
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
-            let wish = Wish { means: &means, solver, budget, seed: self.seed, previous };
+            let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
             solve(problem, wish, invocations, cancel)
         });
         match solved {

@@ -1,6 +1,6 @@
 //! The operator's plan as a planner's, and the message that the operator plans better (paper, section V.C).
 
-use super::solve::Means;
+use super::solve::PlanningResources;
 use crate::situation::OperatorPlan;
 use apex_model::planned::PlannedActivity;
 use apex_model::symbol::Symbol;
@@ -15,7 +15,11 @@ pub(super) const HUMAN: &str = "human";
 ///
 /// # Errors
 /// An error message if the operator has not named visits.
-pub(super) fn means(means: &Means, solver: Option<&str>, plan: Option<&OperatorPlan>) -> Result<Means, String> {
+pub(super) fn means(
+    means: &PlanningResources,
+    solver: Option<&str>,
+    plan: Option<&OperatorPlan>,
+) -> Result<PlanningResources, String> {
     let mut means = means.clone();
     if solver != Some(HUMAN) || means.planners.find(HUMAN).is_some() {
         return Ok(means);

@@ -33,21 +33,21 @@ pub struct Deliberation {
 
 /// Who may plan, and what they may take of the machine.
 #[derive(Clone)]
-pub struct Means {
+pub struct PlanningResources {
     /// The planners that there are.
     pub planners: Arc<Registry>,
     /// By which one is chosen; none is the table that ships.
     pub table: Option<Arc<ProfileTable>>,
-    /// Wall time until a solver is given up.
+    /// Wall time until a solver is abandoned.
     pub patience: std::time::Duration,
     /// Bytes by which the program may grow while a solver works.
     pub memory_bytes: u64,
 }
 
-impl Means {
+impl PlanningResources {
     /// These planners, with the limits where nobody sets others.
-    pub fn of(planners: &Arc<Registry>) -> Means {
-        Means {
+    pub fn of(planners: &Arc<Registry>) -> PlanningResources {
+        PlanningResources {
             planners: Arc::clone(planners),
             table: None,
             patience: SOLVER_PATIENCE,
@@ -57,9 +57,9 @@ impl Means {
 }
 
 /// How a problem shall be solved.
-pub struct Wish<'a> {
+pub struct SolveOptions<'a> {
     /// By whom, and by what means.
-    pub means: &'a Means,
+    pub means: &'a PlanningResources,
     /// One of them; none lets the profile table choose.
     pub solver: Option<&'a str>,
     /// How long it may take.
@@ -76,7 +76,7 @@ pub struct Wish<'a> {
 /// A sentence when no solver serves the problem, none finds a plan, or the plan does not pass the checker.
 pub fn solve(
     problem: Problem,
-    wish: Wish<'_>,
+    wish: SolveOptions<'_>,
     invocations: &mut Invocations,
     cancel: &CancelToken,
 ) -> Result<Deliberation, NoPlan> {
@@ -109,13 +109,24 @@ pub fn solve(
         reason = format!("{reason}; {misconduct}, and its best plan until then is used");
     }
     apex_solvers::bounds::state(&problem, &mut plan);
+    tell_quality(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
     let (work, cpu_s) = (answer.used.min(units), answer.cpu_s);
     Ok(Deliberation { problem, plan, reason, work, cpu_s, from: None, people_plan_better })
 }
 
-/// Visits of a plan that are looked at: more than any mission has room for. Without a limit, checking nonsense could take as long
-/// as whoever made it likes.
+/// Repeats in the plan what each visit's manoeuvre is predicted to give: the plan is kept, the problem is not.
+fn tell_quality(problem: &Problem, plan: &mut Plan) {
+    let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, plan) else { return };
+    for visit in &mut plan.visits {
+        let target = problem.targets.iter().find(|target| target.name == visit.target);
+        let manoeuvre = target.and_then(|target| target.manoeuvres.get(visit.manoeuvre));
+        visit.quality = manoeuvre.map(|manoeuvre| manoeuvre.quality.clone());
+    }
+}
+
+/// Visits of a plan that are looked at: more than any mission has space for. Without a limit, checking nonsense could take as long
+/// as the caller that made it likes.
 pub const PLAN_VISITS_MAX: usize = 100_000;
 
 /// The checker's word.
@@ -169,11 +180,11 @@ mod tests {
 
     #[test]
     fn a_fault_of_planning_does_not_pass_for_a_mission_with_nothing_left() {
-        let means = Means::of(&Arc::new(apex_solvers::shipped()));
+        let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
         for solver in ["no-such-solver", "two-opt", "single-visit"] {
             let problem = Problem::SingleVisit(SingleVisitProblem::default());
             let budget = Duration::from_seconds(1.0);
-            let wish = Wish { means: &means, solver: Some(solver), budget, seed: 1, previous: None };
+            let wish = SolveOptions { means: &means, solver: Some(solver), budget, seed: 1, previous: None };
             let solved = solve(problem, wish, &mut Invocations::new(), &CancelToken::new());
             assert!(matches!(solved, Err(NoPlan::Fault(_))), "{solver}");
         }

@@ -73,8 +73,8 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         let Some(manoeuvre) = target.and_then(|target| target.manoeuvres.get(visit.manoeuvre)) else { continue };
         hold(&mut steps, &visit.route, altitude_m, visit.depart_s - ready_s);
         ready_s = visit.end_s;
-        detour(&mut steps, &visit.route, altitude_m);
         altitude_m = manoeuvre.altitude_m;
+        detour(&mut steps, &visit.route, altitude_m);
         let observe = PlannedActivity::Observe {
             target: visit.target.clone(),
             lines: observed_lines(manoeuvre),
@@ -83,7 +83,7 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         steps.push((Symbol::new(&format!("observe-{}", visit.target)), observe));
     }
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
-    detour(&mut steps, &plan.return_route, altitude_m);
+    detour(&mut steps, &plan.return_route, problem.vehicle.cruise_altitude_m);
     steps
 }
 

@@ -11,7 +11,7 @@ use apex_model::problem::{
     AirspaceZone, Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem,
     SurveillancePlan, SurveillanceProblem,
 };
-use apex_planning::surveillance::travel::Ways;
+use apex_planning::surveillance::travel::SurveillanceTravel;
 use serde_json::{Map, Value, json};
 
 /// A place, with its altitude above mean sea level where one is known.
@@ -242,7 +242,7 @@ fn factors(manoeuvre: &Manoeuvre, visit: &PlannedVisit) -> Map<String, Value> {
 }
 
 /// The ways that the times of a mission's problem come from, if its targets are the mission's sites.
-fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<Ways> {
+fn flown_ways(mission: &Mission, problem: &SurveillanceProblem) -> Option<SurveillanceTravel> {
     let positions: Vec<Position> = problem.targets.iter().map(|target| target.position).collect();
     crate::problem::survey(mission, &positions, mission.start, 0.0).ok()
 }

@@ -4,7 +4,7 @@ use crate::deliberation::Deliberation;
 use crate::export::table::PlanFacts;
 use crate::plan::input::Benchmark;
 use crate::plan::proof::Proof;
-use apex_solvers::bounds::ages::cycles::WithoutEnd;
+use apex_solvers::bounds::age_grid::cycles::WithoutEnd;
 
 /// What was asked, the plan, what it is worth and what is proven of it.
 pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, facts: &PlanFacts<'_>) -> String {

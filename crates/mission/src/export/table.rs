@@ -1,4 +1,4 @@
-//! A plan as a table for people.
+//! A plan as a table for operators.
 
 use crate::deliberation::Deliberation;
 use crate::plan::input::Benchmark;
@@ -8,7 +8,7 @@ use crate::text::{name_width, named, wrapped};
 use apex_model::problem::{Plan, SingleVisitPlan, SurveillancePlan};
 use apex_model::time::Time;
 use apex_portfolio::formats;
-use apex_solvers::bounds::ages::cycles::WithoutEnd;
+use apex_solvers::bounds::age_grid::cycles::WithoutEnd;
 use std::fmt::Write;
 
 /// Gap below which rounding is all that is left.
@@ -34,7 +34,7 @@ pub fn write(name: &str, benchmark: Option<&Benchmark>, solved: &Deliberation, f
     // Writing to a string cannot fail.
     let _ = write_benchmark(&mut out, name, benchmark);
     let _ = write_table(&mut out, solved, facts);
-    if benchmark.is_some_and(|benchmark| benchmark.asked == formats::Question::Tour) {
+    if benchmark.is_some_and(|benchmark| benchmark.asked == formats::ProblemKind::Tour) {
         let _ = write_tour(&mut out, facts.proven);
     }
     out
@@ -59,9 +59,9 @@ fn write_tour(out: &mut String, proven: &Proven) -> std::fmt::Result {
 fn write_benchmark(out: &mut String, name: &str, benchmark: Option<&Benchmark>) -> std::fmt::Result {
     let Some(Benchmark { format, asked, vehicles }) = benchmark else { return Ok(()) };
     let asked = match asked {
-        formats::Question::OrienteeringWithWindows => "the most value within windows",
-        formats::Question::Orienteering => "the most value within a length",
-        formats::Question::Tour => "the shortest tour of all",
+        formats::ProblemKind::OrienteeringWithWindows => "the most value within windows",
+        formats::ProblemKind::Orienteering => "the most value within a length",
+        formats::ProblemKind::Tour => "the shortest tour of all",
     };
     writeln!(out, "{name}: {format}; wanted is {asked}")?;
     match vehicles {

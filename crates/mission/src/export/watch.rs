@@ -3,11 +3,11 @@
 use super::chart::{ChartPoint, Circle, Visit, bends};
 use apex_geo::travel::Circling;
 use apex_model::problem::{Position, SurveillanceVisit};
-use apex_planning::surveillance::travel::Ways;
+use apex_planning::surveillance::travel::SurveillanceTravel;
 
 /// A plan of surveillance followed visit by visit.
 pub(super) struct Watch {
-    ways: Option<Ways>,
+    ways: Option<SurveillanceTravel>,
     /// Where the vehicle is, and which target that is.
     before: Option<ChartPoint>,
     from: Option<usize>,
@@ -18,7 +18,7 @@ pub(super) struct Watch {
 
 impl Watch {
     /// At the start, with the ways where they are known.
-    pub(super) fn new(ways: Option<Ways>, start: Option<ChartPoint>) -> Watch {
+    pub(super) fn new(ways: Option<SurveillanceTravel>, start: Option<ChartPoint>) -> Watch {
         Watch { ways, before: start, from: None, on: None, depart_s: 0.0 }
     }
 
@@ -41,7 +41,7 @@ impl Watch {
                 let (path, there) = ways.flown((self.from, Some(to)), self.on, self.depart_s);
                 let look = there.map(|there| ways.look(to, there, (visit.arrive_s, visit.end_s)));
                 let (look, after) = look.unzip();
-                // A piece begins where the one before it ended, but for a metre: each is drawn on a plane of its own.
+                // A piece begins where the one before it ended, except for a metre: each is drawn on a plane of its own.
                 let joined = usize::from(self.from.is_some());
                 drawn.way = self.before.into_iter().chain(path.into_iter().skip(joined).map(at)).collect();
                 drawn.lines = look.unwrap_or_default().into_iter().skip(1).map(at).collect();
@@ -58,7 +58,7 @@ impl Watch {
         drawn
     }
 
-    /// The way from the last visit to the base; empty where nothing was visited.
+    /// The way from the last visit to the base; empty if nothing was visited.
     pub(super) fn home(&mut self, base: ChartPoint) -> Vec<ChartPoint> {
         let Some(before) = self.before else { return Vec::new() };
         let route = self.ways.as_mut().zip(self.from).map_or_else(Vec::new, |(ways, from)| {

@@ -52,7 +52,7 @@ pub struct Benchmark {
     /// Name of the format.
     pub format: &'static str,
     /// What is asked.
-    pub asked: formats::Question,
+    pub asked: formats::ProblemKind,
     /// Vehicles that the file names.
     pub vehicles: Option<usize>,
 }
@@ -86,7 +86,7 @@ impl PlanInput {
     pub fn of_mission(mission: Mission) -> MissionResult<PlanInput> {
         let (goal, budget) = goal_and_budget(&mission);
         let situation = Situation::default();
-        let problem = pose(&situation.updates.believed(&mission), &situation, Time::ZERO)
+        let problem = pose(&situation.updates.believed(&mission), &situation, None, Time::ZERO)
             .map_err(|reason| MissionError::planning("there is nothing to plan").because(reason))?;
         let (name, seed) = (mission.settings.name.clone(), mission.settings.seed);
         Ok(PlanInput { budget, seed, mission: Some((mission, goal)), ..PlanInput::new(name, problem) })
@@ -119,7 +119,7 @@ impl PlanInput {
 
     /// True if the benchmark asks for a shortest tour through all nodes.
     pub fn is_tour(&self) -> bool {
-        self.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::Question::Tour)
+        self.benchmark.as_ref().is_some_and(|benchmark| benchmark.asked == formats::ProblemKind::Tour)
     }
 }
 

@@ -6,7 +6,7 @@ use apex_model::time::Duration;
 use apex_planning::meter::Meter;
 use apex_planning::solver::{WorkBudget, units_in};
 use apex_solvers::bounds as bound;
-use apex_solvers::bounds::ages::cycles::{self, WithoutEnd};
+use apex_solvers::bounds::age_grid::cycles::{self, WithoutEnd};
 
 /// Budget of a proof if none is given: enough for all methods with four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
 /// with more targets some methods are skipped.
@@ -46,7 +46,7 @@ pub struct Proven {
 pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> Proven {
     let mut budget = WorkBudget::new(if budget > Duration::ZERO { units_in(budget) } else { 0 });
     let mut meter = Meter::new(&mut budget);
-    bound::prove(&solved.problem, &mut solved.plan, &mut meter);
+    apex_solvers::prove(&solved.problem, &mut solved.plan, &mut meter);
     let proof = of(&solved.problem, &solved.plan, tour, &mut meter);
     let without_end = cycles::of_plan(&solved.problem, &solved.plan, &mut meter);
     Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() }

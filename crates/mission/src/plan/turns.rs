@@ -1,7 +1,8 @@
 //! What turns cost in a plan, where its vehicle cannot turn at once.
 
 use crate::Mission;
-use crate::problem::{survey, turn_radius_m};
+use crate::problem::survey;
+use crate::vehicle::turn_radius_m;
 use apex_model::problem::{Plan, Position, Problem, SurveillancePlan, SurveillanceProblem};
 
 /// What turning makes a plan's ways take.

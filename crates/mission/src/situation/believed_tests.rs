@@ -44,7 +44,7 @@ fn fire<'m>(mission: &'m Mission, id: &str) -> Option<&'m Fire> {
 
 fn posed(mission: &Mission, updates: MissionUpdates) -> SurveillanceProblem {
     let situation = Situation { updates, ..Situation::default() };
-    match pose(&situation.updates.believed(mission), &situation, Time::from_seconds(60.0)).unwrap() {
+    match pose(&situation.updates.believed(mission), &situation, None, Time::from_seconds(60.0)).unwrap() {
         Problem::Surveillance(problem) => problem,
         Problem::SingleVisit(_) => panic!("of another kind"),
     }
@@ -102,7 +102,7 @@ fn fires_are_worth_what_was_said_and_appear_when_they_are_announced() {
     let said = [("new-value", "lick", Some(1.5)), ("new-target", "castle-rock", None), ("target-gone", "zaca", None)];
     let after = updates(&said).believed(&mission);
     assert!(fire(&after, "castle-rock").is_some() && fire(&after, "domke-lake").is_none());
-    assert_eq!(fire(&after, "lick").unwrap().value, 1.5);
+    assert_eq!(fire(&after, "lick").unwrap().value(), 1.5);
     assert_eq!(after.targets.len(), before.targets.len(), "one came, one went");
     assert!(fire(&before, "zaca").is_some() && fire(&after, "zaca").is_none());
     assert_eq!(

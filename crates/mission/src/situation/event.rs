@@ -10,6 +10,13 @@ pub enum MissionEvent {
     Observing(String),
     /// `(observed TARGET)`: an observation has ended.
     Observed(String),
+    /// `(not-observed TARGET WHY)`: an observation has failed.
+    NotObserved {
+        /// The target.
+        target: String,
+        /// Why, as the procedure says it.
+        why: String,
+    },
     /// `(wings-level-violation TARGET)`: a segment is flown again.
     WingsLevelViolation(String),
     /// `(replan-wanted REASON)`.
@@ -22,6 +29,13 @@ pub enum MissionEvent {
     ImageInMemory(String),
     /// `(low-fuel VEHICLE)`.
     LowFuel,
+    /// `(requirement-broken NAME WHY)`: no way keeps this requirement.
+    RequirementBroken {
+        /// What is broken.
+        name: String,
+        /// Why.
+        why: String,
+    },
     /// New data of the mission.
     Update(MissionUpdate),
 }
@@ -34,12 +48,21 @@ impl MissionEvent {
         Some(match head.folded() {
             "observing" => MissionEvent::Observing(subject),
             "observed" => MissionEvent::Observed(subject),
+            "not-observed" => {
+                let why = items.get(1).map_or_else(|| "it failed".to_string(), Value::to_string);
+                MissionEvent::NotObserved { target: subject, why }
+            }
             "wings-level-violation" => MissionEvent::WingsLevelViolation(subject),
             "replan-wanted" => MissionEvent::ReplanWanted(subject),
             "communication-lost" => MissionEvent::CommunicationLost(subject),
             "communication-regained" => MissionEvent::CommunicationRegained(subject),
             "image-in-memory" => MissionEvent::ImageInMemory(subject),
             "low-fuel" => MissionEvent::LowFuel,
+            "requirement-broken" => {
+                let words =
+                    |value: &Value| if let Value::Text(text) = value { text.to_string() } else { value.to_string() };
+                MissionEvent::RequirementBroken { name: words(items.first()?), why: words(items.get(1)?) }
+            }
             head => MissionEvent::Update(MissionUpdate::read(head, items)?),
         })
     }

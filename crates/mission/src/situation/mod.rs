@@ -14,6 +14,8 @@ pub use updates::{MissionUpdate, MissionUpdates, OperatorPlan};
 pub use visit::{VehicleState, Visit};
 
 use crate::Mission;
+use crate::predicted::Predicted;
+use crate::requirements::Watch;
 use apex_model::effect::{DecisionKind, Effect, Method, SolveRequestId};
 use apex_model::event::{Batch, EventKind, SolverReport};
 use apex_model::limits::SOLVE_REQUESTS_MAX;
@@ -22,6 +24,7 @@ use apex_model::problem::Plan;
 use apex_model::source::Place;
 use apex_model::time::Time;
 use apex_model::value::Value;
+use apex_runtime::ports::Input;
 use apex_runtime::target_state::{TargetChange, TargetState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -83,12 +86,18 @@ pub struct Situation {
     answers: BTreeMap<SolveRequestId, MadePlan>,
     /// Lines of each target whose observation has been chosen.
     planned_lines: BTreeMap<String, Vec<ScanLine>>,
+    /// Requirements compared with the flight.
+    watch: Watch,
+    /// What the last step adds to the next batch: a function of the rest, and not stored.
+    #[serde(skip)]
+    derived: Vec<Input>,
 }
 
 impl Situation {
     /// Observes one step of the agent with this number. Only the first agent flies: what the others measure and do does
     /// not happen to the vehicle.
     pub fn observe(&mut self, mission: &Mission, agent: usize, batch: &Batch, effects: &[Effect]) {
+        self.derived.clear();
         let requests = effects.iter().filter(|effect| matches!(effect, Effect::Solve(_))).count();
         self.posed = self.posed.saturating_add(u32::try_from(requests).unwrap_or(u32::MAX));
         if agent != 0 {
@@ -112,12 +121,28 @@ impl Situation {
         for effect in effects {
             self.take_effect(batch.now, effect);
         }
+        self.watch(mission, batch, effects);
         if requests > 0 {
             // Data that planning cannot use are reported when a plan is asked for.
             for unknown in self.updates.unknown(mission) {
                 self.note_once(batch.now, &unknown);
             }
         }
+    }
+
+    /// Reads the requirements as the mission believes them.
+    fn watch(&mut self, mission: &Mission, batch: &Batch, effects: &[Effect]) {
+        let forecast = self.updates.forecast(mission);
+        let findings = self.watch.observe((mission, forecast), batch, effects);
+        for note in findings.notes {
+            self.note(batch.now, note);
+        }
+        self.derived = findings.inputs;
+    }
+
+    /// Takes what the last step adds to the next batch.
+    pub fn take_derived(&mut self) -> Vec<Input> {
+        std::mem::take(&mut self.derived)
     }
 
     /// Observations that have ended.
@@ -139,6 +164,15 @@ impl Situation {
         }
     }
 
+    /// What the plan that is flown expects of an observation.
+    fn predicted(&self, target: &str) -> Option<Predicted> {
+        let Plan::SingleVisit(plan) = &self.plan.as_ref()?.plan else { return None };
+        let visit = plan.visits.iter().find(|visit| visit.target == target)?;
+        let quality = visit.quality.clone()?;
+        let (timing, worth) = (visit.timing, visit.worth);
+        Some(Predicted { quality, timing, worth, begin_s: visit.begin_s, end_s: visit.end_s })
+    }
+
     fn change(&mut self, target: String, at: Time, state: TargetState, detail: String) {
         self.target_changes.push(TargetChange { target, at, state, detail });
     }
@@ -150,7 +184,8 @@ impl Situation {
                 if self.open_visit().is_none_or(|visit| visit.target != target) {
                     self.change(target.clone(), at, TargetState::Observing, String::new());
                     let lines = self.planned_lines.get(&target).cloned().unwrap_or_default();
-                    self.visits.push(Visit::new(target, at, lines));
+                    let predicted = self.predicted(&target);
+                    self.visits.push(Visit::new(target, at, lines, predicted));
                 }
             }
             MissionEvent::Observed(target) => {
@@ -158,6 +193,11 @@ impl Situation {
                     visit.end = Some(at);
                 }
                 self.change(target, at, TargetState::Observed, String::new());
+            }
+            // Its visit stays without an end, as after an interruption: the target is still open.
+            MissionEvent::NotObserved { target, why } => {
+                self.note(at, format!("{target} was not observed: {why}"));
+                self.change(target, at, TargetState::Skipped, why);
             }
             MissionEvent::WingsLevelViolation(target) => {
                 if let Some(visit) = self.open_visit() {
@@ -173,6 +213,9 @@ impl Situation {
             MissionEvent::ImageInMemory(target) => {
                 self.change(target.clone(), at, TargetState::Observed, String::new());
                 self.note(at, format!("picture of {target} in memory"));
+            }
+            MissionEvent::RequirementBroken { name, why } => {
+                self.note(at, format!("a requirement has to be broken: {name}, because {why}"));
             }
             MissionEvent::LowFuel => self.note(at, "fuel is low".to_string()),
             MissionEvent::Update(update) => {

@@ -1,8 +1,8 @@
-//! Updates in flight: new data of targets and weather after the start, and the mission as it is believed since
+//! Updates in flight: new data of targets and weather after the start, and the mission as it is assumed since
 //! (docs/reference/mission-data.md, "News in flight").
 
-use crate::{Mission, TargetKind};
-use apex_model::problem::{CostFunction, EventRate};
+use crate::{Fire, Mission, TargetKind};
+use apex_model::problem::{CostFunction, EventRate, WindField};
 use apex_model::quantity::Dimension;
 use apex_model::value::Value;
 use serde::{Deserialize, Serialize};
@@ -179,9 +179,9 @@ impl MissionUpdates {
         self.operator_plan.as_ref()
     }
 
-    /// What of it names nothing of the mission, or says what its target cannot have, in words.
+    /// What of it names nothing of the mission, or says what its target cannot have, as text.
     pub fn unknown(&self, mission: &Mission) -> Vec<String> {
-        let find = |id: &String| mission.targets.iter().find(|target| target.id == *id);
+        let find = |id: &String| mission.targets.iter().find(|target| target.goes_by(id));
         let named = self.announced.iter().chain(&self.gone).chain(self.values.keys()).chain(self.rates_per_h.keys());
         let strange: BTreeSet<&String> = named.filter(|id| find(id).is_none()).collect();
         let targets = strange.into_iter().map(|id| format!("{id} is no target of this mission"));
@@ -196,7 +196,7 @@ impl MissionUpdates {
         targets.chain(likely).chain(forecasts).collect()
     }
 
-    /// The mission as it is believed after the news: with what is known of its targets and winds now.
+    /// The mission as it is assumed after the news: with what is known of its targets and winds now.
     pub fn believed(&self, mission: &Mission) -> Mission {
         let mut believed = self.valued(mission);
         believed.targets.retain(|target| {
@@ -206,13 +206,13 @@ impl MissionUpdates {
         believed
     }
 
-    /// The mission with all of its targets, worth what has been said last, and the forecast that is believed.
+    /// The mission with all of its targets, worth what has been said last, and the forecast that is assumed.
     pub fn valued(&self, mission: &Mission) -> Mission {
         let mut believed = mission.clone();
         for target in &mut believed.targets {
             let (value, rate_per_h) = (self.values.get(&target.id), self.rates_per_h.get(&target.id));
             match &mut target.kind {
-                TargetKind::Fire(fire) => fire.value = value.copied().unwrap_or(fire.value),
+                TargetKind::Fire(fire) => revalue(&target.id, fire, &self.values),
                 TargetKind::Site(site) => {
                     if let Some(rate_per_h) = rate_per_h {
                         site.rate = EventRate::constant(rate_per_h / SECONDS_PER_HOUR);
@@ -226,11 +226,29 @@ impl MissionUpdates {
                 TargetKind::Plain | TargetKind::Base => {}
             }
         }
-        let known = |name: &String| mission.forecasts.iter().find(|(known, _)| known == name);
-        if let Some((_, forecast)) = self.forecasts.iter().rev().find_map(known) {
-            believed.forecast = forecast.clone();
+        if !self.forecasts.is_empty() {
+            believed.forecast = self.forecast(mission).clone();
         }
         believed
+    }
+
+    /// The forecast that is assumed.
+    pub fn forecast<'a>(&self, mission: &'a Mission) -> &'a WindField {
+        let known = |name: &String| mission.forecasts.iter().find(|(known, _)| known == name);
+        self.forecasts.iter().rev().find_map(known).map_or(&mission.forecast, |(_, forecast)| forecast)
+    }
+}
+
+/// Gives a fire, or its looks by their names, the values that were said last.
+fn revalue(id: &str, fire: &mut Fire, said: &BTreeMap<String, f64>) {
+    if let Some(value) = said.get(id) {
+        let (before, count) = (fire.value(), fire.wanted.looks.len().max(1) as f64);
+        for look in &mut fire.wanted.looks {
+            look.value = if before > 0.0 { look.value / before * value } else { value / count };
+        }
+    }
+    for look in &mut fire.wanted.looks {
+        look.value = said.get(&format!("{id}/{}", look.name)).copied().unwrap_or(look.value);
     }
 }
 
@@ -243,7 +261,7 @@ fn name(value: &Value) -> String {
     }
 }
 
-/// What `importance` stands for: of a table, the cost of an event that is never found.
+/// What `importance` represents: of a table, the cost of an event that is never found.
 fn importance(cost: &CostFunction, of_families: f64) -> f64 {
     match cost {
         CostFunction::Table { points } => points.last().map_or(0.0, |(_, cost)| *cost),

@@ -1,6 +1,7 @@
 //! Observations so far, and the vehicle as last reported.
 
 use super::scan_line::ScanLine;
+use crate::predicted::Predicted;
 use apex_model::planned::Location;
 use apex_model::problem::Position;
 use apex_model::quantity::Dimension;
@@ -25,12 +26,14 @@ pub struct Visit {
     altitude_m: (f64, u32),
     /// The largest roll angle while on a line.
     pub roll_deg_max: f64,
+    /// What the plan expected of it.
+    pub predicted: Option<Predicted>,
 }
 
 impl Visit {
     /// An observation that begins now.
-    pub(super) fn new(target: String, begin: Time, lines: Vec<ScanLine>) -> Visit {
-        Visit { target, begin, end: None, reflies: 0, lines, altitude_m: (0.0, 0), roll_deg_max: 0.0 }
+    pub(super) fn new(target: String, begin: Time, lines: Vec<ScanLine>, predicted: Option<Predicted>) -> Visit {
+        Visit { target, begin, end: None, reflies: 0, lines, altitude_m: (0.0, 0), roll_deg_max: 0.0, predicted }
     }
 
     /// Mean altitude above mean sea level while scanning; `None` if nothing was scanned.
@@ -64,7 +67,9 @@ pub struct VehicleState {
     pub altitude_m: f64,
     /// Fuel left.
     pub fuel_kg: Option<f64>,
-    /// Flight time that the fuel allows.
+    /// Share of the battery's capacity that is left.
+    pub battery_charge: Option<f64>,
+    /// Flight time that fuel or battery allow.
     pub endurance_s: Option<f64>,
     roll_deg: f64,
     on_line: bool,
@@ -82,6 +87,7 @@ impl VehicleState {
                 }
             }
             ("fuel", Value::Quantity(fuel)) if fuel.dimension == Dimension::MASS => self.fuel_kg = Some(fuel.si),
+            ("battery-charge", Value::Real(share)) => self.battery_charge = Some(*share),
             ("endurance-remaining", Value::Duration(left)) => self.endurance_s = Some(left.seconds()),
             ("roll-angle", Value::Quantity(roll)) => self.roll_deg = roll.si.to_degrees(),
             ("flight-phase", Value::Symbol(phase)) => self.on_line = phase.is("line"),

@@ -10,7 +10,7 @@ use apex_executive::Agent;
 use apex_executive::explanation;
 use apex_model::print::Style::Brief;
 
-use apex_executive::state::controller::Way;
+use apex_executive::state::controller::MethodBinding;
 use apex_executive::state::task::{Origin, ProcedureRef, StepRef, Task};
 use apex_model::procedure::{Procedure, Step};
 use apex_model::task::TaskId;
@@ -141,7 +141,7 @@ fn best<'a>(tasks: &[&'a Task]) -> Option<&'a Task> {
 fn beginning<'a>(agent: &'a Agent, site: &ProgramStep) -> Option<&'a Task> {
     let chose = |task: &&Task| {
         let way = task.selection.as_ref().map(|selection| &selection.way);
-        matches!(way, Some(Way::Procedure(reference, _)) if *reference == site.step.procedure)
+        matches!(way, Some(MethodBinding::Procedure(reference, _)) if *reference == site.step.procedure)
     };
     agent.tasks.iter().map(|(_, task)| task).filter(|task| task.controller.is_none()).find(chose)
 }

@@ -158,7 +158,7 @@ pub struct TargetMoment {
     pub t: f64,
     /// `planned`, `observing`, `observed`, `skipped`.
     pub state: String,
-    /// Why, in words.
+    /// Why, as text.
     pub detail: String,
 }
 
@@ -210,7 +210,7 @@ pub struct Unmet {
     /// What kind of thing.
     #[cfg_attr(test, ts(type = "string"))]
     pub kind: ReasonKind,
-    /// The part of the condition as PDL text, or the reason in words.
+    /// The part of the condition as PDL text, or the reason as text.
     pub what: String,
     /// What is known about it then; empty where `what` says it all.
     pub now: String,
@@ -246,7 +246,7 @@ pub struct Blocked {
     pub winner_cost: f64,
     /// The part of the loser's.
     pub loser_cost: f64,
-    /// Both for people: `5 against 0 + interrupt cost 0.1`.
+    /// Both for operators: `5 against 0 + interrupt cost 0.1`.
     pub strengths: String,
 }
 

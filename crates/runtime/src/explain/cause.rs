@@ -6,7 +6,7 @@ use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use serde::Serialize;
 
-/// A cause, taken from the decision itself. Its text stands beside it, in the member `because`.
+/// A cause, taken from the decision itself. Its text stands next to it, in the member `because`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CauseDetail {

@@ -22,7 +22,7 @@ fn message(message: &str) -> CausePart {
     CausePart { role: "message", value: PartValue::Message { message: message.into() } }
 }
 
-/// Causes that name tasks above, below and beside, and clauses of PDL.
+/// Causes that name tasks above, below and next to, and clauses of PDL.
 fn of_task_tree(cause: &Cause) -> Option<Vec<CausePart>> {
     let parts = match cause {
         Cause::ParentStarted { parent }

@@ -6,7 +6,7 @@ use apex_model::pattern::Pattern;
 use apex_model::print::Style::Brief;
 use apex_model::procedure::Activity;
 
-/// A goal in words.
+/// A goal as text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Phrase {
     /// A word or number, folded.

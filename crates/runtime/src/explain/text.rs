@@ -160,7 +160,9 @@ impl fmt::Display for WhyNot {
         if !self.target.is_empty() {
             writeln!(f, "\nWhat became of it:")?;
             for moment in &self.target {
-                writeln!(f, "  {:>12}  {} {}", Time::from_seconds(moment.t).to_string(), moment.state, moment.detail)?;
+                let line =
+                    format!("  {:>12}  {} {}", Time::from_seconds(moment.t).to_string(), moment.state, moment.rest());
+                writeln!(f, "{}", line.trim_end())?;
             }
         }
         if !self.missing.is_empty() {

@@ -280,7 +280,7 @@ fn near(snapshot: &RecordSnapshot<'_>, name: &str, error: RecordError) -> Result
 }
 
 impl Missing {
-    /// The step with its procedure, for people.
+    /// The step with its procedure, for operators.
     pub fn text(&self) -> String {
         format!("step `{}` of {} at {}", self.step, self.procedure, self.place)
     }

@@ -267,6 +267,8 @@ impl Input<'_> {
 mod tests {
     use super::*;
     use crate::samples;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
 
     #[test]
     fn batches_come_back_byte_for_byte_and_are_small() {
@@ -289,12 +291,12 @@ mod tests {
         for (batch, _) in samples::steps() {
             encode(&batch, &mut variables, &mut bytes).unwrap();
         }
-        let mut state = 1_u64;
+        let mut generator = ChaCha8Rng::seed_from_u64(1);
         for _ in 0..20_000 {
             let noise: Vec<u8> = (0..40)
                 .map(|_| {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                    (state >> 56) as u8 & if state & (1 << 40) == 0 { 0x07 } else { 0xff }
+                    let bits = generator.next_u64();
+                    (bits >> 56) as u8 & if bits & (1 << 40) == 0 { 0x07 } else { 0xff }
                 })
                 .collect();
             let _ = decode(Time::ZERO, &noise, &variables);

@@ -10,7 +10,7 @@ use rusqlite::params;
 pub struct TargetRow {
     /// Its name in PDL.
     pub id: String,
-    /// Its name for people.
+    /// Its name for operators.
     pub name: String,
     /// Centre, degrees north.
     pub latitude_deg: f64,

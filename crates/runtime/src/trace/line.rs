@@ -25,7 +25,7 @@ pub(super) struct Line {
     pub(super) kind: &'static str,
     pub(super) task: Option<TaskId>,
     pub(super) goal: Arc<str>,
-    /// What the filter by object looks at besides the goal.
+    /// What the filter by object looks at in addition the goal.
     pub(super) subject: String,
     pub(super) place: Option<String>,
     /// Keys between `goal` and `cause`, with their values.

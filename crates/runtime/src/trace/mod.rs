@@ -1,4 +1,4 @@
-//! The trace: every input, decision and output as one line, as JSON for programs or as text for people.
+//! The trace: every input, decision and output as one line, as JSON for programs or as text for operators.
 //!
 //! Live it is an observer of a run; afterwards [`trace_record`] makes the same lines from a flight record.
 

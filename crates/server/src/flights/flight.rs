@@ -2,7 +2,7 @@
 
 use crate::flights::catalogue::Failure;
 use apex_mission::Mission;
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use apex_mission::error::MissionResult;
 use apex_mission::recording;
 use apex_model::effect::Effect;
@@ -41,10 +41,10 @@ enum End {
     Failed(Failure),
 }
 
-/// What a flight needs besides the mission.
+/// What a flight needs in addition the mission.
 pub(crate) struct Preparation {
     pub(crate) mission: Arc<Mission>,
-    pub(crate) means: Means,
+    pub(crate) means: PlanningResources,
     pub(crate) terms: FlyOptions,
     pub(crate) recorder: Recorder,
 }

@@ -12,7 +12,7 @@ mod tower;
 
 pub(crate) use tower::Tower;
 
-use apex_mission::deliberation::Means;
+use apex_mission::deliberation::PlanningResources;
 use std::path::PathBuf;
 
 /// Lets the server fly missions.
@@ -22,5 +22,5 @@ pub struct FlightOptions {
     /// Folder of the records that the flights write.
     pub records: PathBuf,
     /// The planners, and the limits of their time and memory.
-    pub means: Means,
+    pub means: PlanningResources,
 }

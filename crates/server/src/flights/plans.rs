@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, ApiError};
 use apex_mission::Mission;
-use apex_mission::deliberation::{Means, Wish, name_obstacles, solve};
+use apex_mission::deliberation::{PlanningResources, SolveOptions, name_obstacles, solve};
 use apex_mission::export::json;
 use apex_mission::export::table::PlanFacts;
 use apex_mission::plan::input::PlanInput;
@@ -17,10 +17,10 @@ use axum::http::StatusCode;
 ///
 /// # Errors
 /// The mission has nothing to plan, or no plan is found.
-pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &Means) -> Answer<String> {
+pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningResources) -> Answer<String> {
     let input = PlanInput::of_mission(mission)?;
     let budget = budget.unwrap_or(input.budget);
-    let wish = Wish { means, solver: None, budget, seed: input.seed, previous: None };
+    let wish = SolveOptions { means, solver: None, budget, seed: input.seed, previous: None };
     let mut solved =
         solve(input.problem.clone(), wish, &mut Invocations::new(), &CancelToken::new()).map_err(|reason| {
             ApiError {

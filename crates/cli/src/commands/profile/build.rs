@@ -5,16 +5,16 @@ use super::{read, units};
 use crate::options::{ProfileBuildOptions, ProfileUpdateOptions, ProfileWorkOptions};
 use crate::output;
 
-use crate::trouble::{Outcome, Trouble};
+use crate::error::{CliError, CliResult};
 use apex_planning::Registry;
 use apex_planning::solver::Solver;
 use apex_portfolio::profile::{Planner, Profile, conclusion, measure, named};
 use std::path::Path;
 
 /// Measures all planners anew.
-pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> Outcome {
+pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> CliResult {
     let cells = named::cells(&options.cells)?;
-    let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<Outcome<_>>()?;
+    let budgets = options.budgets.iter().map(|text| units(text, "--budgets")).collect::<CliResult<_>>()?;
     let budgets = named::rising(budgets, &options.budgets)?;
     named::missions(options.missions, "; 50 is what the published table has")?;
     let planners = named::planners(&options.planners, registry)?;
@@ -28,12 +28,12 @@ pub(super) fn build(options: &ProfileBuildOptions, registry: &Registry) -> Outco
 }
 
 /// Measures some planners of a profile.
-pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Outcome {
+pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> CliResult {
     let mut profile = read(Some(&options.profile))?;
     let before = profile.to_string();
     let planners = named::planners(&options.planners, registry)?;
     if let Some(why) = profile.outdated() {
-        return Err(Trouble::user(format!("{} cannot be updated", options.profile.display()))
+        return Err(CliError::user(format!("{} cannot be updated", options.profile.display()))
             .because(why)
             .help("planners are compared on the same missions: measure all of them again with `apex profile build`"));
     }
@@ -42,14 +42,14 @@ pub(super) fn update(options: &ProfileUpdateOptions, registry: &Registry) -> Out
     }
     let after = profile.to_string();
     if after != before {
-        let known = crate::trouble::read_text(&options.profile)?;
+        let known = crate::error::read_text(&options.profile)?;
         apex_mission::replacing::replace(&options.profile, &known, &after)?;
     }
     write_table(options.table.as_deref(), &profile)
 }
 
 /// Measures one planner on every mission and says what its work took.
-fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOptions) -> Outcome {
+fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOptions) -> CliResult {
     let missions = usize::try_from(profile.missions).unwrap_or(usize::MAX);
     let before_s = cpu_s();
     let measured = measuring::each(work, planner.name(), profile.rows.len() * missions, |task| {
@@ -61,7 +61,7 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
     if let Some(cpu_s) = spent_s.filter(|_| !work.no_progress) {
         let unit_ns = 1e9 * cpu_s / used.max(1) as f64;
         let name = planner.name();
-        output::complain(format_args!(
+        output::print_error(format_args!(
             "{name}: {used} units of work in {cpu_s:.1} CPU seconds, {unit_ns:.0} ns a unit"
         ));
     }
@@ -71,34 +71,34 @@ fn measure(profile: &mut Profile, planner: &dyn Solver, work: &ProfileWorkOption
 }
 
 /// The text of an older profile that may be written over; anything else is left alone, before anything is measured.
-pub(super) fn refuse_other(path: &Path) -> Outcome<Option<String>> {
+pub(super) fn refuse_other(path: &Path) -> CliResult<Option<String>> {
     if !path.exists() {
         return Ok(None);
     }
-    let text = crate::trouble::read_text(path)?;
+    let text = crate::error::read_text(path)?;
     if text.parse::<Profile>().is_ok() || text.trim().is_empty() {
         return Ok(Some(text));
     }
-    Err(Trouble::user(format!("{} is no profile, and is not written over", path.display()))
+    Err(CliError::user(format!("{} is no profile, and is not written over", path.display()))
         .help("name another file, or remove this one"))
 }
 
 /// Writes a file as a whole; `before` is what an older one held.
-pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> Outcome {
+pub(super) fn write(path: &Path, before: Option<&str>, text: &str) -> CliResult {
     if let Some(before) = before {
         return Ok(apex_mission::replacing::replace(path, before, text)?);
     }
     std::fs::write(path, text).map_err(|error| {
-        Trouble::failure(format!("cannot write {}", path.display())).because(error).help("name another place for it")
+        CliError::failure(format!("cannot write {}", path.display())).because(error).help("name another place for it")
     })
 }
 
 /// Writes what selection needs of a profile, where a place for it is named.
-pub(super) fn write_table(path: Option<&Path>, profile: &Profile) -> Outcome {
+pub(super) fn write_table(path: Option<&Path>, profile: &Profile) -> CliResult {
     let Some(path) = path else { return Ok(()) };
-    let before = if path.exists() { Some(crate::trouble::read_text(path)?) } else { None };
+    let before = if path.exists() { Some(crate::error::read_text(path)?) } else { None };
     if before.as_deref().is_some_and(|text| conclusion::read(text).is_err()) {
-        return Err(Trouble::user(format!("{} is no profile table, and is not written over", path.display()))
+        return Err(CliError::user(format!("{} is no profile table, and is not written over", path.display()))
             .help("name another file, or remove this one"));
     }
     write(path, before.as_deref(), &conclusion::written(profile))

@@ -1,14 +1,14 @@
 //! `apex profile compare`: two profiles, or one and the paper's Figure 4.
 
 use super::{budgets, read};
+use crate::error::CliResult;
 use crate::options::ProfileCompareOptions;
 use crate::output;
-use crate::trouble::Outcome;
 use apex_portfolio::profile::compare::compared;
 use apex_portfolio::profile::published::Agreement;
 
 /// Counts agreement and prints it.
-pub(super) fn run(options: &ProfileCompareOptions) -> Outcome {
+pub(super) fn run(options: &ProfileCompareOptions) -> CliResult {
     let profile = read(options.profile.as_deref())?;
     let wanted: Vec<&str> = options.budgets.iter().map(String::as_str).collect();
     let budgets = budgets(&profile, &wanted, "--budgets")?;

@@ -1,7 +1,7 @@
 //! Running independent tasks on several threads: results come in the order of the tasks, whatever the threads do.
 
+use crate::error::{CliError, CliResult};
 use crate::options::ProfileWorkOptions;
-use crate::trouble::{Outcome, Trouble};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
@@ -18,7 +18,7 @@ pub(super) fn each<T: Send>(
     title: &str,
     count: usize,
     task: impl Fn(usize) -> Result<T, String> + Sync,
-) -> Outcome<Vec<T>> {
+) -> CliResult<Vec<T>> {
     let threads = threads(options)?.min(count.max(1));
     let bar = bar(options, title, count);
     let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
@@ -52,14 +52,14 @@ pub(super) fn each<T: Send>(
     bar.finish_and_clear();
     // Tasks begin in order: none before the first failure was left out.
     let done: Result<Vec<T>, String> = results.into_iter().flatten().collect();
-    done.map_err(|why| Trouble::failure("the measurement was given up").because(why).help("this is a planner's fault"))
+    done.map_err(|why| CliError::failure("the measurement was given up").because(why).help("this is a planner's fault"))
 }
 
-fn threads(options: &ProfileWorkOptions) -> Outcome<usize> {
+fn threads(options: &ProfileWorkOptions) -> CliResult<usize> {
     match options.threads {
         None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
         Some(threads) if (1..=THREADS_MAX).contains(&threads) => Ok(threads),
-        Some(threads) => Err(Trouble::user(format!("{threads} threads cannot be used"))
+        Some(threads) => Err(CliError::user(format!("{threads} threads cannot be used"))
             .help(format!("write a number from 1 to {THREADS_MAX}"))),
     }
 }

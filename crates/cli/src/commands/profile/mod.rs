@@ -7,14 +7,14 @@ mod merge;
 mod regret;
 mod show;
 
+use crate::error::{CliError, CliResult, read_text};
 use crate::options::ProfileCommand;
 use crate::sources::parse_time;
-use crate::trouble::{Outcome, Trouble, read_text};
 use apex_model::time::{Duration, Time};
 use apex_planning::Registry;
 use apex_planning::solver::units_in;
 use apex_portfolio::ProfileTable;
-use apex_portfolio::format_error::FormatTrouble;
+use apex_portfolio::format_error::FormatError;
 use apex_portfolio::profile::error::ProfileError;
 use apex_portfolio::profile::{Profile, SHIPPED, named};
 use std::path::Path;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 const BUDGET_MAX: Duration = Duration(86_400_000_000_000);
 
 /// Runs one of its commands.
-pub fn run(command: &ProfileCommand, registry: &Registry) -> Outcome {
+pub fn run(command: &ProfileCommand, registry: &Registry) -> CliResult {
     match command {
         ProfileCommand::Build(options) => build::build(options, registry),
         ProfileCommand::Update(options) => build::update(options, registry),
@@ -36,43 +36,43 @@ pub fn run(command: &ProfileCommand, registry: &Registry) -> Outcome {
 }
 
 /// The profile in `path`, or the one that ships.
-fn read(path: Option<&Path>) -> Outcome<Profile> {
+fn read(path: Option<&Path>) -> CliResult<Profile> {
     let (name, text) = match path {
         Some(path) => (path.display().to_string(), read_text(path)?),
         None => ("the profile that ships".to_string(), SHIPPED.to_string()),
     };
-    text.parse().map_err(|trouble| not_understood(&name, trouble))
+    text.parse().map_err(|error| not_understood(&name, error))
 }
 
-fn not_understood(name: &str, trouble: FormatTrouble) -> Trouble {
-    let place = format!("{name}:{}:{}", trouble.line, trouble.column);
-    Trouble::user(format!("{place}: {}\n  {}", trouble.message, trouble.text.trim()))
-        .because(trouble.reason)
-        .help(trouble.help)
+fn not_understood(name: &str, error: FormatError) -> CliError {
+    let place = format!("{name}:{}:{}", error.line, error.column);
+    CliError::user(format!("{place}: {}\n  {}", error.message, error.text.trim()))
+        .because(error.reason)
+        .help(error.help)
 }
 
 /// The table of solver selection in a file.
 ///
 /// # Errors
 /// It cannot be read, or a place in it is not understood.
-pub fn table(path: &Path) -> Outcome<Arc<ProfileTable>> {
+pub fn table(path: &Path) -> CliResult<Arc<ProfileTable>> {
     let text = read_text(path)?;
-    let table = ProfileTable::read(&text).map_err(|trouble| not_understood(&path.display().to_string(), trouble))?;
+    let table = ProfileTable::read(&text).map_err(|error| not_understood(&path.display().to_string(), error))?;
     Ok(Arc::new(table))
 }
 
 /// A budget in work units.
-fn units(text: &str, option: &str) -> Outcome<u64> {
+fn units(text: &str, option: &str) -> CliResult<u64> {
     let time = parse_time(text, option)? - Time::ZERO;
     if time <= Duration::ZERO || time > BUDGET_MAX {
-        return Err(Trouble::user(format!("`{option} {text}` is no time to plan in"))
+        return Err(CliError::user(format!("`{option} {text}` is no time to plan in"))
             .help("write times above 0 and up to a day, for example `10ms`"));
     }
     Ok(units_in(time))
 }
 
 /// The indices of the wanted budgets in a profile; all where none is wanted.
-fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> Outcome<Vec<usize>> {
+fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> CliResult<Vec<usize>> {
     if wanted.is_empty() {
         return Ok((0..profile.budgets.len()).collect());
     }
@@ -80,8 +80,8 @@ fn budgets(profile: &Profile, wanted: &[&str], option: &str) -> Outcome<Vec<usiz
     wanted.iter().map(place).collect()
 }
 
-impl From<ProfileError> for Trouble {
-    fn from(error: ProfileError) -> Trouble {
-        Trouble { of_user: true, message: error.message, reason: error.reason, help: Some(error.help) }
+impl From<ProfileError> for CliError {
+    fn from(error: ProfileError) -> CliError {
+        CliError { of_user: true, message: error.message, reason: error.reason, help: Some(error.help) }
     }
 }

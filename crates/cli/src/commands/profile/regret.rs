@@ -2,21 +2,21 @@
 //! profile has seen.
 
 use super::{measuring, read, units};
+use crate::error::CliResult;
 use crate::options::ProfileCompareOptions;
 use crate::output;
-use crate::trouble::Outcome;
 use apex_planning::Registry;
 use apex_portfolio::profile::regret::{self, Summary};
 use apex_portfolio::profile::{budget_words, named};
 
 /// Measures and prints, by budget and count.
-pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> Outcome {
+pub(super) fn run(options: &ProfileCompareOptions, registry: &Registry) -> CliResult {
     let profile = read(None)?;
     named::missions(options.missions, "")?;
     named::counts(&options.counts)?;
     let budgets = match options.budgets.as_slice() {
         [] => profile.budgets.clone(),
-        wanted => wanted.iter().map(|text| units(text, "--budgets")).collect::<Outcome<Vec<u64>>>()?,
+        wanted => wanted.iter().map(|text| units(text, "--budgets")).collect::<CliResult<Vec<u64>>>()?,
     };
     let names: Vec<String> = profile.planners.iter().map(|planner| planner.name.clone()).collect();
     let solvers = named::planners(&names, registry)?;

@@ -1,13 +1,13 @@
 //! `apex profile show`: text, JSON lines, or a heat map.
 
 use super::{budgets, read};
+use crate::error::{CliError, CliResult};
 use crate::options::ProfileShowOptions;
 use crate::output;
-use crate::trouble::{Outcome, Trouble};
 use apex_portfolio::profile::{named, picture, text};
 
 /// Prints or draws.
-pub(super) fn run(options: &ProfileShowOptions) -> Outcome {
+pub(super) fn run(options: &ProfileShowOptions) -> CliResult {
     let profile = read(options.profile.as_deref())?;
     let wanted: Vec<&str> = options.budget.iter().map(String::as_str).collect();
     let budgets = budgets(&profile, &wanted, "--budget")?;
@@ -18,7 +18,7 @@ pub(super) fn run(options: &ProfileShowOptions) -> Outcome {
             budgets.iter().map(|budget| picture::best(&profile, *budget)).collect::<Vec<_>>()
         };
         return std::fs::write(path, picture::svg(&maps)).map_err(|error| {
-            Trouble::failure(format!("cannot write {}", path.display()))
+            CliError::failure(format!("cannot write {}", path.display()))
                 .because(error)
                 .help("name another place for it")
         });

@@ -1,7 +1,7 @@
 //! The plan in execution: adopted, left behind, and read back from stored procedures.
 
 use super::*;
-use crate::deliberation::{Deliberation, Means, MissionDeliberator, Wish, solve, translate};
+use crate::deliberation::{Deliberation, MissionDeliberator, PlanningResources, SolveOptions, solve, translate};
 use crate::problem::pose;
 use crate::situation::{Chosen, Situation};
 use apex_model::because::{Because, Cause};
@@ -50,7 +50,7 @@ fn planners_begin_from_the_adopted_plan_only() {
     let seen = Arc::new(Mutex::new(Vec::new()));
     let mut planners = apex_solvers::shipped();
     planners.add(Arc::new(Spy(Arc::clone(&seen)))).unwrap();
-    let means = Means::of(&Arc::new(planners));
+    let means = PlanningResources::of(&Arc::new(planners));
     let mut deliberator = MissionDeliberator::new(mission("structure-watch"), means);
     let goal = Value::list([Value::symbol("patrol"), Value::symbol("the"), Value::symbol("structures")]);
     let step = |deliberator: &mut MissionDeliberator, at_s: f64, kinds: Vec<EventKind>, effects: &[Effect]| {
@@ -91,9 +91,9 @@ fn planners_begin_from_the_adopted_plan_only() {
 }
 
 fn solved(mission: &Mission, solver: Option<&str>) -> Deliberation {
-    let problem = pose(mission, &Situation::default(), Time::ZERO).unwrap();
-    let means = Means::of(&Arc::new(apex_solvers::shipped()));
-    let wish = Wish { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
+    let problem = pose(mission, &Situation::default(), None, Time::ZERO).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let wish = SolveOptions { means: &means, solver, budget: Duration::from_seconds(0.3), seed: 1, previous: None };
     solve(problem, wish, &mut Invocations::new(), &CancelToken::new()).unwrap()
 }
 

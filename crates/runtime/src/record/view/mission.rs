@@ -147,7 +147,7 @@ fn has_writer(path: &Path) -> bool {
     log.push("-wal");
     [path.to_path_buf(), PathBuf::from(log)].iter().any(|file| {
         let Ok(data) = std::fs::metadata(file) else { return false };
-        // Opening a record makes an empty log beside it: that is this reader, not a writer.
+        // Opening a record makes an empty log next to it: that is this reader, not a writer.
         let Some(written) = data.modified().ok().filter(|_| data.len() > 0) else { return false };
         // A time in the future means that the clock was set back: better to call it live than broken.
         SystemTime::now().duration_since(written).map_or(true, |silence| silence < WRITER_SILENCE)

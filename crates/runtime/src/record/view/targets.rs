@@ -24,7 +24,7 @@ pub struct Targets {
 pub struct Target {
     /// Its name in PDL.
     pub id: String,
-    /// Its name for people.
+    /// Its name for operators.
     pub name: String,
     /// Centre, degrees north.
     pub latitude_deg: Option<f64>,

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 const LANES_DEFAULT: usize = 40;
 /// Maximum number of lanes of any answer.
 const LANES_MAX: usize = 400;
-/// Maximum number of rows of a lane: more tasks at once than this cannot be told apart in a picture.
+/// Maximum number of rows of a lane: more tasks at once than this cannot be distinguished in a picture.
 const ROWS_MAX: usize = 8;
 /// Maximum number of intervals of a lane: about one for every second pixel of a wide screen.
 const INTERVALS_MAX: usize = 800;

@@ -1,4 +1,4 @@
-//! What goes wrong at the command line: one type, two exit codes, messages for people.
+//! Errors of the command line: one type, two exit codes, human-readable messages.
 
 use apex_logs::MappingError;
 use apex_mission::error::{ErrorKind, MissionError};
@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 /// A failure of a command, ready to be printed.
 #[derive(Debug)]
-pub struct Trouble {
+pub struct CliError {
     /// True: the user's input is at fault (exit code 2); false: something failed (exit code 1).
     pub of_user: bool,
     /// What happened and where, one line; empty when diagnostics have been printed already.
@@ -20,30 +20,30 @@ pub struct Trouble {
     pub help: Option<String>,
 }
 
-impl Trouble {
+impl CliError {
     /// The user's input is wrong.
-    pub fn user(message: impl Into<String>) -> Trouble {
-        Trouble { of_user: true, message: message.into(), reason: None, help: None }
+    pub fn user(message: impl Into<String>) -> CliError {
+        CliError { of_user: true, message: message.into(), reason: None, help: None }
     }
 
-    /// The world is at fault: a disk, a port, a record that no longer matches.
-    pub fn failure(message: impl Into<String>) -> Trouble {
-        Trouble { of_user: false, message: message.into(), reason: None, help: None }
+    /// Something outside the input failed: a disk, a port, a record that no longer matches.
+    pub fn failure(message: impl Into<String>) -> CliError {
+        CliError { of_user: false, message: message.into(), reason: None, help: None }
     }
 
-    /// Diagnostics have been printed; only the exit code is left to give.
-    pub fn told() -> Trouble {
-        Trouble::user("")
+    /// An error whose diagnostics are printed already: only its exit code counts.
+    pub fn already_reported() -> CliError {
+        CliError::user("")
     }
 
     /// Adds the reason.
-    pub fn because(mut self, reason: impl fmt::Display) -> Trouble {
+    pub fn because(mut self, reason: impl fmt::Display) -> CliError {
         self.reason = Some(reason.to_string());
         self
     }
 
     /// Adds what to do.
-    pub fn help(mut self, help: impl Into<String>) -> Trouble {
+    pub fn help(mut self, help: impl Into<String>) -> CliError {
         self.help = Some(help.into());
         self
     }
@@ -54,7 +54,7 @@ impl Trouble {
     }
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for CliError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "error: {}", self.message)?;
         if let Some(reason) = &self.reason {
@@ -67,19 +67,19 @@ impl fmt::Display for Trouble {
     }
 }
 
-/// What commands return.
-pub type Outcome<T = ()> = Result<T, Trouble>;
+/// Result of a command.
+pub type CliResult<T = ()> = Result<T, CliError>;
 
-impl From<MissionError> for Trouble {
-    fn from(error: MissionError) -> Trouble {
+impl From<MissionError> for CliError {
+    fn from(error: MissionError) -> CliError {
         let of_user = !matches!(error.kind, ErrorKind::Flight | ErrorKind::Record | ErrorKind::Output);
-        Trouble { of_user, message: error.headline(), reason: error.reason, help: error.help }
+        CliError { of_user, message: error.headline(), reason: error.reason, help: error.help }
     }
 }
 
-impl From<MappingError> for Trouble {
-    fn from(error: MappingError) -> Trouble {
-        Trouble { of_user: true, message: error.message, reason: error.reason, help: error.help }
+impl From<MappingError> for CliError {
+    fn from(error: MappingError) -> CliError {
+        CliError { of_user: true, message: error.message, reason: error.reason, help: error.help }
     }
 }
 
@@ -87,11 +87,11 @@ impl From<MappingError> for Trouble {
 ///
 /// # Errors
 /// Says which file, why it cannot be read, and what to do.
-pub fn read_text(path: &Path) -> Outcome<String> {
+pub fn read_text(path: &Path) -> CliResult<String> {
     Ok(files::read_text(path)?)
 }
 
-/// A file that cannot be read: looked for in vain, or not for us.
-pub fn unreadable(path: &Path, error: &std::io::Error) -> Trouble {
+/// The error of a file that does not exist or cannot be read.
+pub fn unreadable(path: &Path, error: &std::io::Error) -> CliError {
     files::unreadable(path, error).into()
 }

@@ -1,10 +1,9 @@
-//! The report as text for the terminal and as JSON for the record and for programs.
+//! The report as text for the terminal, and as JSON for the record and other programs.
 
 use super::report::{MissionValue, Report};
 use super::situation::Visit;
-use crate::text::{name_width, named, wrapped};
+use crate::text::{name_width, named};
 use apex_metrics::eci::ExpectedCost;
-use apex_metrics::mission_score::MissionScore;
 use apex_model::time::Time;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -30,9 +29,14 @@ impl Report {
         ]
     }
 
+    /// The report as one object with its sections.
+    pub fn json(&self) -> Value {
+        Value::Object(self.sections().into_iter().map(|(name, body)| (name.to_string(), body)).collect())
+    }
+
     fn value_json(&self) -> Value {
         match &self.value {
-            MissionValue::Score(score) => score_json(score),
+            MissionValue::Score(score) => score.json(),
             MissionValue::Ignorance(cost) => json!({
                 "kind": "expected-cost-of-ignorance",
                 "total": cost.total,
@@ -47,7 +51,7 @@ impl Report {
         }
     }
 
-    /// The report for people.
+    /// The report for operators.
     pub fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -58,7 +62,7 @@ impl Report {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         writeln!(out, "\n{}: ended at {} because {}", self.mission, whole_seconds(self.end.0), self.end.1)?;
         match &self.value {
-            MissionValue::Score(score) => write_score(out, score)?,
+            MissionValue::Score(score) => score.write(out)?,
             MissionValue::Ignorance(cost) => write_ignorance(out, cost)?,
             MissionValue::None => {}
         }
@@ -128,74 +132,6 @@ fn visit_json(visit: &Visit) -> Value {
         "reflies": visit.reflies,
         "roll_deg_max": visit.roll_deg_max,
     })
-}
-
-fn score_json(score: &MissionScore) -> Value {
-    let factor = |factor: &apex_model::problem::QualityFactor| json!({"factor": factor.factor, "cause": factor.cause});
-    let targets: Vec<Value> = score
-        .targets
-        .iter()
-        .map(|target| {
-            let observation = &target.observation;
-            json!({
-                "target": observation.target,
-                "value": observation.value,
-                "coverage": factor(&observation.quality.coverage),
-                "resolution": factor(&observation.quality.resolution),
-                "clarity": factor(&observation.quality.clarity),
-                "timing": factor(&observation.timing),
-                "worth": target.worth,
-            })
-        })
-        .collect();
-    json!({
-        "kind": "mission-score",
-        "score": score.score,
-        "benefits": score.benefits,
-        "personnel_cost": score.personnel_cost,
-        "failure_probability": score.failure_probability,
-        "failure_cost": score.failure_cost,
-        "targets": targets,
-    })
-}
-
-fn write_score(out: &mut String, score: &MissionScore) -> std::fmt::Result {
-    writeln!(
-        out,
-        "Mission score {:.1} = benefits {:.1} - personnel {:.1} - failure {:.1} (P = {:.4})",
-        score.score, score.benefits, score.personnel_cost, score.failure_cost, score.failure_probability
-    )?;
-    writeln!(out, "\nScore by factor")?;
-    let width = name_width("target", score.targets.iter().map(|target| target.observation.target.as_str()));
-    writeln!(
-        out,
-        "  {:<width$} {:>6} {:>9} {:>11} {:>8} {:>7} {:>7}",
-        "target", "value", "coverage", "resolution", "clarity", "timing", "worth"
-    )?;
-    for target in &score.targets {
-        let observation = &target.observation;
-        let quality = &observation.quality;
-        writeln!(
-            out,
-            "  {:<width$} {:>6.1} {:>9.2} {:>11.2} {:>8.2} {:>7.2} {:>7.1}",
-            observation.target,
-            observation.value,
-            quality.coverage.factor,
-            quality.resolution.factor,
-            quality.clarity.factor,
-            observation.timing.factor,
-            target.worth
-        )?;
-        let factors = [&quality.coverage, &quality.resolution, &quality.clarity, &observation.timing];
-        let causes: Vec<&str> =
-            factors.into_iter().map(|factor| factor.cause.as_str()).filter(|cause| !cause.is_empty()).collect();
-        if !causes.is_empty() {
-            let indent = " ".repeat(width + 3);
-            let causes: Vec<String> = causes.into_iter().map(str::to_string).collect();
-            writeln!(out, "{indent}{}", wrapped(&causes, "; ", indent.len(), &indent))?;
-        }
-    }
-    Ok(())
 }
 
 fn write_ignorance(out: &mut String, cost: &ExpectedCost) -> std::fmt::Result {

@@ -1,8 +1,8 @@
-//! Words for reports and for shells.
+//! Text for reports and shells.
 
 pub use apex_mission::text::{plain_duration, wrapped_line};
 
-/// A word for the shell: quoted where the shell would read it otherwise.
+/// Quotes a word if the shell would interpret it.
 pub fn shell_word(word: &str) -> String {
     let plain = |character: char| character.is_alphanumeric() || "-_./+,:@".contains(character);
     if !word.is_empty() && word.chars().all(plain) {

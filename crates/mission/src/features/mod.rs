@@ -1,16 +1,26 @@
-//! GeoJSON files with names, places and properties; every complaint names file, feature and property.
+//! Files with places and their properties: GeoJSON, KML, KMZ, tables of places, and tables of fire detections (FIRMS).
+//!
+//! Each reader makes features with properties, as GeoJSON has them, so that one set of rules holds for all formats. Every
+//! error names file, feature and property.
+
+mod detections;
+mod geojson_file;
+mod kml;
+mod placed;
+mod table;
 
 use crate::error::{MissionError, MissionResult};
 use crate::sources::DataFile;
 use apex_geo::geodesy;
 use apex_model::problem::{Position, TimeWindow};
-use geojson::{Feature, FeatureCollection, GeoJson, GeometryValue, JsonValue};
+use geojson::{Feature, GeometryValue, JsonValue};
+use placed::PlacedFeature;
 
 /// One feature of a file.
 #[derive(Debug)]
 pub(crate) struct NamedFeature {
-    file: String,
-    number: usize,
+    /// File and place in it, for errors.
+    place: String,
     feature: Feature,
     /// The property `id`, or else `name`.
     pub id: String,
@@ -18,28 +28,28 @@ pub(crate) struct NamedFeature {
     pub name: String,
 }
 
-/// Reads a FeatureCollection whose features have unique ids.
+/// Reads the features of a file. Their ids are unique. The end of the file's name says the format: `.kml`, `.kmz`, `.csv`;
+/// any other name is GeoJSON.
 ///
 /// # Errors
-/// Unreadable file, text that is not GeoJSON, a feature without id and name, an id given twice.
+/// A file of another format, a feature without id and name, an id given twice, no features.
 pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<NamedFeature>> {
     let place = &file.place;
-    let parsed: GeoJson = file.text()?.parse().map_err(|error| {
-        MissionError::data(format!("{place} is not GeoJSON"))
-            .because(error)
-            .help("export it as a GeoJSON FeatureCollection with WGS84 longitude and latitude")
-    })?;
-    let GeoJson::FeatureCollection(FeatureCollection { features, .. }) = parsed else {
-        return Err(MissionError::data(format!("{place} is not a FeatureCollection"))
-            .help("put the feature into {\"type\": \"FeatureCollection\", \"features\": [..]}"));
+    let extension = place.rsplit_once('.').map(|(_, end)| end.to_lowercase());
+    let features: Vec<PlacedFeature> = match extension.as_deref() {
+        Some("kml") => kml::read(place, &file.bytes)?,
+        Some("kmz") => kml::read_archive(place, &file.bytes)?,
+        Some("csv") if detections::is_detections(file) => detections::read(file)?,
+        Some("csv") => table::read(file)?,
+        _ => geojson_file::read(file)?,
     };
     let mut found: Vec<NamedFeature> = Vec::new();
-    for (index, feature) in features.into_iter().enumerate() {
-        let named = NamedFeature::new(place, index + 1, feature)?;
+    for (place, feature) in features {
+        let named = NamedFeature::new(place, feature)?;
         if let Some(earlier) = found.iter().find(|earlier| earlier.id == named.id) {
             return Err(MissionError::data(format!("two features have the id `{}`", named.id))
-                .at(place)
-                .because(format!("features {} and {}", earlier.number, named.number))
+                .at(&named.place)
+                .because(format!("the other one is {}", earlier.place))
                 .help("give each its own id"));
         }
         found.push(named);
@@ -51,9 +61,8 @@ pub(crate) fn read(file: &DataFile) -> MissionResult<Vec<NamedFeature>> {
 }
 
 impl NamedFeature {
-    fn new(file: &str, number: usize, feature: Feature) -> MissionResult<NamedFeature> {
-        let mut named =
-            NamedFeature { file: file.to_string(), number, feature, id: String::new(), name: String::new() };
+    fn new(place: String, feature: Feature) -> MissionResult<NamedFeature> {
+        let mut named = NamedFeature { place, feature, id: String::new(), name: String::new() };
         let id = named.text("id")?;
         let name = named.text("name")?;
         let Some(id) = id.or_else(|| name.as_deref().map(hyphenated)) else {
@@ -64,10 +73,10 @@ impl NamedFeature {
         Ok(named)
     }
 
-    /// A complaint about this feature.
+    /// An error of this feature.
     pub(crate) fn trouble(&self, what: impl std::fmt::Display) -> MissionError {
         let which = if self.id.is_empty() { String::new() } else { format!(" `{}`", self.id) };
-        MissionError::data(what.to_string()).at(format!("{}: feature {}{which}", self.file, self.number))
+        MissionError::data(what.to_string()).at(format!("{}{which}", self.place))
     }
 
     /// Is the property there?
@@ -132,6 +141,90 @@ impl NamedFeature {
             _ => None,
         };
         items.iter().map(|item| pair(item).ok_or_else(|| wrong(value))).collect()
+    }
+
+    /// One pair of numbers, if there: `[first, second]`, the second not less.
+    pub(crate) fn pair(&self, key: &str, low: f64, high: f64) -> MissionResult<Option<(f64, f64)>> {
+        let Some(value) = self.property(key) else { return Ok(None) };
+        let wrong = |what: String| {
+            self.trouble(format!("`{key}` is {value}, {what}"))
+                .help(format!("write two numbers from {low} to {high}, the second not less than the first"))
+        };
+        let found = match value.as_array().map(Vec::as_slice) {
+            Some([a, b]) => a.as_f64().zip(b.as_f64()),
+            _ => None,
+        };
+        let (first, second) = found.ok_or_else(|| wrong("not a pair of numbers".to_string()))?;
+        if first < low || second > high || second < first {
+            return Err(wrong("which is out of range or falls".to_string()));
+        }
+        Ok(Some((first, second)))
+    }
+
+    /// `true` or `false`, if there.
+    pub(crate) fn flag(&self, key: &str) -> MissionResult<Option<bool>> {
+        match self.property(key) {
+            None => Ok(None),
+            Some(JsonValue::Bool(flag)) => Ok(Some(*flag)),
+            Some(other) => Err(self.trouble(format!("`{key}` is {other}, not true or false"))),
+        }
+    }
+
+    /// The property `key` as a separate feature, whose properties are those of the object there. `known` are those that it
+    /// may have.
+    pub(crate) fn object(&self, key: &str, known: &[&str]) -> MissionResult<NamedFeature> {
+        let value = self.property(key).unwrap_or(&JsonValue::Null);
+        let own = value.as_object().ok_or_else(|| self.trouble(format!("`{key}` is {value}, not an object")))?;
+        if let Some(unknown) = own.keys().find(|name| !known.contains(&name.as_str())) {
+            return Err(self
+                .trouble(format!("`{key}` has the unknown property `{unknown}`"))
+                .help(format!("known are {}", known.join(", "))));
+        }
+        let mut feature = self.feature.clone();
+        feature.properties = Some(own.clone());
+        let (place, id, name) = (self.place.clone(), self.id.clone(), self.name.clone());
+        Ok(NamedFeature { place, feature, id, name })
+    }
+
+    /// The objects of a list of objects, each as a separate feature: of the same place, with the object's properties,
+    /// where it has none those of this feature, and with the id `ID/OWN`. `known` are the properties that an object may have.
+    pub(crate) fn parts(&self, key: &str, known: &[&str]) -> MissionResult<Vec<NamedFeature>> {
+        let Some(value) = self.property(key) else { return Ok(Vec::new()) };
+        let wrong = |what: String| {
+            self.trouble(what).help(format!("write a list of objects, for example `\"{key}\": [{{\"id\": \"night\", \"value\": 60, \"light\": \"night\"}}]`"))
+        };
+        let items = value.as_array().filter(|items| !items.is_empty());
+        let items = items.ok_or_else(|| wrong(format!("`{key}` is {value}, not a list of objects")))?;
+        let mut parts: Vec<NamedFeature> = Vec::new();
+        for (number, item) in items.iter().enumerate() {
+            let place = format!("`{key}` {}", number + 1);
+            let own = item.as_object().ok_or_else(|| wrong(format!("{place} is {item}, not an object")))?;
+            if let Some(unknown) = own.keys().find(|name| !known.contains(&name.as_str())) {
+                return Err(self
+                    .trouble(format!("{place} has the unknown property `{unknown}`"))
+                    .help(format!("known are {}", known.join(", "))));
+            }
+            let id = match own.get("id") {
+                Some(JsonValue::String(id)) if !id.is_empty() && hyphenated(id) == *id => id.clone(),
+                Some(id) => {
+                    let help = "write lower-case letters, digits and hyphens";
+                    return Err(self.trouble(format!("{place} has the id {id}")).help(help));
+                }
+                None => return Err(wrong(format!("{place} has no `id`"))),
+            };
+            let id = format!("{}/{id}", self.id);
+            if parts.iter().any(|part| part.id == id) {
+                return Err(self
+                    .trouble(format!("{place} has the id `{id}`, which another has"))
+                    .help("give each its own id"));
+            }
+            let mut feature = self.feature.clone();
+            let mut properties = feature.properties.take().unwrap_or_default();
+            properties.extend(own.iter().map(|(name, value)| (name.clone(), value.clone())));
+            feature.properties = Some(properties);
+            parts.push(NamedFeature { place: self.place.clone(), feature, id, name: self.name.clone() });
+        }
+        Ok(parts)
     }
 
     /// A number, if there, inside `[low, high]`.

@@ -1,0 +1,105 @@
+//! A way that a command brings along (`:via`): the places that it leads over before the command itself is flown.
+
+use crate::arguments::WayPoint;
+use crate::motion::{State, wrap_pi};
+use crate::path::{Line, Path, bearing};
+use crate::situation::Situation;
+use apex_model::problem::Position;
+use libm::cos;
+
+/// A way and the leg of it that is being flown.
+#[derive(Clone, Debug)]
+pub(crate) struct Way {
+    points: Vec<WayPoint>,
+    /// The point that the present leg leads to.
+    next: usize,
+    leg: Line,
+    /// How much the course changes for each metre of the leg, so that a chain of short legs is flown as an arc.
+    turn_rad_per_m: f64,
+    is_fixed_wing: bool,
+}
+
+/// Points so near behind a fixed wing were passed while the command was on its way.
+const PASSED_M: f64 = 2_000.0;
+/// Legs shorter than this share of the turn radius are chords of a turn.
+const CHORD_SHARE: f64 = 0.5;
+/// A rotorcraft is at a point of its way within this distance.
+const ROTORCRAFT_NEAR_M: f64 = 3.0;
+
+impl Way {
+    /// The way over `points` from where the vehicle is; `None` for no points.
+    pub(crate) fn new(points: Vec<WayPoint>, here: &Situation) -> Option<Way> {
+        let is_fixed_wing = here.fixed();
+        let is_passed = |point: &WayPoint| is_behind(point.position, here.state) && is_fixed_wing;
+        let next = points.iter().position(|point| !is_passed(point)).unwrap_or(points.len().saturating_sub(1));
+        let first = points.get(next)?;
+        let leg = Line::new(here.state.position, first.position);
+        let mut way = Way { points, next, leg, turn_rad_per_m: 0.0, is_fixed_wing };
+        way.turn_rad_per_m = way.turn_rad_per_m(here);
+        Some(way)
+    }
+
+    /// The same way, begun again from where the vehicle is now.
+    pub(crate) fn restarted(self, here: &Situation) -> Option<Way> {
+        Way::new(self.points, here)
+    }
+
+    /// What to follow now.
+    pub(crate) fn path(&self) -> Path {
+        match self.points.get(self.next) {
+            Some(point) if !self.is_fixed_wing => Path::Point(point.position),
+            _ => Path::Leg(self.leg, self.turn_rad_per_m),
+        }
+    }
+
+    /// The altitude that the present leg demands.
+    pub(crate) fn altitude_m(&self) -> Option<f64> {
+        self.points.get(self.next).and_then(|point| point.altitude_m)
+    }
+
+    /// Distance to the end of the present leg, and to the end of the way.
+    pub(crate) fn distances_m(&self, position: Position) -> (f64, f64) {
+        let left_m = match self.points.get(self.next) {
+            Some(point) if !self.is_fixed_wing => bearing(position, point.position).1,
+            _ => (self.leg.length_m - self.leg.locate(position).0).max(0.0),
+        };
+        let ahead = || self.points.iter().skip(self.next);
+        let legs = ahead().zip(ahead().skip(1));
+        let rest_m: f64 = legs.map(|(from, to)| bearing(from.position, to.position).1).sum();
+        (left_m, left_m + rest_m)
+    }
+
+    /// Goes on to the leg on which the vehicle is now. False when the whole way is flown.
+    pub(crate) fn advance(&mut self, here: &Situation) -> bool {
+        while let Some(point) = self.points.get(self.next) {
+            let left_m = self.distances_m(here.state.position).0;
+            let is_reached = if self.is_fixed_wing { left_m <= 0.0 } else { left_m < ROTORCRAFT_NEAR_M };
+            if !is_reached {
+                return true;
+            }
+            let Some(after) = self.points.get(self.next + 1) else { return false };
+            self.leg = Line::new(point.position, after.position);
+            self.next += 1;
+            self.turn_rad_per_m = self.turn_rad_per_m(here);
+        }
+        false
+    }
+
+    /// How much the course changes per metre on the present leg: where it is a chord, by what lies between it and the next.
+    fn turn_rad_per_m(&self, here: &Situation) -> f64 {
+        let ends = self.points.get(self.next).zip(self.points.get(self.next + 1));
+        let Some((here_to, after)) = ends else { return 0.0 };
+        let next = Line::new(here_to.position, after.position);
+        let longest_m = CHORD_SHARE * here.turn_radius_m();
+        if self.leg.length_m > longest_m || next.length_m > longest_m || self.leg.length_m < 1.0 {
+            return 0.0;
+        }
+        let (_, _, course_rad) = self.leg.locate(here_to.position);
+        wrap_pi(next.azimuth_rad - course_rad) / (0.5 * (self.leg.length_m + next.length_m))
+    }
+}
+
+fn is_behind(point: Position, state: &State) -> bool {
+    let (azimuth_rad, distance_m) = bearing(state.position, point);
+    distance_m < PASSED_M && cos(azimuth_rad - state.track_rad()) < 0.0
+}

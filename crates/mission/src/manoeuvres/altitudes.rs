@@ -1,0 +1,101 @@
+//! Altitudes to try for lines of a scanner over a target: where the useful swath is widest, where pixels
+//! are just fine enough or the scan rate just fast enough, where the air is calmest, just above and below zones, and as
+//! high as the vehicle flies.
+
+use super::wish::Wish;
+use apex_geo::geodesy;
+use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+use apex_observation::sensor::ScannerMode;
+use std::f64::consts::FRAC_PI_4;
+
+/// Altitudes closer than this are one.
+const APART_M: f64 = 50.0;
+/// Height kept from the upper and lower faces of zones.
+const ZONE_HEIGHT_M: f64 = 150.0;
+
+/// The altitudes to try, rising, above mean sea level.
+///
+/// # Errors
+/// None is possible: what is needed, and what stands against it.
+pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String> {
+    let Wish { mission, look, .. } = wish;
+    let model = &mission.model;
+    let ground_m = wish.target.elevation_m;
+    let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
+    // Pixels that are too large are worth nothing: no higher than this.
+    let highest_m = ground_m + look.resolution.zero_multiple * look.resolution.wanted_m / mode.pixel_rad();
+    let lowest_m = ground_m + mode.height_m_min_any(model.true_airspeed_m_s_cruise);
+    let top_m = ceiling_m.min(highest_m);
+    if lowest_m > top_m {
+        let limit = if highest_m < ceiling_m {
+            format!("pixels of {} m need less than {highest_m:.0} m", look.resolution.wanted_m)
+        } else {
+            format!("the vehicle flies no higher than {ceiling_m:.0} m")
+        };
+        return Err(format!("scanning without gaps needs an altitude of {lowest_m:.0} m, {limit}"));
+    }
+    if top_m <= ground_m {
+        return Err(format!("the ground lies at {ground_m:.0} m, the vehicle flies no higher than {ceiling_m:.0} m"));
+    }
+    let mut found = vec![lowest_m, ceiling_m];
+    if look.resolution.wanted_m.is_finite() {
+        let half_rad = mode.half_field_rad();
+        // The useful swath is widest where its edge is seen at 45 degrees, or at the edge of the field of view.
+        let edge_rad = half_rad.min(FRAC_PI_4);
+        let wanted_m = look.resolution.wanted_m;
+        let angles_rad = [0.0, edge_rad, half_rad];
+        found.extend(angles_rad.map(|angle_rad| ground_m + mode.height_m_max(wanted_m, angle_rad)));
+    }
+    let here = |area: Option<apex_model::problem::Area>| area.is_none_or(|area| area.contains(wish.target.position));
+    let layers = mission.forecast.layers.iter().filter(|layer| here(layer.area) && layer.until_s > wish.from_s);
+    found.extend(layers.map(|layer| 0.5 * (layer.altitude_m_min + layer.altitude_m_max)));
+    for zone in zones_near(wish) {
+        found.extend([zone.altitude_m_max + ZONE_HEIGHT_M, zone.altitude_m_min - ZONE_HEIGHT_M]);
+    }
+    // At the ground nothing is seen, and the least height may be 0 where no scan rate is known.
+    found.retain(|altitude_m| *altitude_m >= lowest_m && *altitude_m <= top_m && *altitude_m > ground_m + APART_M);
+    found.sort_by(f64::total_cmp);
+    found.dedup_by(|next, before| *next - *before < APART_M);
+    match found.is_empty() {
+        true => Err(format!("no altitude between {lowest_m:.0} m and {top_m:.0} m is possible")),
+        false => Ok(found),
+    }
+}
+
+/// Restricted zones that the lines over the target may meet.
+fn zones_near<'a>(wish: &'a Wish<'_>) -> impl Iterator<Item = &'a AirspaceZone> {
+    let reach_m = wish.fire.radius_m + wish.mission.settings.zone_margin_m;
+    let near = move |zone: &&AirspaceZone| {
+        zone.kind == ZoneKind::Restricted && distance_m(zone, wish.target.position) < 2.0 * reach_m
+    };
+    wish.mission.zones.iter().filter(near)
+}
+
+/// Distance from a zone's outline, 0 inside.
+fn distance_m(zone: &AirspaceZone, position: Position) -> f64 {
+    use apex_geo::plane::{self, Plane, Point};
+    let plane = Plane::new(position);
+    let flat: Vec<Point> = zone.corners.iter().filter_map(|corner| plane.project(*corner)).collect();
+    let here = Point::default();
+    if plane::inside(here, &flat) { 0.0 } else { plane::segment_to_edges(here, here, &flat) }
+}
+
+/// The zone that closes `lines` at `altitude_m` for all of the rest of the mission, if there is one.
+pub(super) fn closed_by<'a>(
+    wish: &'a Wish<'_>,
+    lines: &[(Position, Position)],
+    altitude_m: f64,
+) -> Option<&'a AirspaceZone> {
+    const STEPS: u32 = 20;
+    let rest = TimeWindow { from_s: wish.from_s, until_s: wish.mission.settings.duration.seconds() };
+    let closes = |zone: &&AirspaceZone| {
+        let always = zone.active.from_s <= rest.from_s && zone.active.until_s >= rest.until_s;
+        let level = zone.altitude_m_min <= altitude_m && altitude_m < zone.altitude_m_max;
+        let met = |(from, to): &(Position, Position)| {
+            let at = |step: u32| geodesy::interpolate(*from, *to, f64::from(step) / f64::from(STEPS));
+            (0..=STEPS).any(|step| distance_m(zone, at(step)) == 0.0)
+        };
+        always && level && lines.iter().any(met)
+    };
+    zones_near(wish).find(closes)
+}

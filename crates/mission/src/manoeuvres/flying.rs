@@ -1,0 +1,109 @@
+//! Time and distance of flying lines in sequence: legs through wind, turns between them as tight as the vehicle
+//! plans them, and a straight piece before each line on which the wings come level.
+
+use crate::vehicle::{Airframe, VehicleModel, turn_radius_m};
+use apex_geo::geodesy::{self, RAD_PER_DEG};
+use apex_geo::plane::{Plane, Point};
+use apex_geo::travel::{Flyer, Pose};
+use apex_geo::wind;
+use apex_model::problem::{Position, WindField};
+
+/// Time of straight flight between the turn onto a line and its beginning, in which the wings come level and the track
+/// settles.
+const LEAD_IN_S: f64 = 16.0;
+/// Turns onto lines are flown wider than the tightest planned turn by this factor, so that wind can be corrected.
+const JOIN_WIDTH: f64 = 1.1;
+
+/// A line with its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FlownLine {
+    pub(super) from: Position,
+    pub(super) to: Position,
+    pub(super) from_s: f64,
+    pub(super) ground_speed_mps: f64,
+    pub(super) crab_deg: f64,
+}
+
+/// All lines with their times, and time and distance from before the first lead-in to the last line's end.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FlownLines {
+    pub(super) lines: Vec<FlownLine>,
+    pub(super) duration_s: f64,
+    pub(super) length_m: f64,
+}
+
+/// Flies `lines` in order at `altitude_m` from `start_s` on.
+///
+/// # Errors
+/// A line cannot be flown against the wind.
+pub(super) fn fly(
+    lines: &[(Position, Position)],
+    altitude_m: f64,
+    start_s: f64,
+    model: &VehicleModel,
+    field: &WindField,
+) -> Result<FlownLines, String> {
+    let airspeed_mps = model.true_airspeed_m_s_cruise;
+    let mut flown = FlownLines { lines: Vec::new(), duration_s: 0.0, length_m: 0.0 };
+    let mut before: Option<(Position, Position)> = None;
+    for (number, (from, to)) in lines.iter().copied().enumerate() {
+        let now_s = start_s + flown.duration_s;
+        let refused = || format!("line {} cannot be flown at {altitude_m:.0} m: the wind is too strong", number + 1);
+        let (join_s, join_m) = join((before, (from, to)), altitude_m, now_s, model, field).ok_or_else(refused)?;
+        flown.duration_s += join_s;
+        flown.length_m += join_m;
+        let from_s = start_s + flown.duration_s;
+        let leg_s = wind::leg_time_s(from, to, altitude_m, airspeed_mps, field, from_s).ok_or_else(refused)?;
+        let (length_m, track_deg) = geodesy::inverse(from, to);
+        let middle = wind::at(field, geodesy::midpoint(from, to), altitude_m, from_s + 0.5 * leg_s);
+        let triangle = wind::triangle(track_deg, airspeed_mps, middle).ok_or_else(refused)?;
+        flown.lines.push(FlownLine {
+            from,
+            to,
+            from_s,
+            ground_speed_mps: if leg_s > 0.0 { length_m / leg_s } else { triangle.ground_speed_mps },
+            crab_deg: geodesy::wrap_180(triangle.heading_deg - track_deg),
+        });
+        flown.duration_s += leg_s;
+        flown.length_m += length_m;
+        before = Some((from, to));
+    }
+    Ok(flown)
+}
+
+/// Time and distance from the end of one line to the beginning of the next, the lead-in included; before the first line
+/// the lead-in alone. None where the wind is too strong.
+fn join(
+    (before, (from, to)): (Option<(Position, Position)>, (Position, Position)),
+    altitude_m: f64,
+    now_s: f64,
+    model: &VehicleModel,
+    field: &WindField,
+) -> Option<(f64, f64)> {
+    let airspeed_mps = model.true_airspeed_m_s_cruise;
+    let wind = wind::at(field, from, altitude_m, now_s);
+    if model.airframe == Airframe::Rotorcraft {
+        let Some((_, exit)) = before else { return Some((0.0, 0.0)) };
+        let leg_s = wind::leg_time_s(exit, from, altitude_m, airspeed_mps, field, now_s)?;
+        return Some((leg_s, geodesy::distance_m(exit, from)));
+    }
+    let track_deg = geodesy::azimuth_deg(from, to);
+    let lead_m = LEAD_IN_S * wind::triangle(track_deg, airspeed_mps, wind)?.ground_speed_mps;
+    let Some((entry, exit)) = before else { return Some((LEAD_IN_S, lead_m)) };
+    let plane = Plane::new(geodesy::midpoint(exit, from));
+    let direction = |track_deg: f64| Some((90.0 - track_deg) * RAD_PER_DEG);
+    let out_deg = geodesy::azimuth_deg(exit, entry) + 180.0;
+    let lead_in = geodesy::destination(from, track_deg + 180.0, lead_m);
+    let flyer = Flyer {
+        true_airspeed_mps: airspeed_mps,
+        turn_radius_m: JOIN_WIDTH * turn_radius_m(model),
+        wind_mps: Point { x: wind.east_mps, y: wind.north_mps },
+    };
+    let paths = flyer.paths(
+        Pose { point: plane.project(exit)?, track_rad: direction(out_deg) },
+        Pose { point: plane.project(lead_in)?, track_rad: direction(track_deg) },
+    );
+    // The autopilot turns, flies straight and turns; it knows no third turn.
+    let turn_s = paths.iter().find(|path| path.parts.get(1).is_some_and(|middle| middle.turn == 0.0))?.time_s;
+    Some((turn_s + LEAD_IN_S, turn_s * airspeed_mps + lead_m))
+}

@@ -1,0 +1,46 @@
+//! Ways to observe a wanted look, each with what it is predicted to give: the planner chooses among them.
+
+mod altitudes;
+mod flying;
+mod scanner;
+mod wish;
+
+pub(crate) use wish::Wish;
+
+use apex_model::problem::Manoeuvre;
+
+/// Ways that planners are given at most.
+const MANOEUVRES_MAX: usize = 8;
+
+/// Ways to observe the look, none of which is beaten by another in worth and time at once, best worth first.
+///
+/// # Errors
+/// Why there is none, with what comes nearest.
+pub(crate) fn of(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
+    if wish.mission.model.scanner.is_none() {
+        return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
+    }
+    let made = scanner::sweeps(wish)?;
+    Ok(best(made))
+}
+
+/// The front of worth against time, best worth first; evenly thinned where it is long.
+fn best(mut made: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
+    made.sort_by(|a, b| {
+        let worth = b.quality.product().total_cmp(&a.quality.product());
+        worth.then(a.duration_s.total_cmp(&b.duration_s))
+    });
+    let mut front: Vec<Manoeuvre> = Vec::new();
+    for manoeuvre in made {
+        if front.last().is_none_or(|last| manoeuvre.duration_s < last.duration_s) {
+            front.push(manoeuvre);
+        }
+    }
+    let count = front.len();
+    if count <= MANOEUVRES_MAX {
+        return front;
+    }
+    // The best and the quickest stay.
+    let kept = |index: usize| (0..MANOEUVRES_MAX).any(|slot| slot * (count - 1) / (MANOEUVRES_MAX - 1) == index);
+    front.into_iter().enumerate().filter(|(index, _)| kept(*index)).map(|(_, manoeuvre)| manoeuvre).collect()
+}

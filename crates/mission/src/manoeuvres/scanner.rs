@@ -1,0 +1,206 @@
+//! Sweeps by a line scanner: parallel lines over the ground, or lines along its perimeter, at the altitudes and spacings
+//! to try, each with its predicted factors.
+
+use super::altitudes::{self, closed_by};
+use super::flying::{FlownLines, fly};
+use super::wish::Wish;
+use crate::observing::{CLARITY, COVERAGE, ForecastAir, NoTerrain, RESOLUTION, clarity, scanner_of};
+use apex_geo::coverage::{Ground, SweepSettings, sweep_lines};
+use apex_geo::geodesy::RAD_PER_DEG;
+use apex_geo::perimeter::perimeter_lines;
+use apex_geo::wind;
+use apex_model::problem::{AirspaceZone, Manoeuvre, Position, QualityFactor, QualityFactors};
+use apex_observation::predict::{PlannedLine, PredictedScanner, PredictionContext, predict};
+use apex_observation::result::{LookResult, LossCause};
+use apex_observation::target::{ObservedTarget, TargetArea};
+use std::collections::BTreeMap;
+
+/// A sweep before its factors are predicted.
+struct Draft {
+    name: String,
+    altitude_m: f64,
+    lines: Vec<(Position, Position)>,
+    flown: FlownLines,
+    /// What it may be worth at most, by the swath and the pixels at the nadir: to sort out before predictions.
+    promise: f64,
+}
+
+/// The sweeps with what they are predicted to add to what has been seen.
+///
+/// # Errors
+/// Why there is none, with what comes nearest.
+pub(super) fn sweeps(wish: &Wish<'_>) -> Result<Vec<Manoeuvre>, String> {
+    let Some(scanner) = scanner_of(&wish.mission.model) else {
+        return Err(format!("the vehicle `{}` carries no line scanner", wish.mission.model.name));
+    };
+    let mut drafts = Vec::new();
+    let mut closed: Option<(f64, &AirspaceZone)> = None;
+    let mut trouble = None;
+    for altitude_m in altitudes::of(wish, &scanner.setting.mode)? {
+        let height_m = altitude_m - wish.target.elevation_m;
+        for (name, swath_m) in spacings(wish, &scanner, height_m) {
+            match draft(wish, &scanner, (name, swath_m), altitude_m) {
+                Err(why) => trouble = Some(why),
+                Ok(draft) => match closed_by(wish, &draft.lines, altitude_m) {
+                    None => drafts.push(draft),
+                    Some(zone) => {
+                        // Of closed altitudes the lowest comes nearest to a lower face, the highest to an upper one.
+                        closed = Some((altitude_m, zone));
+                    }
+                },
+            }
+        }
+    }
+    let mut made = Vec::new();
+    for draft in promising(drafts) {
+        made.extend(predicted(wish, &scanner, draft));
+    }
+    if made.is_empty() {
+        let by_zone = closed.map(|(altitude_m, zone)| {
+            let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
+            format!("it needs {altitude_m:.0} m at most, zone {} closes {low_m:.0} to {high_m:.0} m", zone.name)
+        });
+        let nothing = || "every way to observe it adds nothing to what has been seen".to_string();
+        return Err(by_zone.or(trouble).unwrap_or_else(nothing));
+    }
+    Ok(made)
+}
+
+/// Names and swaths for which lines are spaced: the useful one, and the whole one, which needs fewer lines.
+fn spacings(wish: &Wish<'_>, scanner: &PredictedScanner, height_m: f64) -> Vec<(&'static str, f64)> {
+    let whole_m = scanner.setting.mode.swath_m(height_m, 0.0);
+    let useful_m = scanner.setting.mode.useful_swath_m(height_m, wish.look.resolution.wanted_m);
+    match useful_m {
+        useful_m if useful_m <= 0.0 => vec![("wide", whole_m)],
+        useful_m if useful_m >= 0.99 * whole_m => vec![("fine", useful_m)],
+        useful_m => vec![("fine", useful_m), ("wide", whole_m)],
+    }
+}
+
+/// The lines at one altitude, flown.
+fn draft(
+    wish: &Wish<'_>,
+    scanner: &PredictedScanner,
+    (name, swath_m): (&str, f64),
+    altitude_m: f64,
+) -> Result<Draft, String> {
+    let Wish { mission, target, fire, look, .. } = wish;
+    let height_m = altitude_m - target.elevation_m;
+    let wind = wind::at(&mission.forecast, target.position, altitude_m, wish.from_s);
+    // The strip wanders by as much as the wings may roll on a valid line.
+    let roll_rad = scanner.setting.roll.map_or(0.0, |roll| roll.valid_deg) * RAD_PER_DEG;
+    let overlap = (2.0 * height_m * libm::tan(roll_rad) / swath_m).min(0.5);
+    // Crabbed lines are skewed: they begin and end later by this on one side.
+    let crab = (libm::hypot(wind.east_mps, wind.north_mps) / mission.model.true_airspeed_m_s_cruise).min(1.0);
+    let settings = SweepSettings { swath_m, overlap, track_deg: None, run_in_m: 0.5 * swath_m * crab };
+    let flown = |lines: &[(Position, Position)]| fly(lines, altitude_m, wish.from_s, &mission.model, &mission.forecast);
+    let mut entry = wish.approach;
+    let (mut lines, mut along) = (Vec::new(), false);
+    for ground in grounds(&fire.wanted) {
+        let swept = sweep_lines(&ground, &settings, entry)?;
+        // Where the outline is all that is wanted, flying along it may be quicker than sweeping what it encloses.
+        let around = match (&fire.wanted.area, &ground) {
+            (TargetArea::Perimeter { .. }, Ground::Polygon(corners)) => perimeter_lines(corners, swath_m, entry).ok(),
+            _ => None,
+        };
+        let around = around.filter(|around| {
+            let time_s = |lines: &[(Position, Position)]| flown(lines).map_or(f64::INFINITY, |flown| flown.duration_s);
+            time_s(around) < time_s(&swept)
+        });
+        along |= around.is_some();
+        lines.extend(around.unwrap_or(swept));
+        entry = lines.last().map_or(entry, |(_, exit)| *exit);
+    }
+    let flown = flown(&lines)?;
+    let air = ForecastAir::new(mission);
+    let edr = air.edr(target.position, altitude_m, wish.from_s + 0.5 * flown.duration_s);
+    let pixel_m = scanner.setting.mode.nadir_pixel_m(height_m);
+    let promise = clarity(scanner, edr) * look.resolution.factor(pixel_m, pixel_m);
+    let name = format!("{}-{name}-{altitude_m:.0}m", if along { "perimeter" } else { "sweep" });
+    Ok(Draft { name, altitude_m, lines, flown, promise })
+}
+
+/// The grounds of a target in order.
+fn grounds(wanted: &ObservedTarget) -> Vec<Ground> {
+    match &wanted.area {
+        TargetArea::Circle { centre, radius_m } => vec![Ground::Circle { centre: *centre, radius_m: *radius_m }],
+        TargetArea::Polygons(polygons) | TargetArea::Perimeter { polygons, .. } => {
+            polygons.iter().map(|polygon| Ground::Polygon(polygon.outer.clone())).collect()
+        }
+        TargetArea::Point(_) | TargetArea::Line(_) => Vec::new(),
+    }
+}
+
+/// Drafts that none beats in promise and time at once: the rest need no prediction.
+fn promising(drafts: Vec<Draft>) -> Vec<Draft> {
+    let beaten = |draft: &Draft| {
+        drafts.iter().any(|other| {
+            let same_lines = other.lines.len() >= draft.lines.len();
+            same_lines
+                && other.promise >= draft.promise
+                && other.flown.duration_s <= draft.flown.duration_s
+                && (other.promise > draft.promise || other.flown.duration_s < draft.flown.duration_s)
+        })
+    };
+    let kept: Vec<bool> = drafts.iter().map(|draft| draft.promise > 0.0 && !beaten(draft)).collect();
+    drafts.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(draft, _)| draft).collect()
+}
+
+/// The manoeuvre with its predicted factors; none where it adds nothing.
+fn predicted(wish: &Wish<'_>, scanner: &PredictedScanner, draft: Draft) -> Option<Manoeuvre> {
+    let wanted = ObservedTarget { looks: vec![wish.look.clone()], after: Vec::new(), ..wish.fire.wanted.clone() };
+    let lines: Vec<PlannedLine> = draft
+        .flown
+        .lines
+        .iter()
+        .map(|line| PlannedLine {
+            from: line.from,
+            to: line.to,
+            altitude_m: draft.altitude_m,
+            from_s: line.from_s,
+            ground_speed_mps: line.ground_speed_mps,
+            crab_deg: line.crab_deg,
+            on_ground_s: None,
+        })
+        .collect();
+    let first_valid_s = BTreeMap::new();
+    let air = ForecastAir::new(wish.mission);
+    let context = PredictionContext {
+        zero_unix_s: wish.mission.settings.epoch_unix_s.unwrap_or(0.0),
+        ground: &NoTerrain { lowest_m: wanted.elevation_m },
+        conditions: &air,
+        seen: None,
+        products: &[],
+        first_valid_s: &first_valid_s,
+        is_explained: true,
+    };
+    let result = predict(&wanted, &wish.fire.grid, &lines, scanner, &context);
+    let quality = quality(result.looks.first()?);
+    (quality.product() > 0.0).then_some(Manoeuvre {
+        name: draft.name,
+        altitude_m: draft.altitude_m,
+        lines: draft.lines,
+        duration_s: draft.flown.duration_s,
+        length_m: draft.flown.length_m,
+        quality,
+    })
+}
+
+/// Predicted factors with their causes.
+fn quality(look: &LookResult) -> QualityFactors {
+    let points = |causes: &[LossCause]| {
+        let losses = look.losses.iter().filter(|loss| causes.contains(&loss.cause) && loss.points > 0.0);
+        let told: Vec<String> =
+            losses.map(|loss| format!("{} {:.1} points", loss.cause.words(), loss.points)).collect();
+        told.join(", ")
+    };
+    let factor = |factor: f64, causes: &[LossCause]| QualityFactor {
+        factor,
+        cause: if factor >= 1.0 { String::new() } else { points(causes) },
+    };
+    QualityFactors {
+        coverage: factor(look.factors.coverage, &COVERAGE),
+        clarity: factor(look.factors.clarity, &CLARITY),
+        resolution: factor(look.factors.resolution, &RESOLUTION),
+    }
+}

@@ -1,0 +1,21 @@
+//! A look that is to be observed.
+
+use crate::{Fire, Mission, Target};
+use apex_model::problem::Position;
+use apex_observation::target::WantedLook;
+
+/// What is to be observed, and from where and when on.
+pub(crate) struct Wish<'a> {
+    /// The mission as it is assumed.
+    pub(crate) mission: &'a Mission,
+    /// The target.
+    pub(crate) target: &'a Target,
+    /// Its ground and looks.
+    pub(crate) fire: &'a Fire,
+    /// The wanted look.
+    pub(crate) look: &'a WantedLook,
+    /// Where the vehicle comes from.
+    pub(crate) approach: Position,
+    /// The earliest time of the observation.
+    pub(crate) from_s: f64,
+}

@@ -1,0 +1,19 @@
+//! What a plan predicts of an observation.
+
+use apex_model::problem::QualityFactors;
+use serde::{Deserialize, Serialize};
+
+/// What a plan expected of an observation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Predicted {
+    /// Coverage, resolution and clarity.
+    pub quality: QualityFactors,
+    /// Timing.
+    pub timing: f64,
+    /// Points.
+    pub worth: f64,
+    /// Mission time at which it should begin, s.
+    pub begin_s: f64,
+    /// Mission time at which it should end, s.
+    pub end_s: f64,
+}

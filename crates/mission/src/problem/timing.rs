@@ -1,0 +1,109 @@
+//! When a look may begin and what its timing is worth, in the terms of planners: windows, light, and a table of the timing
+//! factor over the beginning of the observation.
+
+use crate::{Mission, Target};
+use apex_model::problem::{Light, TimeWindow};
+use apex_observation::target::WantedLook;
+use apex_observation::timing::sun::solar_position;
+use apex_observation::timing::{LightNeed, windows_factor};
+
+/// Steps of the table.
+const STEP_S: f64 = 300.0;
+/// Instants of an observation at which its timing is taken.
+const INSTANTS: u32 = 5;
+
+/// When the look may begin: its windows with their ramps; empty is any time.
+pub(super) fn begins(look: &WantedLook) -> Vec<TimeWindow> {
+    let with_ramp = look
+        .windows
+        .iter()
+        .map(|window| TimeWindow { from_s: window.from_s - window.ramp_s, until_s: window.until_s + window.ramp_s });
+    with_ramp.collect()
+}
+
+/// The first instant from `from_s` on at which the look may begin; `from_s` itself where its windows are over.
+pub(super) fn first_s(look: &WantedLook, from_s: f64) -> f64 {
+    let open = begins(look).into_iter().filter(|window| window.until_s > from_s);
+    let first_s = open.map(|window| window.from_s.max(from_s)).fold(f64::INFINITY, f64::min);
+    if first_s.is_finite() { first_s } else { from_s }
+}
+
+/// The light that planners know without a table: with the usual elevations of the sun, and no ramp.
+pub(super) fn hard_light(look: &WantedLook) -> Light {
+    match look.light {
+        light if light == LightNeed::DAY => Light::Day,
+        light if light == LightNeed::NIGHT => Light::Night,
+        _ => Light::Any,
+    }
+}
+
+/// The timing factor of an observation by its beginning, for one that takes `duration_s`; empty where it is 1 whenever the
+/// windows and the light of planners allow it.
+pub(super) fn table(
+    mission: &Mission,
+    target: &Target,
+    look: &WantedLook,
+    (now_s, duration_s): (f64, f64),
+) -> Vec<(f64, f64)> {
+    let ramps = look.light != LightNeed::Any && hard_light(look) == Light::Any;
+    if look.windows.is_empty() && look.slope.is_none() && look.overpass.is_none() && !ramps {
+        return Vec::new();
+    }
+    let zero_unix_s = mission.settings.epoch_unix_s.unwrap_or(0.0);
+    let at = |time_s: f64| {
+        let light = if ramps {
+            look.light.factor(solar_position(target.position, zero_unix_s + time_s).elevation_deg)
+        } else {
+            1.0
+        };
+        let slope = look.slope.map_or(1.0, |slope| slope.factor(time_s));
+        let overpass = look.overpass.as_ref().map_or(1.0, |overpass| overpass.factor(time_s));
+        windows_factor(&look.windows, time_s) * slope * overpass * light
+    };
+    let of_beginning = |begin_s: f64| {
+        let instant = |step: u32| begin_s + duration_s * (f64::from(step) + 0.5) / f64::from(INSTANTS);
+        (0..INSTANTS).map(|step| at(instant(step))).sum::<f64>() / f64::from(INSTANTS)
+    };
+    let end_s = mission.settings.duration.seconds();
+    let count = libm::ceil(((end_s - now_s) / STEP_S).max(1.0)) as usize;
+    let mut times_s: Vec<f64> = (0..=count).map(|step| now_s + STEP_S * step as f64).collect();
+    // Edges between steps: where windows open and close for the observation's beginning and end.
+    let edges = look.windows.iter().flat_map(|window| {
+        let sides = [window.from_s - window.ramp_s, window.from_s, window.until_s, window.until_s + window.ramp_s];
+        sides.into_iter().flat_map(move |edge_s| [edge_s, edge_s - duration_s])
+    });
+    times_s.extend(edges.filter(|edge_s| *edge_s > now_s && *edge_s < end_s));
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup_by(|next, before| *next - *before < 1.0);
+    let all: Vec<(f64, f64)> = times_s.into_iter().map(|time_s| (time_s, of_beginning(time_s))).collect();
+    corners(&all)
+}
+
+/// The points that are needed to draw the same line.
+fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let straight = match (kept.last(), points.get(index + 1)) {
+            (Some(before), Some(next)) => {
+                let share = (point.0 - before.0) / (next.0 - before.0);
+                (before.1 + share * (next.1 - before.1) - point.1).abs() < 1e-9
+            }
+            _ => false,
+        };
+        if !straight {
+            kept.push(*point);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_keeps_its_corners() {
+        let line = [(0.0, 1.0), (1.0, 1.0), (2.0, 1.0), (3.0, 0.5), (4.0, 0.0), (5.0, 0.0)];
+        assert_eq!(corners(&line), [(0.0, 1.0), (2.0, 1.0), (4.0, 0.0), (5.0, 0.0)]);
+    }
+}

@@ -1,0 +1,326 @@
+//! The route that is commanded: the flight command that is open, and the last state that the vehicle reported.
+
+use apex_geo::geodesy::{azimuth_deg, distance_m, wrap_180};
+use apex_model::effect::{CommandId, Effect};
+use apex_model::event::EventKind;
+use apex_model::planned::Location;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::value::Value;
+use serde::{Deserialize, Serialize};
+
+/// What a flight command asks for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Order {
+    /// Climb from the ground.
+    TakeOff,
+    /// By these points, the last is the goal.
+    FlyBy(Vec<Position>),
+    /// To the first point of a line and along it, by these points before it.
+    Line(Vec<Position>),
+    /// To the circle around the last point.
+    Circle(Vec<Position>),
+    /// To the last point, and stay there.
+    Stay(Vec<Position>),
+    /// To the last point, and land there.
+    Land(Vec<Position>),
+}
+
+/// Flight commands so far, folded from effects and acknowledgements.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Commanded {
+    /// The flight command that is open.
+    pub(super) order: Option<Order>,
+    command: Option<CommandId>,
+    /// Altitude that was commanded last, for the end of the route.
+    altitude_m: Option<f64>,
+    /// Number of points before the goal that are still ahead, and the altitude of the way over them.
+    via: (usize, Option<f64>),
+    /// Where the leg to the first point began.
+    leg_from: Option<Position>,
+    /// The vehicle circles or hovers until this instant, in seconds of mission time, before it leaves.
+    hold_until_s: Option<f64>,
+    /// Airspeed that was commanded last.
+    pub(super) true_airspeed_mps: Option<f64>,
+    /// Number of changes of the order: a change is evaluated at once.
+    pub(super) changes: u32,
+}
+
+impl Commanded {
+    /// Takes an effect at `now_s`; `place` finds places by name.
+    pub(super) fn take(&mut self, now_s: f64, effect: &Effect, place: impl Fn(&Value) -> Option<(Position, f64)>) {
+        match effect {
+            Effect::Command { command, form, .. } => self.begin(now_s, *command, form, place),
+            Effect::WithdrawCommand { command, .. } => self.end(*command),
+            _ => {}
+        }
+    }
+
+    /// Takes an event.
+    pub(super) fn hear(&mut self, event: &EventKind) {
+        if let EventKind::CommandAcknowledged(command, _) = event {
+            self.end(*command);
+        }
+    }
+
+    /// Altitude that the vehicle flies at now, or climbs or descends to.
+    pub(super) fn altitude_m(&self) -> Option<f64> {
+        match self.via {
+            (1.., Some(altitude_m)) => Some(altitude_m),
+            _ => self.altitude_m,
+        }
+    }
+
+    /// Leaves out the points of the way that are passed: those behind the end of their leg, and those closely behind the vehicle
+    /// when the command begins.
+    pub(super) fn pass(&mut self, here: Position, track_deg: f64) {
+        let Some(points) = self.order.as_mut().and_then(Order::points_mut) else { return };
+        let track_rad = track_deg.to_radians();
+        let track = (libm::sin(track_rad), libm::cos(track_rad));
+        while let (1.., Some(first)) = (self.via.0, points.first().copied()) {
+            let beyond = offset_m(first, here);
+            let is_passed = match self.leg_from {
+                Some(from) => dot(beyond, offset_m(from, first)) >= 0.0,
+                None => dot(beyond, track) > 0.0 && libm::hypot(beyond.0, beyond.1) < BEHIND_M,
+            };
+            if !is_passed {
+                self.leg_from.get_or_insert(here);
+                return;
+            }
+            points.remove(0);
+            self.via.0 -= 1;
+            self.leg_from = self.leg_from.map(|_| first);
+        }
+    }
+
+    fn end(&mut self, command: CommandId) {
+        if self.command == Some(command) {
+            (self.order, self.command) = (None, None);
+            self.changes = self.changes.wrapping_add(1);
+        }
+    }
+
+    /// The order that is flown at `now_s`: none while the vehicle holds.
+    pub(super) fn order_at(&self, now_s: f64) -> Option<&Order> {
+        self.order.as_ref().filter(|_| self.hold_until_s.is_none_or(|until_s| now_s >= until_s))
+    }
+
+    fn begin(
+        &mut self,
+        now_s: f64,
+        command: CommandId,
+        form: &Value,
+        place: impl Fn(&Value) -> Option<(Position, f64)>,
+    ) {
+        let Some([Value::Symbol(name), items @ ..]) = form.as_list() else { return };
+        let places = items.iter().take_while(|item| !is_keyword(item));
+        let ends: Vec<(Position, f64)> = places.filter_map(place).collect();
+        let (mut points, via_altitude_m) = via(items);
+        let via_count = points.len();
+        points.extend(ends.iter().map(|(position, _)| *position));
+        let order = match name.folded() {
+            "take-off" => Order::TakeOff,
+            "fly-to" => Order::FlyBy(points),
+            // A joined line is flown on along.
+            "fly-line" | "join-line" => Order::Line(points),
+            "loiter" => Order::Circle(points),
+            "hover" => Order::Stay(points),
+            "land" => Order::Land(points),
+            "set-altitude" => {
+                self.altitude_m = items.first().and_then(|value| number(value, Dimension::LENGTH)).or(self.altitude_m);
+                return;
+            }
+            "set-speed" => {
+                self.true_airspeed_mps =
+                    items.first().and_then(|value| number(value, Dimension::SPEED)).or(self.true_airspeed_mps);
+                return;
+            }
+            _ => return,
+        };
+        let lands = matches!(order, Order::Land(_));
+        let stated = keyword(items, ":altitude").and_then(|value| number(value, Dimension::LENGTH));
+        let with_location = items.iter().find_map(with_altitude).filter(|_| !lands);
+        let taken_off = (name.is("take-off")).then(|| items.first().and_then(|value| number(value, Dimension::LENGTH)));
+        self.altitude_m = stated.or(with_location).or(taken_off.flatten()).or(self.altitude_m);
+        let speed = keyword(items, ":speed").and_then(|value| number(value, Dimension::SPEED));
+        self.true_airspeed_mps = speed.or(self.true_airspeed_mps);
+        (self.order, self.command) = (Some(order), Some(command));
+        (self.via, self.leg_from) = ((via_count, via_altitude_m), None);
+        let hold_s = keyword(items, ":hold").and_then(|value| number(value, Dimension::TIME));
+        self.hold_until_s = hold_s.map(|hold_s| now_s + hold_s);
+        self.changes = self.changes.wrapping_add(1);
+    }
+}
+
+/// `:via (LOCATION ..)`: points before the goal, and the altitude of the first.
+fn via(items: &[Value]) -> (Vec<Position>, Option<f64>) {
+    let points = keyword(items, ":via").and_then(Value::as_list).unwrap_or_default();
+    let positions = points.iter().filter_map(Location::from_value).map(|location| location.position).collect();
+    (positions, points.first().and_then(with_altitude))
+}
+
+impl Order {
+    /// The points ahead.
+    fn points_mut(&mut self) -> Option<&mut Vec<Position>> {
+        match self {
+            Order::TakeOff => None,
+            Order::FlyBy(points)
+            | Order::Line(points)
+            | Order::Circle(points)
+            | Order::Stay(points)
+            | Order::Land(points) => Some(points),
+        }
+    }
+}
+
+/// Points this near behind a vehicle were passed while the command was on its way.
+const BEHIND_M: f64 = 2_000.0;
+const DEGREE_M: f64 = 111_195.0;
+
+/// East and north of one position as seen from another, on a chart: for the side of a line only.
+fn offset_m(from: Position, to: Position) -> (f64, f64) {
+    let east = libm::cos(from.latitude_deg.to_radians()) * DEGREE_M;
+    (wrap_180(to.longitude_deg - from.longitude_deg) * east, (to.latitude_deg - from.latitude_deg) * DEGREE_M)
+}
+
+fn dot(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0 * b.0 + a.1 * b.1
+}
+
+fn is_keyword(item: &Value) -> bool {
+    item.as_symbol().is_some_and(|symbol| symbol.folded().starts_with(':'))
+}
+
+fn keyword<'a>(items: &'a [Value], name: &str) -> Option<&'a Value> {
+    let place = items.iter().position(|item| item.as_symbol().is_some_and(|symbol| symbol.is(name)))?;
+    items.get(place + 1)
+}
+
+fn number(value: &Value, unit: Dimension) -> Option<f64> {
+    value.as_number().filter(|(_, found)| *found == unit || *found == Dimension::NONE).map(|(si, _)| si)
+}
+
+/// The altitude of a location that states one.
+fn with_altitude(item: &Value) -> Option<f64> {
+    let items = item.as_list().filter(|items| items.len() == 3)?;
+    let altitude = items.get(2).and_then(|value| number(value, Dimension::LENGTH));
+    altitude.filter(|_| Location::from_value(item).is_some())
+}
+
+/// State of the vehicle as last reported, as far as requirements need it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Flown {
+    pub(super) position: Option<Position>,
+    pub(super) altitude_m: f64,
+    pub(super) height_above_ground_m: Option<f64>,
+    pub(super) true_airspeed_mps: Option<f64>,
+    pub(super) ground_speed_mps: Option<f64>,
+    pub(super) endurance_s: Option<f64>,
+    pub(super) edr: Option<f64>,
+    pub(super) wind_mps: Option<f64>,
+    pub(super) is_on_ground: bool,
+    /// Taking off or landing: near the ground on purpose.
+    pub(super) is_near_ground: bool,
+    track_deg: Option<f64>,
+    /// The position before this one, for vehicles that report no track.
+    previous: Option<Position>,
+}
+
+impl Flown {
+    /// Takes a sample; returns true if the position is new.
+    pub(super) fn measure(&mut self, attribute: &str, value: &Value) -> bool {
+        let of = |unit: Dimension| number(value, unit);
+        match attribute {
+            "location" => {
+                let Some(location) = Location::from_value(value) else { return false };
+                if self.position != Some(location.position) {
+                    self.previous = self.position;
+                }
+                (self.position, self.altitude_m) = (Some(location.position), location.altitude_m);
+                return true;
+            }
+            "height-above-ground" => self.height_above_ground_m = of(Dimension::LENGTH),
+            "true-airspeed" => self.true_airspeed_mps = of(Dimension::SPEED),
+            "ground-speed" => self.ground_speed_mps = of(Dimension::SPEED),
+            "wind-speed" => self.wind_mps = of(Dimension::SPEED),
+            "edr" => self.edr = of(Dimension::NONE),
+            "track" => self.track_deg = of(Dimension::ANGLE).map(f64::to_degrees),
+            "endurance-remaining" => self.endurance_s = of(Dimension::TIME),
+            "on-ground" => self.is_on_ground = value.is_true(),
+            "flight-phase" => {
+                let word = value.as_symbol().map_or("", |symbol| symbol.folded());
+                self.is_near_ground = matches!(
+                    word,
+                    "parked" | "taking-off" | "climbing" | "approaching" | "landing" | "gliding" | "crashed"
+                );
+            }
+            _ => {}
+        }
+        false
+    }
+
+    /// Direction of flight over ground, clockwise from north; without a reported track that of the last two positions.
+    pub(super) fn track_deg(&self) -> f64 {
+        let moved = self.previous.zip(self.position).filter(|(from, to)| distance_m(*from, *to) > 1.0);
+        self.track_deg.or_else(|| moved.map(|(from, to)| azimuth_deg(from, to))).unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use apex_model::because::{Because, Cause};
+
+    #[test]
+    fn points_of_the_way_are_left_behind() {
+        let mut commanded = Commanded::default();
+        let at = |lat: f64, lon: f64| Position::new(lat, lon);
+        let points = vec![at(33.0, -118.0), at(33.0, -117.0), at(34.0, -117.0)];
+        commanded.order = Some(Order::FlyBy(points.clone()));
+        commanded.via = (2, Some(5000.0));
+        commanded.altitude_m = Some(7000.0);
+        let ahead = |commanded: &Commanded| match &commanded.order {
+            Some(Order::FlyBy(left)) => left.len(),
+            other => panic!("{other:?}"),
+        };
+        commanded.pass(at(33.0, -119.0), 90.0);
+        commanded.pass(at(33.01, -118.1), 90.0);
+        assert_eq!((ahead(&commanded), commanded.altitude_m()), (3, Some(5000.0)), "both points are ahead");
+        commanded.pass(at(33.02, -117.9), 90.0);
+        assert_eq!(ahead(&commanded), 2, "10 km beyond the first");
+        commanded.pass(at(33.1, -116.99), 10.0);
+        assert_eq!((ahead(&commanded), commanded.altitude_m()), (1, Some(7000.0)), "the goal stays");
+        commanded.pass(at(34.5, -117.0), 0.0);
+        assert_eq!(ahead(&commanded), 1);
+        // A point closely behind when the command begins is passed already.
+        commanded.order = Some(Order::FlyBy(points));
+        (commanded.via, commanded.leg_from) = ((2, None), None);
+        commanded.pass(at(33.0, -117.99), 90.0);
+        assert_eq!(ahead(&commanded), 2);
+    }
+
+    #[test]
+    fn the_open_command_is_the_route() {
+        let mut commanded = Commanded::default();
+        let command = |number: u64, text: &str| Effect::Command {
+            command: CommandId(number),
+            task: apex_model::task::TaskId(1),
+            form: apex_pdl::read_value(text).unwrap(),
+            because: Because::new(Cause::InitialTask, None),
+        };
+        let place = |value: &Value| Location::from_value(value).map(|found| (found.position, found.altitude_m));
+        commanded.take(0.0, &command(1, "(fly-to (34 -118 7000) :speed 80m/s :via ((33 -117) (33.5 -117.5)))"), place);
+        let by = [(33.0, -117.0), (33.5, -117.5), (34.0, -118.0)].map(|(lat, lon)| Position::new(lat, lon));
+        assert_eq!(commanded.order, Some(Order::FlyBy(by.to_vec())));
+        assert_eq!((commanded.altitude_m(), commanded.true_airspeed_mps), (Some(7000.0), Some(80.0)));
+        commanded.hear(&EventKind::CommandAcknowledged(CommandId(7), Ok(Value::nil())));
+        assert!(commanded.order.is_some(), "another command's answer");
+        commanded.take(0.0, &command(2, "(land (34 -118))"), place);
+        commanded.hear(&EventKind::CommandAcknowledged(CommandId(1), Err("superseded".into())));
+        assert_eq!(commanded.order, Some(Order::Land(vec![Position::new(34.0, -118.0)])));
+        commanded.take(0.0, &command(3, "(set-altitude 8000m)"), place);
+        assert_eq!(commanded.altitude_m(), Some(8000.0), "a setpoint leaves the order");
+        commanded.hear(&EventKind::CommandAcknowledged(CommandId(2), Ok(Value::nil())));
+        assert_eq!(commanded.order, None);
+    }
+}

@@ -1,0 +1,21 @@
+//! Requirements of a mission: stated once, used by planning problems, by the watcher in flight, and by the monitors of PDL.
+//!
+//! `statement` reads them from the application and the vehicle; `watch` compares them with the flight and predicts violations
+//! along the commanded route; `readings` computes each margin, `recovery` a way out.
+
+mod commanded;
+mod commanded_route;
+mod readings;
+mod recovery;
+mod response;
+mod start;
+mod statement;
+mod watch;
+
+pub use readings::Reading;
+pub use response::Response;
+pub use statement::{LandingReach, Requirements};
+pub use watch::{Findings, Watch};
+
+pub(crate) use start::{StartConditions, check_start};
+pub(crate) use statement::{Stated, state};

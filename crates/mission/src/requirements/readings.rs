@@ -1,0 +1,428 @@
+//! One reading for each requirement: its margin now, and when the commanded route violates it.
+
+use super::commanded::{Commanded, Flown};
+use super::commanded_route::{along, chart_distance_m};
+use super::response::Response;
+use super::statement::{LandingReach, Requirements};
+use crate::vehicle::{Airframe, turn_radius_m};
+use crate::{Mission, TargetKind};
+use apex_geo::geodesy::{self, Position};
+use apex_geo::plane::{Plane, Point};
+use apex_geo::wind::{self, triangle};
+use apex_model::problem::WindField;
+use apex_model::quantity::Dimension;
+use apex_requirements::margin::landing::{Glide, disc_m, glide_m};
+use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
+use apex_requirements::margin::{energy, terrain, weather};
+use apex_requirements::prediction::{Span, active_span};
+use apex_requirements::response::turn_away_s;
+use apex_requirements::{Concern, Motion, Route, first_violation};
+
+/// A requirement compared with the flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// What it protects.
+    pub concern: Concern,
+    /// Its name in PDL.
+    pub name: &'static str,
+    /// Margin in SI units; negative: violated now.
+    pub margin: f64,
+    /// Unit of the margin.
+    pub unit: Dimension,
+    /// Seconds until the commanded route violates it; `None`: not within the look-ahead.
+    pub after_s: Option<f64>,
+    /// How long its response takes.
+    pub response_s: f64,
+    /// What would be violated: a zone, a landing place, or the requirement itself.
+    pub what: String,
+    /// How to respond.
+    pub response: Response,
+}
+
+/// Margins above this are reported as this: what is farther away is not looked for.
+pub(super) const DISTANCE_M_MAX: f64 = 50_000.0;
+/// Error of the speed along the route, as a share.
+const SPEED_ERROR: f64 = 0.05;
+/// Time from the command to the full bank.
+const ROLL_IN_S: f64 = 3.0;
+/// Detour of the way home, as a factor of the distance.
+const DETOUR: f64 = 1.1;
+/// Steps along the route for what changes slowly.
+const COARSE_S: f64 = 30.0;
+/// Deceleration with which a descent is stopped.
+const PULL_UP_M_S2: f64 = 1.0;
+
+/// A place to land.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LandingSite<'a> {
+    pub(super) name: &'a str,
+    pub(super) position: Position,
+    pub(super) elevation_m: f64,
+}
+
+/// Everything that readings are computed from.
+pub(super) struct Scene<'a> {
+    pub(super) mission: &'a Mission,
+    pub(super) forecast: &'a WindField,
+    pub(super) flown: &'a Flown,
+    pub(super) here: Position,
+    pub(super) now_s: f64,
+    pub(super) plane: Plane,
+    pub(super) motion: Motion,
+    pub(super) route: Route,
+}
+
+impl<'a> Scene<'a> {
+    /// The scene at `now_s`; `None` before the first position.
+    pub(super) fn new(
+        (mission, forecast): (&'a Mission, &'a WindField),
+        flown: &'a Flown,
+        commanded: &Commanded,
+        now_s: f64,
+    ) -> Option<Scene<'a>> {
+        let here = flown.position?;
+        let model = &mission.model;
+        let plane = Plane::new(here);
+        let blowing = wind::at(forecast, here, flown.altitude_m, now_s);
+        let speed_mps = commanded.true_airspeed_mps.or(flown.true_airspeed_mps.filter(|speed| *speed > 1.0));
+        let motion = Motion {
+            true_airspeed_mps: speed_mps.unwrap_or(model.true_airspeed_m_s_cruise),
+            wind: blowing,
+            turn_radius_m: turn_radius_m(model),
+            climb_mps: model.climb_rate_m_s_max * model.planning.climb_share,
+            descent_mps: model.descent_rate_m_s_max,
+        };
+        let track_rad = flown.track_deg().to_radians();
+        let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
+        let altitude_m = (flown.altitude_m, commanded.altitude_m().unwrap_or(flown.altitude_m));
+        let begin = Route::begin(Point::default(), track, altitude_m, motion);
+        let circle_m = model.turns.circle_width * motion.turn_radius_m;
+        let route = along(begin, commanded.order_at(now_s), &plane, circle_m, mission.requirements.look_ahead_s);
+        Some(Scene { mission, forecast, flown, here, now_s, plane, motion, route })
+    }
+
+    pub(super) fn requirements(&self) -> &'a Requirements {
+        &self.mission.requirements
+    }
+
+    /// Places to land: airfields, bases, and the start.
+    pub(super) fn landing_sites(&self) -> impl Iterator<Item = LandingSite<'a>> + use<'a> {
+        let mission = self.mission;
+        let airfields = mission.airfields.iter().map(|airfield| LandingSite {
+            name: &airfield.id,
+            position: airfield.position,
+            elevation_m: airfield.elevation_m,
+        });
+        let bases = mission.targets.iter().filter(|target| matches!(target.kind, TargetKind::Base));
+        let bases =
+            bases.map(|base| LandingSite { name: &base.id, position: base.position, elevation_m: base.elevation_m });
+        airfields.chain(bases)
+    }
+
+    /// The start as a place to land, for missions that name no other.
+    fn start(&self) -> LandingSite<'a> {
+        let mission = self.mission;
+        LandingSite { name: "start", position: mission.start, elevation_m: mission.start_altitude_m }
+    }
+
+    /// The nearest landing site to a position, with its distance; the start if the mission has none.
+    pub(super) fn nearest_site(&self, position: Position) -> (LandingSite<'a>, f64) {
+        // Near on a plane chart first, since geodesics are expensive; the nearest three of those exactly.
+        let east = libm::cos(position.latitude_deg.to_radians());
+        let chart = |site: &LandingSite<'_>| {
+            let north_deg = site.position.latitude_deg - position.latitude_deg;
+            let east_deg = geodesy::wrap_180(site.position.longitude_deg - position.longitude_deg) * east;
+            north_deg * north_deg + east_deg * east_deg
+        };
+        let mut best: [Option<(f64, LandingSite<'_>)>; 3] = [None; 3];
+        for site in self.landing_sites() {
+            let mut entry = (chart(&site), site);
+            for slot in &mut best {
+                match slot {
+                    Some(other) if other.0 <= entry.0 => {}
+                    Some(other) => std::mem::swap(other, &mut entry),
+                    None => {
+                        *slot = Some(entry);
+                        break;
+                    }
+                }
+            }
+        }
+        let exact = best.into_iter().flatten().map(|(_, site)| (site, geodesy::distance_m(position, site.position)));
+        let start = self.start();
+        exact
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or_else(|| (start, geodesy::distance_m(position, start.position)))
+    }
+
+    /// Ground speed towards a place.
+    fn ground_speed_mps(&self, from: Position, to: Position, airspeed_mps: f64) -> f64 {
+        let track_deg = geodesy::azimuth_deg(from, to);
+        triangle(track_deg, airspeed_mps, self.motion.wind).map_or(0.0, |found| found.ground_speed_mps)
+    }
+
+    /// The wind's speed at its strongest side, for turns.
+    fn wind_mps(&self) -> f64 {
+        libm::hypot(self.motion.wind.east_mps, self.motion.wind.north_mps)
+    }
+
+    fn turn_away_s(&self) -> f64 {
+        let roll_in_s = if self.motion.turn_radius_m > 0.0 { ROLL_IN_S } else { 0.0 };
+        let turn_s = turn_away_s(self.motion.true_airspeed_mps, self.motion.turn_radius_m, self.wind_mps(), roll_in_s);
+        let model = &self.mission.model;
+        match model.airframe {
+            Airframe::FixedWing => turn_s,
+            Airframe::Rotorcraft => {
+                let braking_m_s2 = model.braking_share * model.acceleration_m_s2_max;
+                apex_requirements::response::stop_s(self.flown.ground_speed_mps.unwrap_or(0.0), braking_m_s2)
+            }
+        }
+    }
+
+    /// Samples the route every [`COARSE_S`] from now to its end or the look-ahead; the first instant with a negative margin.
+    fn first_below(&self, margin: impl FnMut(&apex_requirements::RouteState) -> f64) -> Option<f64> {
+        let mut margin = margin;
+        let until_s = self.route.end_s().min(self.requirements().look_ahead_s);
+        let count = (until_s / COARSE_S) as u32 + 1;
+        let instants = (0..=count).map(|number| (f64::from(number) * COARSE_S).min(until_s));
+        instants
+            .filter_map(|after_s| self.route.at(after_s))
+            .find(|state| margin(state) < 0.0)
+            .map(|state| state.after_s)
+    }
+
+    /// The readings of all requirements that the mission states and the vehicle's reports allow, most important first.
+    pub(super) fn readings(&self) -> Vec<Reading> {
+        let all = [self.terrain(), self.energy(), self.landing(), self.airspace(), self.turbulence(), self.wind()];
+        all.into_iter().flatten().collect()
+    }
+
+    fn terrain(&self) -> Option<Reading> {
+        let clearance_m = self.requirements().terrain_clearance_m?;
+        if self.flown.is_near_ground {
+            return None;
+        }
+        let height_m = self.flown.height_above_ground_m?;
+        let ground_m = self.flown.altitude_m - height_m;
+        let margin = terrain::terrain_m(self.flown.altitude_m, ground_m, clearance_m);
+        let lost = terrain::first_loss(&self.route, self.requirements().look_ahead_s, clearance_m, |_| ground_m);
+        Some(Reading {
+            concern: Concern::Terrain,
+            name: "terrain",
+            margin,
+            unit: Dimension::LENGTH,
+            after_s: lost.map(|lost| lost.after_s),
+            response_s: self.motion.descent_mps / PULL_UP_M_S2,
+            what: "ground".to_string(),
+            response: Response::Climb,
+        })
+    }
+
+    fn energy(&self) -> Option<Reading> {
+        let reserve_s = self.requirements().energy_reserve_s?;
+        let endurance_s = self.flown.endurance_s?;
+        let cruise_mps = self.mission.model.true_airspeed_m_s_cruise;
+        let left_s = |position: Position, after_s: f64| {
+            let (site, distance_m) = self.nearest_site(position);
+            let home_mps = self.ground_speed_mps(position, site.position, cruise_mps);
+            energy::energy(endurance_s - after_s, reserve_s, 1.0, DETOUR * distance_m, home_mps)
+        };
+        let margin = left_s(self.here, 0.0);
+        // Every second flown costs one, and the way home may grow as fast: before half of the margin nothing can be violated.
+        let after_s = if margin > 4.0 * self.requirements().look_ahead_s {
+            None
+        } else {
+            self.first_below(|state| left_s(self.plane.position(state.point), state.after_s))
+        };
+        let (site, _) = self.nearest_site(self.here);
+        let is_critical = margin < -0.5 * reserve_s;
+        let response = match self.mission.model.airframe {
+            Airframe::Rotorcraft if is_critical => Response::LandHere,
+            _ => Response::LandAt,
+        };
+        Some(Reading {
+            concern: Concern::Energy,
+            name: "energy",
+            margin,
+            unit: Dimension::TIME,
+            after_s,
+            response_s: self.turn_away_s(),
+            what: site.name.to_string(),
+            response,
+        })
+    }
+
+    fn landing(&self) -> Option<Reading> {
+        let reach = self.requirements().landing?;
+        let model = &self.mission.model;
+        let margin_m = |position: Position, altitude_m: f64| {
+            let (site, distance_m) = self.nearest_site(position);
+            match reach {
+                LandingReach::Disc { distance_m_max } => disc_m(distance_m, distance_m_max),
+                LandingReach::Gliding { pattern_m } => {
+                    let glide = Glide {
+                        ratio: model.glide_ratio,
+                        airspeed_mps: GLIDE_SPEED_SHARE * model.true_airspeed_m_s_cruise,
+                    };
+                    let tail_mps =
+                        self.ground_speed_mps(position, site.position, glide.airspeed_mps) - glide.airspeed_mps;
+                    glide_m(glide, altitude_m - site.elevation_m, pattern_m, tail_mps, distance_m)
+                }
+            }
+        };
+        let margin = margin_m(self.here, self.flown.altitude_m);
+        let span = Span { from_s: 0.0, until_s: self.requirements().look_ahead_s };
+        // A glide loses its ratio in distance for each metre of height.
+        let change_per_s = match reach {
+            LandingReach::Disc { .. } => self.route.speed_mps_max(),
+            LandingReach::Gliding { .. } => self.route.speed_mps_max() * (1.0 + model.glide_ratio),
+        };
+        let lost = first_violation(&self.route, span, change_per_s, |state| {
+            margin_m(self.plane.position(state.point), state.altitude_m)
+        });
+        Some(Reading {
+            concern: Concern::LandingDistance,
+            name: "landing-distance",
+            margin: margin.min(DISTANCE_M_MAX * 10.0),
+            unit: Dimension::LENGTH,
+            after_s: lost.map(|lost| lost.after_s),
+            response_s: self.turn_away_s(),
+            what: self.nearest_site(self.here).0.name.to_string(),
+            response: Response::TurnAway,
+        })
+    }
+
+    /// Zones on the plane that the vehicle can meet within the look-ahead, and a lower bound of the distance to all others.
+    pub(super) fn near_zones(&self) -> (Vec<LocalZone>, f64) {
+        let reach_m = self.route.speed_mps_max().max(self.motion.true_airspeed_mps) * self.requirements().look_ahead_s;
+        let reach_m = reach_m.max(DISTANCE_M_MAX);
+        let (mut near, mut far_m) = (Vec::new(), f64::INFINITY);
+        for (number, zone) in self.mission.zones.iter().enumerate() {
+            let is_permitted = zone.kind == apex_model::problem::ZoneKind::Permitted;
+            let least_m = chart_distance_m(self.here, &zone.corners);
+            if is_permitted || least_m <= reach_m {
+                near.extend(LocalZone::new(number, zone, &self.plane));
+            } else {
+                far_m = far_m.min(least_m);
+            }
+        }
+        (near, far_m)
+    }
+
+    fn airspace(&self) -> Option<Reading> {
+        let buffer = self.requirements().airspace?;
+        let (zones, far_m) = self.near_zones();
+        if self.mission.zones.is_empty() {
+            return None;
+        }
+        let look_ahead_s = self.requirements().look_ahead_s;
+        let mut margin = (far_m - buffer.horizontal_m).min(DISTANCE_M_MAX);
+        let mut what = None;
+        let mut first: Option<(f64, usize)> = None;
+        for zone in zones.iter().filter(|zone| zone.is_restricted()) {
+            if zone.is_active(self.now_s) {
+                let here_m = zone.keep_out_m(Point::default(), self.flown.altitude_m, &buffer);
+                if here_m < margin {
+                    (margin, what) = (here_m, Some(zone.number));
+                }
+            }
+            let entry = zone.first_entry(&self.route, &buffer, self.now_s, SPEED_ERROR, look_ahead_s);
+            if let Some(entry) = entry
+                && first.is_none_or(|(first_s, _)| entry.after_s < first_s)
+            {
+                first = Some((entry.after_s, zone.number));
+            }
+        }
+        let (inside_m, leaves_s) = self.keep_in(&zones, &buffer);
+        let permitted = zones.iter().find(|zone| !zone.is_restricted()).map(|zone| zone.number);
+        if inside_m < margin {
+            (margin, what) = (inside_m, permitted);
+        }
+        if let Some(leaves_s) = leaves_s
+            && first.is_none_or(|(first_s, _)| leaves_s < first_s)
+        {
+            first = permitted.map(|number| (leaves_s, number));
+        }
+        let number = first.map(|(_, number)| number).or(what);
+        let zone = number.and_then(|number| self.mission.zones.get(number));
+        Some(Reading {
+            concern: Concern::Airspace,
+            name: "airspace",
+            margin,
+            unit: Dimension::LENGTH,
+            after_s: first.map(|(after_s, _)| after_s),
+            response_s: self.turn_away_s(),
+            what: zone.map_or_else(|| "airspace".to_string(), |zone| zone.name.clone()),
+            response: Response::TurnAway,
+        })
+    }
+
+    /// Margin inside of what is permitted, and when the route leaves it.
+    fn keep_in(&self, zones: &[LocalZone], buffer: &ZoneBuffer) -> (f64, Option<f64>) {
+        let Some(area) = KeepIn::new(zones, self.flown.altitude_m, self.now_s) else { return (f64::INFINITY, None) };
+        let inside_m = area.keep_in_m(Point::default(), self.flown.altitude_m, buffer);
+        // What is permitted may change along the way.
+        let look_ahead_s = self.requirements().look_ahead_s;
+        let permitted = self.mission.zones.iter().filter(|zone| zone.kind == apex_model::problem::ZoneKind::Permitted);
+        let mut changes_s: Vec<f64> = permitted.flat_map(|zone| [zone.active.from_s, zone.active.until_s]).collect();
+        changes_s.retain(|at_s| *at_s > self.now_s && *at_s < self.now_s + look_ahead_s);
+        changes_s.push(self.now_s + look_ahead_s);
+        changes_s.sort_by(f64::total_cmp);
+        let mut from_s = self.now_s;
+        for until_s in changes_s {
+            let span = active_span((from_s, until_s), self.now_s, 0.0, 0.0, look_ahead_s);
+            let area = KeepIn::new(zones, self.flown.altitude_m, 0.5 * (from_s + until_s));
+            if let Some((span, area)) = span.zip(area) {
+                let left = first_violation(&self.route, span, self.route.speed_mps_max(), |state| {
+                    area.keep_in_m(state.point, state.altitude_m, buffer)
+                });
+                if let Some(left) = left {
+                    return (inside_m, Some(left.after_s));
+                }
+            }
+            from_s = until_s;
+        }
+        (inside_m, None)
+    }
+
+    fn turbulence(&self) -> Option<Reading> {
+        let most = self.requirements().edr_max?;
+        let margin = weather::turbulence_edr(self.flown.edr?, most);
+        let ahead = self.first_below(|state| {
+            let there =
+                wind::at(self.forecast, self.plane.position(state.point), state.altitude_m, self.now_s + state.after_s);
+            weather::turbulence_edr(there.edr, most)
+        });
+        Some(self.weather("turbulence", margin, Dimension::NONE, ahead))
+    }
+
+    fn wind(&self) -> Option<Reading> {
+        let most_mps = self.requirements().wind_mps_max?;
+        let margin = weather::wind_mps(self.flown.wind_mps?, 0.0, most_mps);
+        let ahead = self.first_below(|state| {
+            let there =
+                wind::at(self.forecast, self.plane.position(state.point), state.altitude_m, self.now_s + state.after_s);
+            weather::wind_mps(libm::hypot(there.east_mps, there.north_mps), 0.0, most_mps)
+        });
+        Some(self.weather("wind", margin, Dimension::SPEED, ahead))
+    }
+
+    fn weather(&self, name: &'static str, margin: f64, unit: Dimension, after_s: Option<f64>) -> Reading {
+        // What is measured counts now; a forecast that it contradicts does not.
+        let after_s = if margin >= 0.0 { after_s.filter(|after_s| *after_s > 0.0) } else { Some(0.0) };
+        let (what, response) = (name.to_string(), Response::Descend);
+        Reading {
+            concern: Concern::Weather,
+            name,
+            margin,
+            unit,
+            after_s,
+            response_s: self.turn_away_s(),
+            what,
+            response,
+        }
+    }
+}
+
+/// Best glide is slower than cruise.
+const GLIDE_SPEED_SHARE: f64 = 0.65;

@@ -1,0 +1,154 @@
+//! Ways out: where a response leads.
+
+use super::readings::{Reading, Scene};
+use super::response::Response;
+use super::statement::LandingReach;
+use apex_geo::geodesy::{self, Position};
+use apex_geo::plane::Point;
+use apex_geo::wind;
+use apex_model::planned::Location;
+use apex_requirements::margin::landing::disc_m;
+use apex_requirements::margin::zone::{KeepIn, LocalZone, ZoneBuffer};
+use apex_requirements::prediction::Span;
+use apex_requirements::{Concern, Route, first_violation};
+use std::f64::consts::TAU;
+
+/// Directions of a turn away that are compared.
+const DIRECTIONS: u32 = 24;
+/// A turn away leads this many turn radii from here, and at least this far.
+const AWAY_RADII: f64 = 3.0;
+const AWAY_M_MIN: f64 = 300.0;
+/// Altitudes that are compared where the weather is to be left.
+const LAYER_M: f64 = 500.0;
+const LAYERS: i32 = 10;
+/// Clearance that a climb aims at, as a multiple of the one required.
+const CLEARANCE_SHARE: f64 = 1.5;
+
+impl Scene<'_> {
+    /// The response to a reading, with its way out. After `is_escalated` alarms the response that did not help is replaced by a
+    /// landing at the nearest landing site.
+    pub(super) fn recovery(&self, reading: &Reading, is_escalated: bool) -> (Response, Location) {
+        let site = self.nearest_site(self.here).0;
+        let to_site = Location { position: site.position, altitude_m: site.elevation_m };
+        if is_escalated && reading.concern != Concern::Terrain && reading.response != Response::LandHere {
+            return (Response::LandAt, to_site);
+        }
+        let here = Location { position: self.here, altitude_m: self.flown.altitude_m };
+        match (reading.concern, reading.response) {
+            (_, Response::LandHere) => {
+                let ground_m = self.flown.altitude_m - self.flown.height_above_ground_m.unwrap_or(0.0);
+                (Response::LandHere, Location { altitude_m: ground_m, ..here })
+            }
+            (Concern::Energy, _) => (Response::LandAt, to_site),
+            (Concern::Terrain, _) => {
+                let clearance_m = self.requirements().terrain_clearance_m.unwrap_or(0.0);
+                let ground_m = self.flown.altitude_m - self.flown.height_above_ground_m.unwrap_or(0.0);
+                let altitude_m = (ground_m + CLEARANCE_SHARE * clearance_m).max(self.flown.altitude_m);
+                (Response::Climb, Location { altitude_m: altitude_m.min(self.mission.model.ceiling_m), ..here })
+            }
+            (Concern::LandingDistance, _) => (Response::TurnAway, self.towards(site.position)),
+            (Concern::Weather, _) => self.calmer_layer(reading).unwrap_or((Response::LandAt, to_site)),
+            (Concern::Airspace | Concern::Link | Concern::Sensor, _) => (Response::TurnAway, self.turn_away()),
+        }
+    }
+
+    fn away_m(&self) -> f64 {
+        (AWAY_RADII * self.motion.turn_radius_m).max(AWAY_M_MIN)
+    }
+
+    fn towards(&self, place: Position) -> Location {
+        let (distance_m, azimuth_deg) = geodesy::inverse(self.here, place);
+        let limit_m = match self.requirements().landing {
+            Some(LandingReach::Disc { distance_m_max }) => 0.1 * distance_m_max,
+            _ => 0.0,
+        };
+        let position = geodesy::destination(self.here, azimuth_deg, self.away_m().max(limit_m).min(distance_m));
+        Location { position, altitude_m: self.flown.altitude_m }
+    }
+
+    /// The place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals.
+    fn turn_away(&self) -> Location {
+        let buffer =
+            self.requirements().airspace.unwrap_or(ZoneBuffer { horizontal_m: 0.0, vertical_m: 0.0, time_s: 0.0 });
+        let (zones, _) = self.near_zones();
+        let area = KeepIn::new(&zones, self.flown.altitude_m, self.now_s);
+        let course_rad = self.flown.track_deg().to_radians();
+        let away_m = self.away_m();
+        let mut best: Option<(f64, Point)> = None;
+        for number in 0..DIRECTIONS {
+            // 0, 15, -15, 30, -30 degrees ..: away from the present course a step at a time.
+            let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let angle_rad = course_rad + side * f64::from(number.div_ceil(2)) * TAU / f64::from(DIRECTIONS);
+            let to = Point { x: away_m * libm::sin(angle_rad), y: away_m * libm::cos(angle_rad) };
+            let worst_m = self.worst_m(to, &zones, area.as_ref(), &buffer);
+            if best.is_none_or(|(found_m, _)| worst_m > found_m + 1.0) {
+                best = Some((worst_m, to));
+            }
+        }
+        let to = best.map_or(Point::default(), |(_, to)| to);
+        Location { position: self.plane.position(to), altitude_m: self.flown.altitude_m }
+    }
+
+    /// The least margin on the way to a place, at most the distance to it: farther than that needs no preference.
+    fn worst_m(&self, to: Point, zones: &[LocalZone], area: Option<&KeepIn>, buffer: &ZoneBuffer) -> f64 {
+        let track_rad = self.flown.track_deg().to_radians();
+        let track = Point { x: libm::sin(track_rad), y: libm::cos(track_rad) };
+        let altitude_m = self.flown.altitude_m;
+        let route = Route::begin(Point::default(), track, (altitude_m, altitude_m), self.motion).fly_to(to);
+        let reach = self.requirements().landing_distance_m_max();
+        let margin = |point: Point, at_s: f64| {
+            let out = zones.iter().filter(|zone| zone.is_restricted() && zone.is_active(at_s));
+            let out_m = out.map(|zone| zone.keep_out_m(point, altitude_m, buffer)).fold(f64::INFINITY, f64::min);
+            let in_m = area.map_or(f64::INFINITY, |area| area.keep_in_m(point, altitude_m, buffer));
+            out_m.min(in_m)
+        };
+        let mut worst_m = to.length();
+        let count = (route.end_s() / 2.0) as u32;
+        for number in 0..=count {
+            if let Some(state) = route.at(f64::from(number) * 2.0) {
+                worst_m = worst_m.min(margin(state.point, self.now_s + state.after_s));
+            }
+        }
+        if let Some(most_m) = reach {
+            worst_m = worst_m.min(disc_m(self.nearest_site(self.plane.position(to)).1, most_m));
+        }
+        // Where a way ends matters most: there it must be clear.
+        worst_m.min(margin(to, self.now_s + route.end_s()) - 1e-3)
+    }
+
+    /// The nearest altitude at which the forecast keeps the limit on the present course.
+    fn calmer_layer(&self, reading: &Reading) -> Option<(Response, Location)> {
+        let requirements = self.requirements();
+        let model = &self.mission.model;
+        let lowest_m = self.flown.altitude_m - self.flown.height_above_ground_m.unwrap_or(0.0)
+            + CLEARANCE_SHARE * requirements.terrain_clearance_m.unwrap_or(0.0);
+        let ceiling_m = model.ceiling_m * model.planning.ceiling_share;
+        let limit = |altitude_m: f64| {
+            let there = wind::at(self.forecast, self.here, altitude_m, self.now_s);
+            match reading.name {
+                "wind" => {
+                    requirements.wind_mps_max.is_some_and(|most| libm::hypot(there.east_mps, there.north_mps) < most)
+                }
+                _ => requirements.edr_max.is_some_and(|most| there.edr < most),
+            }
+        };
+        let layers = (1..=LAYERS).flat_map(|number| [-f64::from(number), f64::from(number)]);
+        let altitudes = layers.map(|number| self.flown.altitude_m + number * LAYER_M);
+        let found = altitudes
+            .filter(|altitude_m| (lowest_m..=ceiling_m).contains(altitude_m))
+            .find(|altitude_m| limit(*altitude_m))?;
+        let response = if found > self.flown.altitude_m { Response::Climb } else { Response::Descend };
+        // A climb into a zone is no way out.
+        let buffer = requirements.airspace?;
+        let (zones, _) = self.near_zones();
+        let climb =
+            Route::begin(Point::default(), Point::default(), (self.flown.altitude_m, found), self.motion).stop(60.0);
+        let is_shut = zones.iter().filter(|zone| zone.is_restricted() && zone.is_active(self.now_s)).any(|zone| {
+            first_violation(&climb, Span { from_s: 0.0, until_s: 60.0 }, f64::INFINITY, |state| {
+                zone.keep_out_m(state.point, state.altitude_m, &buffer)
+            })
+            .is_some()
+        });
+        (!is_shut).then_some((response, Location { position: self.here, altitude_m: found }))
+    }
+}

@@ -1,0 +1,29 @@
+//! What can be done before a requirement is violated.
+
+/// What a response does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Response {
+    /// Fly to the way out.
+    TurnAway,
+    /// Climb to the way out's altitude.
+    Climb,
+    /// Descend to it.
+    Descend,
+    /// Fly to the way out, a landing place, and land there.
+    LandAt,
+    /// Land below.
+    LandHere,
+}
+
+impl Response {
+    /// Its word in messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Response::TurnAway => "turn-away",
+            Response::Climb => "climb",
+            Response::Descend => "descend",
+            Response::LandAt => "land-at",
+            Response::LandHere => "land-here",
+        }
+    }
+}

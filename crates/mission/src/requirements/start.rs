@@ -1,0 +1,124 @@
+//! Requirements that cannot be met from the start: errors when the mission is loaded.
+
+use super::statement::{LandingReach, Requirements};
+use crate::error::{MissionError, MissionResult};
+use apex_geo::landing;
+use apex_geo::plane::{Plane, inside};
+use apex_model::problem::{AirspaceZone, LandingPlace, Position, ZoneKind};
+use apex_vehicle::VehicleModel;
+
+/// What of a mission decides whether its requirements can be met from the start.
+pub(crate) struct StartConditions<'a> {
+    /// Place of the application, for errors.
+    pub(crate) place: &'a str,
+    /// What must be kept.
+    pub(crate) requirements: &'a Requirements,
+    /// The vehicle.
+    pub(crate) model: &'a VehicleModel,
+    /// Airspace.
+    pub(crate) zones: &'a [AirspaceZone],
+    /// Emergency landing places.
+    pub(crate) landing_places: Vec<LandingPlace>,
+    /// Where the vehicle starts.
+    pub(crate) start: Position,
+    /// Altitude there above mean sea level.
+    pub(crate) start_altitude_m: f64,
+}
+
+/// Checks what holds before the first second of flight.
+///
+/// # Errors
+/// A mission that starts inside of a zone to keep out of, outside of the permitted area, too far from every landing place, with less
+/// energy than its reserve, or that must keep more clearance than the vehicle's ceiling allows.
+pub(crate) fn check_start(mission: &StartConditions<'_>) -> MissionResult<()> {
+    airspace(mission)?;
+    let requirements = mission.requirements;
+    if let Some(LandingReach::Disc { distance_m_max }) = requirements.landing {
+        let places = &mission.landing_places;
+        let nearest = landing::nearest(places, mission.start);
+        match nearest {
+            Some((_, distance_m)) if distance_m <= distance_m_max => {}
+            Some((place, distance_m)) => {
+                let why = format!(
+                    "the nearest landing place, {}, is {:.1} km from the start; the distance may be {:.1} km",
+                    place.name,
+                    distance_m / 1e3,
+                    distance_m_max / 1e3
+                );
+                return Err(unmet(
+                    mission,
+                    "landing-distance",
+                    why,
+                    "raise the distance, or add a landing place to `:airfields`",
+                ));
+            }
+            None => {
+                let why = "the mission has no landing place".to_string();
+                return Err(unmet(mission, "landing-distance", why, "add `:airfields`, or a target of kind `base`"));
+            }
+        }
+    }
+    if let Some(clearance_m) = requirements.terrain_clearance_m
+        && mission.start_altitude_m + clearance_m > mission.model.ceiling_m
+    {
+        let why = format!(
+            "a clearance of {clearance_m:.0} m over the start at {:.0} m is above the ceiling of {}, {:.0} m",
+            mission.start_altitude_m, mission.model.name, mission.model.ceiling_m
+        );
+        return Err(unmet(mission, "terrain", why, "state a smaller clearance, or another vehicle"));
+    }
+    energy(mission)
+}
+
+fn airspace(mission: &StartConditions<'_>) -> MissionResult<()> {
+    if mission.requirements.airspace.is_none() {
+        return Ok(());
+    }
+    let is_in = |zone: &AirspaceZone| {
+        let plane = Plane::new(mission.start);
+        let corners: Option<Vec<_>> = zone.corners.iter().map(|corner| plane.project(*corner)).collect();
+        zone.active.contains(0.0) && corners.is_some_and(|corners| inside(Default::default(), &corners))
+    };
+    let is_at_height = |zone: &AirspaceZone| {
+        zone.altitude_m_min <= mission.start_altitude_m && mission.start_altitude_m <= zone.altitude_m_max
+    };
+    let shut = mission.zones.iter().find(|zone| zone.kind == ZoneKind::Restricted && is_in(zone) && is_at_height(zone));
+    if let Some(zone) = shut {
+        let why = format!("the start lies inside of the restricted zone `{}`, which is active at the start", zone.name);
+        return Err(unmet(
+            mission,
+            "airspace",
+            why,
+            "move the start, or change the zone or its `active_h` in `:airspace`",
+        ));
+    }
+    let permitted = || mission.zones.iter().filter(|zone| zone.kind == ZoneKind::Permitted);
+    // The start may lie below the permitted band: the vehicle climbs into it.
+    if permitted().next().is_some() && !permitted().any(is_in) {
+        let why = "the start lies outside of every permitted zone that is active at the start".to_string();
+        return Err(unmet(mission, "airspace", why, "move the start, or extend the permitted zone in `:airspace`"));
+    }
+    Ok(())
+}
+
+fn energy(mission: &StartConditions<'_>) -> MissionResult<()> {
+    let Some(reserve_s) = mission.requirements.energy_reserve_s else { return Ok(()) };
+    let endurance_s = super::statement::endurance_s(mission.model);
+    if reserve_s < endurance_s {
+        return Ok(());
+    }
+    let why = format!(
+        "the reserve of {:.0} min is not less than the endurance of {}, {:.0} min",
+        reserve_s / 60.0,
+        mission.model.name,
+        endurance_s / 60.0
+    );
+    Err(unmet(mission, "energy", why, "state a smaller `:reserve` in :requirements, or another vehicle"))
+}
+
+fn unmet(mission: &StartConditions<'_>, name: &str, why: String, help: &str) -> MissionError {
+    MissionError::setting(format!("the requirement `{name}` cannot be met from the start"))
+        .at(mission.place)
+        .because(why)
+        .help(help)
+}

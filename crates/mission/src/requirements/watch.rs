@@ -1,0 +1,215 @@
+//! The watcher: reads every requirement as the flight continues, and reports it as measurements and alarms.
+//!
+//! Runs: in the fold of the situation, after each step with a new position or another command; at most once a second near a limit, every
+//! ten seconds otherwise. What it reports enters the next batch and is recorded like all inputs: `(margin REQUIREMENT)`,
+//! `(time-to-violation REQUIREMENT)`, `(requirement-state REQUIREMENT)`, and the messages `(requirement-at-risk ..)` and
+//! `(requirement-kept ..)`.
+
+use super::commanded::{Commanded, Flown};
+use super::readings::{Reading, Scene};
+use crate::Mission;
+use apex_model::effect::Effect;
+use apex_model::event::{Batch, EventKind, StateVariable};
+use apex_model::problem::WindField;
+use apex_model::quantity::Dimension;
+use apex_model::symbol::Symbol;
+use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
+use apex_requirements::alarm::{AlarmState, Sample};
+use apex_requirements::response::must_act;
+use apex_requirements::{Alarm, Thresholds};
+use apex_runtime::ports::Input;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Time between readings near a limit, and otherwise.
+const NEAR_S: f64 = 1.0;
+const FAR_S: f64 = 10.0;
+/// A limit is near if its response must begin within this time.
+const NEAR_LIMIT_S: f64 = 60.0;
+/// Far from every limit, samples are reported this often.
+const REPORT_S: f64 = 60.0;
+/// An alarm that lasts is repeated: a response may have ended without success.
+const REPEAT_S: f64 = 30.0;
+/// Significant digits of reported margins.
+const DIGITS: i32 = 3;
+
+/// State of the watcher.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    commanded: Commanded,
+    flown: Flown,
+    read_s: Option<f64>,
+    /// The number of changes of the command that was read last.
+    read_changes: u32,
+    is_near: bool,
+    requirements: BTreeMap<String, Watched>,
+}
+
+/// State of one requirement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Watched {
+    alarm: Alarm,
+    reported_s: Option<f64>,
+    said_s: Option<f64>,
+}
+
+/// What the watcher reports after a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Findings {
+    /// Inputs for the next batch.
+    pub inputs: Vec<Input>,
+    /// Lines for the report.
+    pub notes: Vec<String>,
+}
+
+impl Watch {
+    /// Observes a step of the agent that flies. `forecast` is the wind that is assumed.
+    pub(crate) fn observe(
+        &mut self,
+        (mission, forecast): (&Mission, &WindField),
+        batch: &Batch,
+        effects: &[Effect],
+    ) -> Findings {
+        let mut moved = false;
+        let vehicle = &mission.agent.name;
+        for event in &batch.events {
+            match &event.kind {
+                EventKind::Measurement(variable, value) if variable.object.as_symbol() == Some(vehicle) => {
+                    moved |= self.flown.measure(variable.attribute.folded(), value);
+                }
+                kind => self.commanded.hear(kind),
+            }
+        }
+        for effect in effects {
+            self.commanded.take(batch.now.seconds(), effect, |value| mission.place(value));
+        }
+        if let Some(here) = self.flown.position.filter(|_| moved) {
+            self.commanded.pass(here, self.flown.track_deg());
+        }
+        let now_s = batch.now.seconds();
+        let changed = self.commanded.changes != self.read_changes;
+        let period_s = if self.is_near { NEAR_S } else { FAR_S };
+        let due = self.read_s.is_none_or(|read_s| now_s - read_s >= period_s);
+        if self.flown.is_on_ground || !(moved && due || changed) {
+            return Findings::default();
+        }
+        self.read((mission, forecast), batch.now)
+    }
+
+    fn read(&mut self, known: (&Mission, &WindField), now: Time) -> Findings {
+        let now_s = now.seconds();
+        let Some(scene) = Scene::new(known, &self.flown, &self.commanded, now_s) else { return Findings::default() };
+        // The vehicle's slowest report bounds how soon the next reading comes.
+        let loop_s = known.0.model.report.cruise_s.clamp(NEAR_S, FAR_S);
+        let is_new_instant = self.read_s.is_none_or(|read_s| now_s > read_s);
+        (self.read_s, self.read_changes, self.is_near) = (Some(now_s), self.commanded.changes, false);
+        let mut findings = Findings::default();
+        for reading in scene.readings() {
+            let is_urgent = |within_s: f64| {
+                reading.margin < 0.0
+                    || reading.after_s.is_some_and(|after_s| must_act(after_s, reading.response_s + within_s, loop_s))
+            };
+            let watched = self.requirements.entry(reading.name.to_string()).or_default();
+            let must_act = is_urgent(0.0);
+            let sample = Sample { at_s: now_s, margin: reading.margin, must_act };
+            // Two readings of one instant are one sample.
+            let change = if is_new_instant { watched.alarm.take(sample, &Thresholds::new(0.0)) } else { None };
+            let is_raised = watched.alarm.state() == AlarmState::Raised;
+            let is_near = is_raised || is_urgent(NEAR_LIMIT_S);
+            self.is_near |= is_near;
+            watched.report(&reading, now, is_near || change.is_some(), &mut findings);
+            let repeat = watched.said_s.is_none_or(|said_s| now_s - said_s >= REPEAT_S);
+            if change == Some(AlarmState::Raised) || (is_raised && must_act && repeat) {
+                watched.said_s = Some(now_s);
+                raise(&scene, &reading, watched.alarm.is_escalated(), now, &mut findings);
+            } else if change == Some(AlarmState::Kept) {
+                findings.say(now, vec![Value::symbol("requirement-kept"), Value::symbol(reading.name)]);
+                findings.notes.push(format!("{} is kept again", reading.name));
+            }
+        }
+        findings
+    }
+}
+
+/// Says that a requirement needs a response, and which.
+fn raise(scene: &Scene<'_>, reading: &Reading, is_escalated: bool, now: Time, findings: &mut Findings) {
+    let (response, way_out) = scene.recovery(reading, is_escalated);
+    let violated_s = now.seconds() + reading.after_s.unwrap_or(0.0);
+    let instant = Duration::from_seconds(libm::round(violated_s * 10.0) / 10.0);
+    let margin = Value::measured(rounded(reading.margin), reading.unit);
+    findings.notes.push(format!(
+        "{} at risk: {} at {}, margin now {margin}; response: {}",
+        reading.name,
+        reading.what,
+        Time::from_seconds(libm::round(violated_s)),
+        response.word()
+    ));
+    findings.say(
+        now,
+        vec![
+            Value::symbol("requirement-at-risk"),
+            Value::symbol(reading.name),
+            Value::text(&reading.what),
+            Value::Duration(instant),
+            margin,
+            Value::symbol(response.word()),
+            way_out.value(),
+        ],
+    );
+}
+
+impl Watched {
+    /// Reports the samples of a requirement, if they are due.
+    fn report(&mut self, reading: &Reading, now: Time, is_wanted: bool, findings: &mut Findings) {
+        let due = self.reported_s.is_none_or(|reported_s| now.seconds() - reported_s >= REPORT_S);
+        if !(is_wanted || due) {
+            return;
+        }
+        self.reported_s = Some(now.seconds());
+        let state = match self.alarm.state() {
+            AlarmState::Kept => "kept",
+            AlarmState::Raised => "at-risk",
+        };
+        let after = reading.after_s.map_or_else(
+            || Value::symbol("none"),
+            |after_s| Value::measured(libm::round(after_s * 10.0) / 10.0, Dimension::TIME),
+        );
+        for (attribute, value) in [
+            ("margin", Value::measured(rounded(reading.margin), reading.unit)),
+            ("time-to-violation", after),
+            ("requirement-state", Value::symbol(state)),
+        ] {
+            let variable = StateVariable::new(Symbol::new(attribute), Value::symbol(reading.name));
+            findings.inputs.push(Input::new(now, EventKind::Measurement(variable, value)));
+        }
+    }
+}
+
+impl Findings {
+    fn say(&mut self, now: Time, items: Vec<Value>) {
+        self.inputs.push(Input::new(now, EventKind::Occurrence(Value::list(items))));
+    }
+}
+
+/// A number with [`DIGITS`] significant digits.
+fn rounded(number: f64) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    let magnitude = libm::floor(libm::log10(number.abs())) as i32;
+    let scale = libm::pow(10.0, f64::from(DIGITS - 1 - magnitude));
+    libm::round(number * scale) / scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn margins_are_reported_with_three_digits() {
+        assert_eq!(rounded(12_345.6), 12_300.0);
+        assert_eq!(rounded(-0.012_345), -0.0123);
+        assert_eq!((rounded(0.0), rounded(f64::INFINITY)), (0.0, f64::INFINITY));
+    }
+}

@@ -1,0 +1,152 @@
+//! The mission score of a flight: points of every wanted look as flown and as the plan predicted, and costs.
+
+use super::flown::FlownScore;
+use crate::predicted::Predicted;
+use crate::situation::Situation;
+use crate::{Mission, Target, TargetKind};
+use apex_metrics::mission_score::{crew_hours, failure_cost, failure_probability};
+use apex_observation::result::LookResult;
+
+/// `M = sum_j v_j c_j r_j s_j o_j(t) - (sum_k H_k W_k + P (R C_v + M C_m))` of a flight, in points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlightScore {
+    /// Wanted looks that were observed, or at least seen in part.
+    pub looks: Vec<ScoredLook>,
+    /// Points of all wanted looks.
+    pub benefits: f64,
+    /// Costs by row, with what missing looks cost that must not be missed.
+    pub costs: Vec<Cost>,
+    /// P: probability of failure over the flight.
+    pub failure_probability: f64,
+    /// Benefits less costs.
+    pub score: f64,
+    /// Why the flight cannot be scored; empty if it can.
+    pub trouble: String,
+}
+
+/// What something cost, in points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cost {
+    /// What kind of cost.
+    pub kind: CostKind,
+    /// What caused it.
+    pub name: String,
+    /// Hours, a probability, or a number of occurrences.
+    pub quantity: f64,
+    /// Points for one.
+    pub price: f64,
+}
+
+/// Kinds of costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CostKind {
+    /// Hours worked.
+    Personnel,
+    /// Probability of a critical failure.
+    Failure,
+    /// A look that must not be missed and was.
+    Missed,
+}
+
+impl CostKind {
+    /// The word in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            CostKind::Personnel => "personnel",
+            CostKind::Failure => "failure",
+            CostKind::Missed => "missed",
+        }
+    }
+}
+
+impl Cost {
+    /// Points.
+    pub fn points(&self) -> f64 {
+        self.quantity * self.price
+    }
+}
+
+/// One wanted look as flown and as predicted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScoredLook {
+    /// Its name in plans.
+    pub id: String,
+    /// The target's human-readable name, with the look's where it has several.
+    pub name: String,
+    /// As flown.
+    pub flown: LookResult,
+    /// As the plan that was flown predicted it; none if no plan did.
+    pub predicted: Option<Predicted>,
+}
+
+/// Scores a flight that lasted `hours`; the values of targets are those that `mission` has.
+pub(crate) fn flight_score(
+    mission: &Mission,
+    situation: &Situation,
+    flown: Result<&FlownScore, &str>,
+    hours: f64,
+) -> FlightScore {
+    let mut looks = Vec::new();
+    let mut costs = Vec::new();
+    let mut benefits = 0.0;
+    let results = flown.map(FlownScore::results).unwrap_or_default();
+    for result in results {
+        let Some(target) = mission.targets.iter().find(|target| target.id == result.name) else { continue };
+        for (id, flown) in looks_of(target, result.looks) {
+            benefits += flown.points;
+            if let Some(price) = flown.must_missed {
+                costs.push(Cost { kind: CostKind::Missed, name: id.clone(), quantity: 1.0, price });
+            }
+            let visit = situation.observed().filter(|visit| visit.target == id).last();
+            if flown.seen.seen > 0.0 || visit.is_some() {
+                let several = id != target.id;
+                let name = if several { format!("{} {}", target.name, flown.name) } else { target.name.clone() };
+                let predicted = visit.and_then(|visit| visit.predicted.clone());
+                looks.push(ScoredLook { id, name, flown, predicted });
+            }
+        }
+    }
+    let crew = crew_hours(&mission.crew, hours).into_iter();
+    costs.extend(crew.map(|person| Cost {
+        kind: CostKind::Personnel,
+        name: person.role,
+        quantity: person.hours,
+        price: person.wage_per_hour,
+    }));
+    let probability = failure_probability(&mission.failure, hours);
+    let cost = failure_cost(&mission.failure, hours);
+    let price = if probability > 0.0 { cost / probability } else { 0.0 };
+    costs.push(Cost { kind: CostKind::Failure, name: "vehicle and mission".to_string(), quantity: probability, price });
+    let score = benefits - costs.iter().map(Cost::points).sum::<f64>();
+    let trouble = flown.err().unwrap_or_default().to_string();
+    FlightScore { looks, benefits, costs, failure_probability: probability, score, trouble }
+}
+
+/// The looks with their names in plans, worth what the target's looks are worth now.
+fn looks_of(target: &Target, results: Vec<LookResult>) -> Vec<(String, LookResult)> {
+    let TargetKind::Fire(fire) = &target.kind else { return Vec::new() };
+    let valued = |result: LookResult| {
+        let (id, look) = fire.looks().find(|(_, look)| look.name == result.name)?;
+        Some((id, worth(result, look.value)))
+    };
+    results.into_iter().filter_map(valued).collect()
+}
+
+/// The result where the look is worth `value` instead: every point counts in proportion.
+fn worth(result: LookResult, value: f64) -> LookResult {
+    if result.value == value {
+        return result;
+    }
+    let share = value / result.value;
+    let points = result.factors.product() * value;
+    let mut losses = result.losses.clone();
+    losses.iter_mut().for_each(|loss| loss.points = if result.value > 0.0 { loss.points * share } else { 0.0 });
+    LookResult { value, points, losses, ..result }
+}
+
+impl FlightScore {
+    /// Sum of the costs of a kind.
+    pub fn cost_of(&self, kind: CostKind) -> f64 {
+        self.costs.iter().filter(|cost| cost.kind == kind).map(Cost::points).sum()
+    }
+}

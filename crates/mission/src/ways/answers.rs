@@ -1,0 +1,313 @@
+//! The functions that PDL calls: values to requests, ways to options of a command.
+
+use super::landing::on_line;
+use super::limits::Limits;
+use super::route::{MARGIN_SHARES, Strictness};
+use super::{Broken, LEAD_IN_S, Request, Way};
+use apex_geo::geodesy;
+use apex_geo::location::Location;
+use apex_model::host::HostFunctions;
+use apex_model::problem::Position;
+use apex_model::quantity::Dimension;
+use apex_model::time::Duration;
+use apex_model::value::Value;
+use std::sync::Arc;
+
+type Body = fn(&Limits, &[Value]) -> Result<Value, String>;
+
+const FUNCTIONS: [(&str, usize, Body); 5] = [
+    ("way-to", 5, to_place),
+    ("way-to-circle", 5, to_circle),
+    ("way-to-line", 6, to_line),
+    ("way-to-landing", 4, to_landing),
+    ("way-to-segment", 6, to_segment),
+];
+
+/// Seconds of straight flight before a segment that is flown again: bank and roll settle in 5 s (time constants of a second,
+/// roll rates of some degrees per second); the rest is for the end of the turn.
+const SEGMENT_LEAD_IN_S: f64 = 10.0;
+/// Less than this of a line is not worth coming back to.
+const REST_M_MIN: f64 = 500.0;
+/// A line that is joined from so near, and so nearly in its direction, is joined straight.
+const ON_LINE_M: f64 = 300.0;
+const ON_LINE_DEG: f64 = 5.0;
+/// Ways to a circle end this many radii from its middle.
+const CIRCLE_ENTRY: f64 = 2.0;
+
+/// Puts the functions of a mission in place of those without one.
+pub(crate) fn register(limits: Limits, functions: &mut HostFunctions) {
+    let limits = Arc::new(limits);
+    for (name, count, body) in FUNCTIONS {
+        let limits = Arc::clone(&limits);
+        let function = move |arguments: &[Value]| {
+            if arguments.len() != count {
+                return Err(format!("`{name}` takes {count} arguments and was given {}.", arguments.len()));
+            }
+            body(&limits, arguments).map_err(|reason| format!("`{name}`: {reason}"))
+        };
+        functions.register(name, Arc::new(function));
+    }
+}
+
+/// As [`start_of`]; none also if nothing limits the ways.
+fn start(limits: &Limits, arguments: &[Value]) -> Result<Option<Request>, String> {
+    if limits.are_none() {
+        return Ok(None);
+    }
+    let request = start_of(arguments)?;
+    Ok(request.map(|request| Request {
+        from_track_rad: request.from_track_rad.filter(|_| limits.turn_radius_m > 0.0),
+        ..request
+    }))
+}
+
+/// Where the vehicle is; none where that is not known.
+fn start_of(arguments: &[Value]) -> Result<Option<Request>, String> {
+    let [here, track, met, ..] = arguments else { return Err("the vehicle's location is missing".to_string()) };
+    if !here.is_true() {
+        return Ok(None);
+    }
+    let place = Location::of(here)?;
+    let angle = |value: &Value| match value.as_number() {
+        Some((radians, Dimension::ANGLE)) if radians.is_finite() => Ok(radians),
+        Some((degrees, Dimension::NONE)) if degrees.is_finite() => Ok(degrees.to_radians()),
+        _ => Err(format!("the track must be an angle; got {value}")),
+    };
+    let track_rad = if track.is_true() { Some(angle(track)?) } else { None };
+    let at_s = match met.as_number() {
+        Some((seconds, Dimension::TIME | Dimension::NONE)) if seconds.is_finite() => seconds,
+        _ => return Err(format!("the time must be a duration since the mission's start; got {met}")),
+    };
+    let from_altitude_m = place.altitude_m.unwrap_or(0.0);
+    Ok(Some(Request {
+        from: place.position,
+        from_altitude_m,
+        from_track_rad: track_rad,
+        at_s,
+        to: place.position,
+        to_altitude_m: from_altitude_m,
+        to_track_rad: None,
+        circle_radius_m: 0.0,
+        stay_s: 0.0,
+    }))
+}
+
+/// A location, or a place by its name, with its altitude where the location states one.
+fn spot(limits: &Limits, value: &Value) -> Result<(Position, Option<f64>), String> {
+    let name = match value {
+        Value::Symbol(symbol) => Some(symbol.folded().to_string()),
+        Value::Text(text) => Some(text.to_lowercase()),
+        _ => None,
+    };
+    match name {
+        Some(name) => {
+            let place = limits.place(&name).map(|(position, _)| (position, None));
+            place.ok_or_else(|| format!("no place is called `{name}`"))
+        }
+        None => Location::of(value).map(|place| (place.position, place.altitude_m)),
+    }
+}
+
+fn length(value: &Value) -> Result<Option<f64>, String> {
+    match value.as_number() {
+        _ if !value.is_true() => Ok(None),
+        Some((metres, Dimension::LENGTH | Dimension::NONE)) if metres.is_finite() => Ok(Some(metres)),
+        _ => Err(format!("the altitude must be a length; got {value}")),
+    }
+}
+
+/// `(way-to HERE TRACK MET PLACE ALTITUDE)`
+fn to_place(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let [.., place, altitude] = arguments else { return Ok(Value::nil()) };
+    // A place that the vehicle refuses is its business to explain.
+    let Ok((to, stated_m)) = spot(limits, place) else { return Ok(Value::nil()) };
+    let altitude_m = length(altitude)?.or(stated_m);
+    // An aircraft that was low for its landing does not fly on so low.
+    let least_m = limits.elevation_m_at(to) + limits.ground_margin_m;
+    let wished_m = altitude_m.unwrap_or(request.from_altitude_m);
+    let is_too_low = limits.turn_radius_m > 0.0 && wished_m < least_m;
+    let request = Request { to, to_altitude_m: if is_too_low { least_m } else { wished_m }, ..request };
+    let altitude = is_too_low.then(|| (":altitude", Value::measured(least_m, Dimension::LENGTH)));
+    Ok(with_option(answer(limits.best_way(&request), None), altitude))
+}
+
+/// An answer whose command has one more option.
+fn with_option(answer: Value, option: Option<(&str, Value)>) -> Value {
+    let Some((name, value)) = option else { return answer };
+    let items = answer.as_list().unwrap_or_default();
+    let options = items.first().and_then(Value::as_list).unwrap_or_default();
+    let stated = [Value::symbol(name), value];
+    let options = Value::list(options.iter().cloned().chain(stated));
+    Value::list(std::iter::once(options).chain(items.iter().skip(1).cloned()))
+}
+
+/// `(way-to-circle HERE TRACK MET PLACE TIME)`: TIME is how long one circles there, or nil. Where the circle has no room, it is
+/// flown around the nearest place where it has (`:centre`).
+fn to_circle(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let [.., place, time] = arguments else { return Ok(Value::nil()) };
+    let Ok((to, stated_m)) = spot(limits, place) else { return Ok(Value::nil()) };
+    let stay_s = match time.as_number() {
+        Some((seconds, Dimension::TIME)) if seconds.is_finite() => seconds,
+        _ => (limits.end_s - request.at_s).max(0.0),
+    };
+    let to_altitude_m = stated_m.unwrap_or(request.from_altitude_m);
+    let request = Request { to, to_altitude_m, stay_s, ..request };
+    let (centre, shut_by) = limits.circle_centre(&request);
+    let radius_m = limits.circle_radius_m();
+    let request = Request { to: centre, circle_radius_m: radius_m, ..request };
+    let mut way = limits.best_way(&request).map(|mut way| {
+        // The vehicle turns onto the circle from outside of it.
+        let near = |there: &Position| geodesy::distance_m(*there, centre) < CIRCLE_ENTRY * radius_m;
+        while way.via.last().is_some_and(near) {
+            way.via.pop();
+        }
+        way
+    });
+    if let Some(name) = shut_by {
+        let why = "no place within reach has room for a circle".to_string();
+        let straight = Way {
+            via: Vec::new(),
+            altitude_m: to_altitude_m,
+            hold_s: 0.0,
+            hold_around: None,
+            time_s: 0.0,
+            broken: None,
+        };
+        way = Some(Way { broken: Some(Broken { name, why }), ..way.unwrap_or(straight) });
+    }
+    let moved = (centre != to).then(|| shown(centre, to_altitude_m));
+    Ok(with_option(answer(way, None), moved.map(|centre| (":centre", centre))))
+}
+
+/// `(way-to-line HERE TRACK MET FROM TO LEFT)`: LEFT is where the line was left before, or nil.
+fn to_line(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let [.., from, to, left] = arguments else { return Ok(Value::nil()) };
+    let ends = spot(limits, from).ok().zip(spot(limits, to).ok());
+    let Some(((begin, begin_m), (end, end_m))) = ends else { return Ok(Value::nil()) };
+    let length_m = geodesy::distance_m(begin, end);
+    if length_m < 1.0 {
+        return Ok(Value::nil());
+    }
+    let begin_along_m = if left.is_true() {
+        let (along_m, across_m) = geodesy::along_cross_track_m(begin, end, Location::of(left)?.position);
+        // Who was not on the line had not begun it.
+        if across_m.abs() <= ON_LINE_M { along_m.clamp(0.0, length_m) } else { 0.0 }
+    } else {
+        0.0
+    };
+    let (along_m, across_m) = geodesy::along_cross_track_m(begin, end, request.from);
+    let lead_m = LEAD_IN_S * (limits.true_airspeed_mps + limits.wind_mps_max());
+    let course_deg = on_line(begin, end, along_m).1;
+    let off_deg = request.from_track_rad.map_or(0.0, |track| geodesy::wrap_180(track.to_degrees() - course_deg).abs());
+    let is_on_line = across_m.abs() <= ON_LINE_M
+        && off_deg <= ON_LINE_DEG
+        && (begin_along_m - lead_m..=begin_along_m + ON_LINE_M).contains(&along_m);
+    let altitude_m = begin_m.or(end_m).unwrap_or(request.from_altitude_m);
+    if is_on_line {
+        return Ok(Value::nil());
+    }
+    let is_fixed_wing = limits.turn_radius_m > 0.0;
+    let (gate, gate_deg) = on_line(begin, end, if is_fixed_wing { begin_along_m - lead_m } else { begin_along_m });
+    let request = Request {
+        to: gate,
+        to_altitude_m: altitude_m,
+        to_track_rad: is_fixed_wing.then(|| gate_deg.to_radians()),
+        ..request
+    };
+    let way = limits.best_way(&request).map(|mut way| {
+        if is_fixed_wing {
+            way.via.push(gate);
+        }
+        way
+    });
+    Ok(answer(way, None))
+}
+
+/// `(way-to-landing HERE TRACK MET PLACE)`
+fn to_landing(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let Some(request) = start(limits, arguments)? else { return Ok(Value::nil()) };
+    let [.., place] = arguments else { return Ok(Value::nil()) };
+    let Ok((to, _)) = spot(limits, place) else { return Ok(Value::nil()) };
+    let landing = limits.landing(&Request { to, to_altitude_m: limits.elevation_m_at(to), ..request });
+    Ok(answer(landing.way, landing.course_deg))
+}
+
+/// `(way-to-segment HERE TRACK MET FROM TO END)`: `(A B OPTIONS)`, the ends of the segment in the order in which it is soonest
+/// flown again, and the line to END taken up after it; where that cannot be computed, `(FROM TO)`.
+fn to_segment(limits: &Limits, arguments: &[Value]) -> Result<Value, String> {
+    let [.., from, to, end] = arguments else { return Err("an end of the segment is missing".to_string()) };
+    let as_it_is = Value::list([from.clone(), to.clone()]);
+    let Some(request) = start_of(arguments)? else { return Ok(as_it_is) };
+    let ends = spot(limits, from).ok().zip(spot(limits, to).ok()).zip(spot(limits, end).ok());
+    let Some((((begin, begin_m), (until, _)), (line_end, _))) = ends else { return Ok(as_it_is) };
+    let segment_m = geodesy::distance_m(begin, until);
+    if segment_m < 1.0 || limits.turn_radius_m <= 0.0 {
+        return Ok(as_it_is);
+    }
+    let lead_m = SEGMENT_LEAD_IN_S * limits.true_airspeed_mps;
+    let altitude_m = begin_m.unwrap_or(request.from_altitude_m);
+    let onto = |request: &Request, from: Position, to: Position| {
+        let (gate, gate_deg) = on_line(from, to, -lead_m);
+        let to_gate =
+            Request { to: gate, to_altitude_m: altitude_m, to_track_rad: Some(gate_deg.to_radians()), ..*request };
+        let mut way = MARGIN_SHARES.iter().find_map(|share| limits.way(&to_gate, &Strictness::all(*share)).ok())?;
+        way.via.push(gate);
+        Some(way)
+    };
+    let flown_s = (segment_m + lead_m) / limits.true_airspeed_mps;
+    let same = onto(&request, begin, until).map(|way| (way.hold_s + way.time_s + flown_s, way));
+    let reverse = onto(&request, until, begin).and_then(|way| {
+        let mut total_s = way.hold_s + way.time_s + flown_s;
+        if geodesy::distance_m(until, line_end) > REST_M_MIN {
+            let back_deg = geodesy::azimuth_deg(until, begin);
+            let after = Request { from: begin, from_track_rad: Some(back_deg.to_radians()), ..request };
+            total_s += onto(&after, until, line_end).map(|way| way.hold_s + way.time_s)?;
+        }
+        Some((total_s, way))
+    });
+    let (first, second, way) = match (same, reverse) {
+        (Some((same_s, _)), Some((reverse_s, way))) if reverse_s < same_s => (to, from, way),
+        (Some((_, way)), _) => (from, to, way),
+        (None, Some((_, way))) => (to, from, way),
+        (None, None) => return Ok(as_it_is),
+    };
+    let told = answer(Some(way), None);
+    let told = told.as_list().unwrap_or_default();
+    Ok(Value::list([first.clone(), second.clone()].into_iter().chain(told.iter().cloned())))
+}
+
+/// `(OPTIONS)` or `(OPTIONS NAME WHY)`: options of the command, and what has to be broken; nil for the straight way.
+fn answer(way: Option<Way>, course_deg: Option<f64>) -> Value {
+    let mut options = Vec::new();
+    if let Some(course_deg) = course_deg {
+        options.extend([Value::symbol(":course"), Value::measured(course_deg.to_radians(), Dimension::ANGLE)]);
+    }
+    let mut broken = None;
+    if let Some(Way { via, altitude_m, hold_s, hold_around, broken: found, .. }) = way {
+        if hold_s > 0.0 {
+            options.extend([Value::symbol(":hold"), Value::Duration(Duration::from_seconds(libm::ceil(hold_s)))]);
+        }
+        if let Some(centre) = hold_around {
+            options.extend([Value::symbol(":hold-around"), shown(centre, altitude_m)]);
+        }
+        if !via.is_empty() {
+            let places = via.into_iter().map(|position| shown(position, altitude_m));
+            options.extend([Value::symbol(":via"), Value::list(places)]);
+        }
+        broken = found;
+    }
+    match broken {
+        Some(Broken { name, why }) => Value::list([Value::list(options), Value::text(&name), Value::text(&why)]),
+        None if options.is_empty() => Value::nil(),
+        None => Value::list([Value::list(options)]),
+    }
+}
+
+/// A place on a way, to a decimetre.
+fn shown(position: Position, altitude_m: f64) -> Value {
+    let round = |number: f64, per: f64| Value::Real(libm::round(number * per) / per);
+    Value::list([round(position.latitude_deg, 1e6), round(position.longitude_deg, 1e6), round(altitude_m, 1.0)])
+}

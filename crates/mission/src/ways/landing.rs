@@ -1,0 +1,140 @@
+//! Ways to a field: which final approach is open, and how to get onto it.
+
+use super::limits::Limits;
+use super::route::{CIRCLE_ROOM, MARGIN_SHARES, Strictness};
+use super::{Broken, LEAD_IN_S, Request, Way};
+use apex_geo::geodesy;
+use apex_geo::wind;
+use apex_model::problem::Position;
+
+/// Directions of the final approach that are tried, the one into the wind first.
+const COURSES: usize = 12;
+/// Room next to a final approach.
+const APPROACH_ROOM_M: f64 = 1_000.0;
+
+/// A landing by a way.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Landing {
+    /// Course of the final approach; none lets the vehicle choose.
+    pub(super) course_deg: Option<f64>,
+    /// How to get onto it.
+    pub(super) way: Option<Way>,
+}
+
+impl Limits {
+    /// How to land at the place of a request, whose altitude is that of the ground.
+    pub(super) fn landing(&self, request: &Request) -> Landing {
+        let straight = Landing { course_deg: None, way: None };
+        if self.are_none() {
+            return straight;
+        }
+        // The vehicle descends while it circles next to the field.
+        let approach_altitude_m = request.to_altitude_m + self.final_approach_height_m;
+        let request = Request { to_altitude_m: approach_altitude_m, ..*request };
+        let is_fixed_wing = self.turn_radius_m > 0.0;
+        let approach_m = if is_fixed_wing { self.final_approach_m } else { 0.0 };
+        let around = Request { circle_radius_m: approach_m + 2.0 * self.circle_radius_m(), ..request };
+        if self.is_straight_open(&around) {
+            return straight;
+        }
+        if !is_fixed_wing {
+            return Landing { course_deg: None, way: self.best_way(&request) };
+        }
+        let here = wind::at(&self.wind, request.to, approach_altitude_m, request.at_s);
+        let into_deg = libm::atan2(-here.east_mps, -here.north_mps).to_degrees();
+        let mut shut_by = None;
+        for margins in MARGIN_SHARES {
+            for index in 0..COURSES {
+                // 0, 30, -30, 60, -60 ..: away from the wind a step at a time.
+                let step = index.div_ceil(2) as f64 * if index % 2 == 0 { 1.0 } else { -1.0 };
+                let course_deg = geodesy::wrap_360(into_deg + step * 360.0 / COURSES as f64);
+                match self.approach(&request, course_deg, margins) {
+                    Ok(way) => return Landing { course_deg: Some(course_deg), way: Some(way) },
+                    Err(name) => shut_by = shut_by.or(Some(name)),
+                }
+            }
+        }
+        let name = shut_by.unwrap_or_else(|| "airspace".to_string());
+        let why = "every final approach, and the descent to it, is shut".to_string();
+        let way = Way { broken: Some(Broken { name, why }), ..self.straight(&request, request.to) };
+        Landing { course_deg: None, way: Some(way) }
+    }
+
+    fn straight(&self, request: &Request, to: Position) -> Way {
+        Way {
+            via: Vec::new(),
+            altitude_m: request.to_altitude_m,
+            hold_s: 0.0,
+            hold_around: None,
+            time_s: geodesy::distance_m(request.from, to) / self.true_airspeed_mps,
+            broken: None,
+        }
+    }
+
+    /// The way onto the final approach with this course.
+    ///
+    /// # Errors
+    /// What shuts the approach, or every way to it.
+    fn approach(&self, request: &Request, course_deg: f64, margins: f64) -> Result<Way, String> {
+        let out_deg = geodesy::wrap_360(course_deg + 180.0);
+        let lead_m = LEAD_IN_S * (self.true_airspeed_mps + self.wind_mps_max());
+        let begin = geodesy::destination(request.to, out_deg, self.final_approach_m + lead_m);
+        // Who cannot descend before circles at the beginning of the approach.
+        let above = Request { to: request.from, ..*request };
+        let can_descend = self.shut_by(&above, (CIRCLE_ROOM * self.circle_radius_m(), margins)).is_none();
+        let room_m = if can_descend { APPROACH_ROOM_M } else { CIRCLE_ROOM * self.circle_radius_m() };
+        let final_leg = Request { from: begin, from_altitude_m: request.to_altitude_m, ..*request };
+        if let Some(name) = self.shut_by(&final_leg, (room_m, margins)) {
+            return Err(name);
+        }
+        let to_begin = Request { to: begin, to_track_rad: Some(course_deg.to_radians()), ..*request };
+        let strict = Strictness::all(margins);
+        let mut way = self.way(&to_begin, &strict).map_err(|trouble| self.name_of(&trouble))?;
+        way.via.push(begin);
+        Ok(way)
+    }
+}
+
+/// Room for a circle around its middle, as a multiple of its radius: joining it swings out.
+const AROUND_ROOM: f64 = 1.4;
+/// Distances from a place at which circles are tried.
+const ASIDE_M: f64 = 2_000.0;
+const ASIDES: usize = 60;
+const ASIDE_DIRECTIONS: usize = 24;
+
+impl Limits {
+    /// The place nearest to that of a request around which a circle has room; else its own place, and what shuts it.
+    pub(super) fn circle_centre(&self, request: &Request) -> (Position, Option<String>) {
+        let shut_by = |centre: Position| {
+            let there = Request { from: centre, to: centre, from_altitude_m: request.to_altitude_m, ..*request };
+            self.shut_by(&there, (AROUND_ROOM * self.circle_radius_m(), 0.2))
+        };
+        let Some(name) = shut_by(request.to) else { return (request.to, None) };
+        for aside in 1..=ASIDES {
+            for direction in 0..ASIDE_DIRECTIONS {
+                let azimuth_deg = 360.0 * direction as f64 / ASIDE_DIRECTIONS as f64;
+                let centre = geodesy::destination(request.to, azimuth_deg, ASIDE_M * aside as f64);
+                if shut_by(centre).is_none() {
+                    return (centre, None);
+                }
+            }
+        }
+        (request.to, Some(name))
+    }
+}
+
+/// The point of a line at a distance along it from its beginning, before it where negative, and the course there.
+pub(super) fn on_line(from: Position, to: Position, along_m: f64) -> (Position, f64) {
+    let azimuth_deg = geodesy::azimuth_deg(from, to);
+    let there = if along_m >= 0.0 {
+        geodesy::destination(from, azimuth_deg, along_m)
+    } else {
+        geodesy::destination(from, geodesy::wrap_360(azimuth_deg + 180.0), -along_m)
+    };
+    let course_deg = if along_m >= 0.0 {
+        geodesy::azimuth_deg(there, geodesy::destination(there, azimuth_deg, 1_000.0))
+    } else {
+        geodesy::azimuth_deg(there, from)
+    };
+    (there, course_deg)
+}

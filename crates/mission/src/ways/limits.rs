@@ -1,0 +1,153 @@
+//! What of a mission ways depend on.
+
+use crate::vehicle::Airframe;
+use crate::vehicle::turn_radius_m;
+use crate::{Mission, TargetKind};
+use apex_geo::landing;
+use apex_model::problem::{AirspaceZone, LandingPlace, Position, WindField, ZoneKind};
+
+/// A part of the ground of one elevation.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    pub(super) position: Position,
+    pub(super) radius_m: f64,
+    pub(super) elevation_m: f64,
+}
+
+/// The requirements of a mission that concern where the vehicle may be, and how it flies.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    pub(super) zones: Vec<AirspaceZone>,
+    pub(super) landing_places: Vec<LandingPlace>,
+    pub(super) landing_distance_m_max: Option<f64>,
+    pub(super) wind: WindField,
+    pub(super) patches: Vec<Patch>,
+    /// Distance kept from zones.
+    pub(super) margin_m: f64,
+    /// Height kept over ground away from where one starts and where one goes.
+    pub(super) ground_margin_m: f64,
+    pub(super) true_airspeed_mps: f64,
+    /// Radius of planned turns through the air; 0 for who turns on the spot.
+    pub(super) turn_radius_m: f64,
+    /// Radius of circles as a multiple of it.
+    pub(super) circle_width: f64,
+    pub(super) climb_rate_mps: f64,
+    pub(super) descent_rate_mps: f64,
+    pub(super) altitude_m_max: f64,
+    pub(super) final_approach_m: f64,
+    pub(super) final_approach_height_m: f64,
+    /// When the mission ends.
+    pub(super) end_s: f64,
+    /// Named places with their elevation.
+    places: Vec<(String, Position, f64)>,
+}
+
+/// Height over ground that ways keep: fixed wing, rotorcraft. The first is 1,000 feet, the least height over open country
+/// (ICAO Annex 2, 4.6); the second is what small aircraft keep from obstacles.
+const GROUND_MARGIN_M: (f64, f64) = (300.0, 30.0);
+/// How far the known elevation of a target or an airfield reaches.
+const PATCH_M: f64 = 10_000.0;
+
+impl Limits {
+    /// The limits of a mission.
+    pub fn of(mission: &Mission) -> Limits {
+        let model = &mission.model;
+        let is_fixed_wing = model.airframe == Airframe::FixedWing;
+        let patch =
+            |position, radius_m: f64, elevation_m| Patch { position, radius_m: radius_m + PATCH_M, elevation_m };
+        let targets = mission.targets.iter().map(|target| {
+            let radius_m = if let TargetKind::Fire(fire) = &target.kind { fire.radius_m } else { 0.0 };
+            patch(target.position, radius_m, target.elevation_m)
+        });
+        let airfields = mission.airfields.iter().map(|field| patch(field.position, 0.0, field.elevation_m));
+        let of_targets = mission.targets.iter().map(|target| (target.id.clone(), target.position, target.elevation_m));
+        let of_fields = mission.airfields.iter().map(|field| (field.id.clone(), field.position, field.elevation_m));
+        let single_visits = mission.targets.iter().any(|target| matches!(target.kind, TargetKind::Fire(_)));
+        Limits {
+            zones: mission.zones.clone(),
+            landing_places: mission.landing_places(),
+            landing_distance_m_max: mission.requirements.landing_distance_m_max(),
+            wind: mission.forecast.clone(),
+            patches: targets.chain(airfields).collect(),
+            margin_m: match single_visits {
+                true => mission.requirements.zone_margin_m,
+                false => mission.requirements.obstacle_margin_m,
+            },
+            ground_margin_m: if is_fixed_wing { GROUND_MARGIN_M.0 } else { GROUND_MARGIN_M.1 },
+            true_airspeed_mps: model.true_airspeed_m_s_cruise,
+            turn_radius_m: turn_radius_m(model),
+            circle_width: model.turns.circle_width,
+            climb_rate_mps: model.climb_rate_m_s_max * model.planning.climb_share,
+            descent_rate_mps: model.descent_rate_m_s_max * model.planning.descent_share,
+            altitude_m_max: model.ceiling_m * model.planning.ceiling_share,
+            final_approach_m: model.final_approach_m,
+            final_approach_height_m: model.final_approach_height_m,
+            end_s: mission.settings.duration.seconds(),
+            places: of_fields.chain(of_targets).collect(),
+        }
+    }
+
+    /// Does the mission limit where one may fly?
+    pub(super) fn are_none(&self) -> bool {
+        self.zones.is_empty() && self.landing_distance_m_max.is_none()
+    }
+
+    /// Where a named place is, with its elevation.
+    pub(super) fn place(&self, name: &str) -> Option<(Position, f64)> {
+        let place = self.places.iter().find(|(known, ..)| known == name);
+        place.map(|(_, position, elevation_m)| (*position, *elevation_m))
+    }
+
+    /// Elevation of the ground at a position, as far as it is known.
+    pub(super) fn elevation_m_at(&self, position: Position) -> f64 {
+        let near = self.patches.iter().map(|patch| (apex_geo::geodesy::distance_m(position, patch.position), patch));
+        let near = near.filter(|(distance_m, patch)| *distance_m <= patch.radius_m);
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, patch)| patch.elevation_m)
+    }
+
+    /// The strongest wind of the forecast.
+    pub(super) fn wind_mps_max(&self) -> f64 {
+        let speeds = self.wind.layers.iter().map(|layer| libm::hypot(layer.wind_east_mps, layer.wind_north_mps));
+        speeds.fold(0.0, f64::max)
+    }
+
+    /// Radius over ground of a turn in the strongest wind: at the airspeed and the wind together.
+    pub(super) fn turn_radius_m_over_ground(&self) -> f64 {
+        let share = 1.0 + self.wind_mps_max() / self.true_airspeed_mps;
+        self.turn_radius_m * share * share
+    }
+
+    /// Radius of the circles that the vehicle flies where it holds.
+    pub(super) fn circle_radius_m(&self) -> f64 {
+        self.circle_width * self.turn_radius_m_over_ground()
+    }
+
+    /// Must some zone be stayed in?
+    pub(super) fn must_stay(&self) -> bool {
+        self.zones.iter().any(|zone| zone.kind == ZoneKind::Permitted)
+    }
+
+    /// Lowest altitude over the patches of ground within `near` of one of `places`, except for those of the two ends.
+    pub(super) fn lowest_altitude_m(&self, places: &[Position], ends: (Position, Position)) -> f64 {
+        let distance_m = apex_geo::geodesy::distance_m;
+        let counts = |patch: &&Patch| {
+            let is_at = |end: Position| distance_m(patch.position, end) <= patch.radius_m;
+            let near_a_leg = |pair: (&Position, &Position)| leg_is_near(*pair.0, *pair.1, patch);
+            !is_at(ends.0) && !is_at(ends.1) && places.iter().zip(places.iter().skip(1)).any(near_a_leg)
+        };
+        let elevations = self.patches.iter().filter(counts).map(|patch| patch.elevation_m);
+        elevations.fold(f64::NEG_INFINITY, f64::max) + self.ground_margin_m
+    }
+
+    /// Is a leg at least `slack_m` within reach of the landing places?
+    pub(super) fn leg_is_within_reach(&self, from: Position, to: Position, slack_m: f64) -> bool {
+        let Some(limit_m) = self.landing_distance_m_max else { return true };
+        landing::leg_is_within(&self.landing_places, from, to, limit_m - slack_m)
+    }
+}
+
+fn leg_is_near(from: Position, to: Position, patch: &Patch) -> bool {
+    let plane = apex_geo::plane::Plane::new(patch.position);
+    let ends = plane.project(from).zip(plane.project(to));
+    ends.is_some_and(|(a, b)| apex_geo::plane::point_to_segment(Default::default(), a, b) <= patch.radius_m)
+}

@@ -1,0 +1,71 @@
+//! Ways in flight: how to get from where the vehicle is to a place, a circle, a line or a field, by what the mission permits.
+//!
+//! A flight command goes straight. Library `vehicle` asks the functions of this module before each command, and again when a
+//! task goes on after an interruption; the command takes the answer along as `:via`. Where the straight way and the turns at
+//! its ends keep out of everything, the answer is nothing. A function depends on its arguments and the mission's data only, so
+//! a replay gets the same answers.
+//! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
+
+mod answers;
+mod landing;
+mod least;
+mod limits;
+mod route;
+mod straight;
+
+pub(crate) use answers::register;
+pub use limits::Limits;
+
+use apex_model::problem::Position;
+
+/// Seconds of straight flight before a line, so that the wings are level where it begins.
+const LEAD_IN_S: f64 = 24.0;
+
+/// From where to where, as a vehicle in flight asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Where the vehicle is.
+    pub from: Position,
+    /// Its altitude above mean sea level.
+    pub from_altitude_m: f64,
+    /// Its direction over ground, clockwise from north; none for a vehicle that may leave in any direction.
+    pub from_track_rad: Option<f64>,
+    /// When, since the mission's start.
+    pub at_s: f64,
+    /// Where to.
+    pub to: Position,
+    /// The altitude to be held there.
+    pub to_altitude_m: f64,
+    /// The direction in which the place is to be reached; none for any.
+    pub to_track_rad: Option<f64>,
+    /// Room for circles around the place.
+    pub circle_radius_m: f64,
+    /// How long one stays there.
+    pub stay_s: f64,
+}
+
+/// A requirement of the mission that no way keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// What is broken: the zone's name, `permitted area` or `landing distance`.
+    pub name: String,
+    /// Why, as a sentence.
+    pub why: String,
+}
+
+/// A way that is not straight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// Places to fly over, without the beginning and the end.
+    pub via: Vec<Position>,
+    /// The altitude at which they are flown over.
+    pub altitude_m: f64,
+    /// How long to wait before leaving.
+    pub hold_s: f64,
+    /// Around which place to wait.
+    pub hold_around: Option<Position>,
+    /// How long it takes after leaving.
+    pub time_s: f64,
+    /// What it has to break; none where every requirement is kept.
+    pub broken: Option<Broken>,
+}

@@ -1,0 +1,267 @@
+//! Ways around, over and under zones, by the network of travel.
+
+use super::limits::Limits;
+use super::straight::{ABOVE_ZONE_M, LATE_S, LATE_SHARE, RIM_M};
+use super::{Request, Way};
+use apex_geo::geodesy;
+use apex_geo::plane::{self, Plane, Point};
+use apex_geo::travel::{Air, Network, Setting, TravelError, crossing};
+use apex_model::problem::{AirspaceZone, Position, TimeWindow, ZoneKind};
+
+/// What a search keeps.
+#[derive(Clone, Debug)]
+pub(super) struct Strictness {
+    /// Share of the margins.
+    pub(super) margins: f64,
+    /// Are turns as wide as they are?
+    pub(super) turns: bool,
+    /// Are landing places in reach?
+    pub(super) reach: bool,
+    /// Zones that do not count.
+    pub(super) without: Vec<String>,
+}
+
+impl Strictness {
+    /// Every requirement, with this share of the margins.
+    pub(super) fn all(margins: f64) -> Strictness {
+        Strictness { margins, turns: true, reach: true, without: Vec::new() }
+    }
+}
+
+/// Shares of the margins that are tried one after the other.
+pub(super) const MARGIN_SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
+/// Points of a turn are left out while the course changes by less than this.
+const CHORD_DEG: f64 = 15.0;
+/// Room for a circle that begins in its middle, as a multiple of its radius.
+pub(super) const CIRCLE_ROOM: f64 = 2.2;
+/// Waits shorter than this do not pay for a circle.
+const HOLD_S_MIN: f64 = 5.0;
+/// Zones begin to count this much before they are active and continue after it.
+const EARLY_S: f64 = 120.0;
+
+impl Limits {
+    /// The quickest way at any altitude that is of use.
+    ///
+    /// # Errors
+    /// What prevents a way at the altitude of the place.
+    pub(super) fn way(&self, request: &Request, strict: &Strictness) -> Result<Way, TravelError> {
+        let mut found: Option<Way> = None;
+        let mut trouble = None;
+        for altitude_m in self.altitudes_m(request) {
+            let way = self.way_at(request, altitude_m, strict);
+            match way {
+                Ok(way) if found.as_ref().is_none_or(|best| cost_s(&way) < cost_s(best)) => found = Some(way),
+                Ok(_) => {}
+                Err(reason) => trouble = trouble.or(Some(reason)),
+            }
+            // At the altitude of the place nothing else is asked for: others only where that way is long.
+            if let Some(way) = &found
+                && way.altitude_m == request.to_altitude_m
+                && self.is_nearly_straight(request, way)
+            {
+                break;
+            }
+        }
+        found.ok_or(trouble.unwrap_or(TravelError::Shut))
+    }
+
+    fn is_nearly_straight(&self, request: &Request, way: &Way) -> bool {
+        let straight_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
+        way.hold_s <= 0.0 && way.time_s < 1.1 * straight_s + 120.0
+    }
+
+    /// Altitudes to fly at: that of the place, the present one, and those just above and below zones between.
+    fn altitudes_m(&self, request: &Request) -> Vec<f64> {
+        let lowest_m = self.lowest_altitude_m(&[request.from, request.to], (request.from, request.to));
+        let floor_m = self.elevation_m_at(request.from).max(self.elevation_m_at(request.to)) + self.ground_margin_m;
+        let edges = self
+            .zones
+            .iter()
+            .flat_map(|zone| [zone.altitude_m_min - 2.0 * ABOVE_ZONE_M, zone.altitude_m_max + 2.0 * ABOVE_ZONE_M]);
+        let of_use = |altitude_m: &f64| {
+            let low_m = floor_m.max(lowest_m);
+            (low_m..=self.altitude_m_max).contains(altitude_m)
+        };
+        let mut altitudes_m = vec![request.to_altitude_m];
+        if request.to_track_rad.is_some() {
+            // A line is met at its own altitude.
+            return altitudes_m;
+        }
+        let others = std::iter::once(request.from_altitude_m).chain(edges).chain([lowest_m]);
+        altitudes_m.extend(others.filter(of_use));
+        let mut unique_m: Vec<f64> = Vec::new();
+        for altitude_m in altitudes_m {
+            if !unique_m.iter().any(|known_m| (known_m - altitude_m).abs() < 1.0) {
+                unique_m.push(altitude_m);
+            }
+        }
+        unique_m
+    }
+
+    /// How long to circle before leaving so that the altitude is reached on the way: 0 where the vehicle can do so at the end.
+    fn climb_hold_s(&self, request: &Request, altitude_m: f64, way_s: f64) -> f64 {
+        let climb_m = altitude_m - request.from_altitude_m;
+        let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
+        let late_s = climb_m.abs() / rate_mps - way_s;
+        let here = Request { to: request.from, to_altitude_m: altitude_m, ..*request };
+        let must_be_level = request.to_track_rad.is_some();
+        let has_room = || self.is_open(&here, CIRCLE_ROOM * self.circle_radius_m());
+        if must_be_level && late_s > 0.0 && has_room() { late_s } else { 0.0 }
+    }
+
+    /// Where to wait: a place next to the vehicle with space for a circle.
+    fn hold_around(&self, request: &Request, hold_s: f64) -> Option<Position> {
+        if hold_s < HOLD_S_MIN || self.turn_radius_m <= 0.0 {
+            return None;
+        }
+        let here = Request { to: request.from, to_altitude_m: request.from_altitude_m, stay_s: hold_s, ..*request };
+        let (centre, shut_by) = self.circle_centre(&here);
+        (shut_by.is_none() && centre != request.from).then_some(centre)
+    }
+
+    fn way_at(&self, request: &Request, altitude_m: f64, strict: &Strictness) -> Result<Way, TravelError> {
+        let low_m = request.from_altitude_m.min(altitude_m);
+        let high_m = request.from_altitude_m.max(altitude_m);
+        let mut network = self.network(request, (low_m, high_m, altitude_m), strict)?;
+        let (from, to) = (network.add(request.from)?, network.add(request.to)?);
+        network.head(from, request.from_track_rad);
+        network.head(to, request.to_track_rad);
+        let trip = network.trip(from, to, request.at_s)?;
+        let path = network.path(trip.way, trip.depart_s);
+        let needs_m = self.lowest_altitude_m(&path, (request.from, request.to));
+        if altitude_m < needs_m {
+            return Err(TravelError::Shut);
+        }
+        // Where the present and the place's altitude differ from that of the way, circles at its end make up for it.
+        let climb_m = request.to_altitude_m - altitude_m;
+        let there = Request { from: request.to, from_altitude_m: altitude_m, ..*request };
+        if climb_m != 0.0 && self.shut_by(&there, (CIRCLE_ROOM * self.circle_radius_m(), strict.margins)).is_some() {
+            return Err(TravelError::NoRoomToTurn);
+        }
+        let rate_mps = if climb_m > 0.0 { self.climb_rate_mps } else { self.descent_rate_mps };
+        let way_s = trip.arrive_s - trip.depart_s;
+        let hold_s = (trip.depart_s - request.at_s).max(self.climb_hold_s(request, altitude_m, way_s));
+        let mut via = thinned(&path);
+        if climb_m != 0.0 {
+            // The whole way is flown at its altitude.
+            via.push(request.to);
+        }
+        Ok(Way {
+            via,
+            altitude_m,
+            hold_s: if hold_s < HOLD_S_MIN { 0.0 } else { hold_s },
+            hold_around: self.hold_around(request, hold_s),
+            time_s: way_s + climb_m.abs() / rate_mps,
+            broken: None,
+        })
+    }
+
+    /// The network of a search between two altitudes, with the wind at a third.
+    pub(super) fn network(
+        &self,
+        request: &Request,
+        (low_m, high_m, altitude_m): (f64, f64, f64),
+        strict: &Strictness,
+    ) -> Result<Network, TravelError> {
+        let above_m = strict.margins * ABOVE_ZONE_M;
+        let zones = self.counted(request, strict);
+        let around: Vec<Position> = [request.from, request.to].into();
+        let rim_m = strict.margins * (RIM_M + 0.005 * self.landing_distance_m_max.unwrap_or(0.0));
+        let setting = Setting {
+            zones: &zones,
+            margin_m: strict.margins * self.margin_m,
+            turn_radius_m: if strict.turns { self.turn_radius_m } else { 0.0 },
+            circling: false,
+            landing_places: &self.landing_places,
+            landing_distance_m_max: self.landing_distance_m_max.filter(|_| strict.reach).map(|limit_m| limit_m - rim_m),
+            around: &around,
+            altitudes_m: (low_m - above_m, high_m + above_m),
+            time_s: (request.at_s, self.end_s.max(request.at_s) + LATE_S),
+        };
+        let air = Air::new(&self.wind, altitude_m, self.true_airspeed_mps, request.at_s, setting.time_s.1);
+        Network::new(&setting, air).map_err(|_| TravelError::TooFar)
+    }
+
+    /// The zones that count: restricted ones with times last longer, permitted ones shorter and are smaller.
+    fn counted(&self, request: &Request, strict: &Strictness) -> Vec<AirspaceZone> {
+        let counts = |zone: &&AirspaceZone| !strict.without.contains(&zone.name);
+        let mut zones: Vec<AirspaceZone> = self.zones.iter().filter(counts).cloned().collect();
+        for zone in &mut zones {
+            // The farther away in time, the less is known of when one is there.
+            let spread_s = |time_s: f64| {
+                let ahead_s = (time_s - request.at_s).max(0.0);
+                strict.margins * (EARLY_S + LATE_SHARE * ahead_s).min(LATE_S)
+            };
+            let TimeWindow { from_s, until_s } = zone.active;
+            let (early_s, late_s) = (spread_s(from_s), spread_s(until_s));
+            let permitted = zone.kind == ZoneKind::Permitted;
+            let sign = if permitted { -1.0 } else { 1.0 };
+            zone.active = TimeWindow { from_s: from_s - sign * early_s, until_s: until_s + sign * late_s };
+            if permitted {
+                // The lower face of a permitted zone is mostly the ground.
+                zone.altitude_m_min -= strict.margins * ABOVE_ZONE_M;
+                zone.corners = inset(&zone.corners, strict.margins * RIM_M);
+            }
+        }
+        zones
+    }
+}
+
+fn cost_s(way: &Way) -> f64 {
+    way.hold_s + way.time_s
+}
+
+/// Points of a path that are needed to fly it, without its beginning and its end.
+fn thinned(path: &[Position]) -> Vec<Position> {
+    let mut kept = Vec::new();
+    let mut turned_deg = 0.0;
+    let mut before_deg: Option<f64> = None;
+    let mut chord_m = f64::INFINITY;
+    for (from, to) in path.iter().zip(path.iter().skip(1)) {
+        let (length_m, azimuth_deg) = geodesy::inverse(*from, *to);
+        if length_m < 1.0 {
+            continue;
+        }
+        if let Some(before_deg) = before_deg {
+            let change_deg = geodesy::wrap_180(azimuth_deg - before_deg).abs();
+            turned_deg += change_deg;
+            // A turn begins and ends where a leg is much longer than the one next to it.
+            let edge = change_deg > 0.1 && (length_m > 3.0 * chord_m || chord_m > 3.0 * length_m);
+            if turned_deg >= CHORD_DEG || edge {
+                kept.push(*from);
+                turned_deg = 0.0;
+            }
+        }
+        chord_m = length_m;
+        before_deg = Some(azimuth_deg);
+    }
+    kept
+}
+
+/// The polygon made smaller by `rim_m` on all sides; as it is where that would not be a polygon.
+fn inset(corners: &[Position], rim_m: f64) -> Vec<Position> {
+    let smaller = || {
+        let plane = Plane::around(corners);
+        let flat: Vec<Point> = corners.iter().map(|corner| plane.project(*corner)).collect::<Option<_>>()?;
+        let sense = if plane::doubled_area(&flat) > 0.0 { 1.0 } else { -1.0 };
+        let count = flat.len();
+        let at = |index: usize| flat.get(index % count).copied().unwrap_or_default();
+        let inward = |from: Point, to: Point| {
+            let along = to.minus(from).unit()?;
+            Some(Point { x: -sense * along.y, y: sense * along.x })
+        };
+        let moved = |index: usize| {
+            let here = at(index);
+            let (before, after) = (inward(at(index + count - 1), here)?, inward(here, at(index + 1))?);
+            let open = 1.0 + before.dot(after);
+            let by = rim_m * plane.stretch(here) / open.max(0.1);
+            Some(here.plus(by, before).plus(by, after))
+        };
+        let made: Vec<Point> = (0..count).map(moved).collect::<Option<_>>()?;
+        let sound = crossing(&made).is_none()
+            && plane::doubled_area(&made) * sense > 0.0
+            && made.iter().all(|point| plane::inside(*point, &flat));
+        sound.then(|| made.iter().map(|point| plane.position(*point)).collect::<Vec<Position>>())
+    };
+    if rim_m > 0.0 { smaller().unwrap_or_else(|| corners.to_vec()) } else { corners.to_vec() }
+}

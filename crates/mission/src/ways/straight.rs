@@ -1,0 +1,93 @@
+//! Is the straight way open, with space for the turns at its ends?
+
+use super::Request;
+use super::limits::Limits;
+use apex_geo::plane::{self, Plane, Point};
+use apex_model::problem::{AirspaceZone, Position, ZoneKind};
+
+/// Room for a turn: across, and its overshoot, as multiples of the radius over ground.
+const TURN_ROOM: f64 = 3.0;
+/// Time that a flight may take longer than planned, and the earlier or later end of a zone's activity that it is prepared for.
+pub(super) const LATE_SHARE: f64 = 0.1;
+pub(super) const LATE_S: f64 = 900.0;
+/// Distance from the edge of a permitted area and from the end of the reach of landing places.
+pub(super) const RIM_M: f64 = 500.0;
+/// Distance above and below zones.
+pub(super) const ABOVE_ZONE_M: f64 = 150.0;
+
+impl Limits {
+    /// Does the straight way with the turns at both ends keep every requirement with its margin, whenever it is flown?
+    pub(super) fn is_straight_open(&self, request: &Request) -> bool {
+        let room_m = TURN_ROOM * self.turn_radius_m_over_ground() + request.circle_radius_m;
+        self.is_open(request, room_m)
+    }
+
+    /// Does everything within `room_m` of the straight leg keep every requirement?
+    pub(super) fn is_open(&self, request: &Request, room_m: f64) -> bool {
+        self.shut_by(request, (room_m, 1.0)).is_none()
+    }
+
+    /// What stands within `room_m` of the straight leg, with this share of the margins.
+    pub(super) fn shut_by(&self, request: &Request, (room_m, margins): (f64, f64)) -> Option<String> {
+        let Request { from, to, at_s, .. } = *request;
+        let slowest_mps = (self.true_airspeed_mps - self.wind_mps_max()).max(1.0);
+        let lasts_s = apex_geo::geodesy::distance_m(from, to) / slowest_mps;
+        let span_s = (at_s, at_s + (1.0 + LATE_SHARE) * lasts_s + LATE_S + request.stay_s);
+        let lowest_m = request.from_altitude_m.min(request.to_altitude_m);
+        let low_m = lowest_m - margins * ABOVE_ZONE_M;
+        let high_m = request.from_altitude_m.max(request.to_altitude_m) + margins * ABOVE_ZONE_M;
+        let leg = Leg { from, to, span_s, low_m, high_m };
+        let mut restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
+        let inside = restricted.find(|zone| !leg.keeps_out(zone, margins * self.margin_m + room_m));
+        if let Some(zone) = inside {
+            return Some(zone.name.clone());
+        }
+        let rim_m = margins * RIM_M + room_m;
+        if self.must_stay() && !self.zones.iter().any(|zone| leg.keeps_in(zone, rim_m)) {
+            return Some("permitted area".to_string());
+        }
+        if !self.leg_is_within_reach(from, to, rim_m) {
+            return Some("landing distance".to_string());
+        }
+        (lowest_m < self.lowest_altitude_m(&[from, to], (from, to))).then(|| "height over ground".to_string())
+    }
+}
+
+struct Leg {
+    from: Position,
+    to: Position,
+    span_s: (f64, f64),
+    low_m: f64,
+    high_m: f64,
+}
+
+impl Leg {
+    fn flat(&self, zone: &AirspaceZone) -> Option<(Point, Point, Vec<Point>)> {
+        let plane = Plane::around(&[self.from, self.to]);
+        let corners: Option<Vec<Point>> = zone.corners.iter().map(|corner| plane.project(*corner)).collect();
+        Some((plane.project(self.from)?, plane.project(self.to)?, corners?))
+    }
+
+    fn keeps_out(&self, zone: &AirspaceZone, distance_m: f64) -> bool {
+        let meets = zone.altitude_m_min <= self.high_m
+            && self.low_m < zone.altitude_m_max
+            && zone.active.overlaps(self.span_s.0, self.span_s.1);
+        // What cannot be drawn on one map is left to the network.
+        let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
+            !plane::inside(a, &corners) && plane::segment_to_edges(a, b, &corners) >= distance_m
+        };
+        !meets || self.flat(zone).is_some_and(clear)
+    }
+
+    fn keeps_in(&self, zone: &AirspaceZone, distance_m: f64) -> bool {
+        let counts = zone.kind == ZoneKind::Permitted
+            && zone.altitude_m_min <= self.low_m.max(0.0)
+            && self.high_m < zone.altitude_m_max
+            && zone.active.from_s <= self.span_s.0
+            && self.span_s.1 < zone.active.until_s;
+        let clear = |(a, b, corners): (Point, Point, Vec<Point>)| {
+            plane::inside(a, &corners) && plane::segment_to_edges(a, b, &corners) >= distance_m
+        };
+        counts && self.flat(zone).is_some_and(clear)
+    }
+}

@@ -1,0 +1,138 @@
+//! Flights keep out of zones, inside the permitted area, over the ground and within landing distance, whatever is flown:
+//! seeds of `western-states` and random missions with random zones, replans, lost links and returns. The check is
+//! `apex_mission::verification`, which shares no arithmetic with the ways that are flown.
+//!
+//! `APEX_GUARDED_SEEDS` and `APEX_GUARDED_MISSIONS` set how many of each are flown.
+
+#![allow(clippy::unwrap_used, reason = "a failed test should stop")]
+
+#[path = "guarded/random_mission.rs"]
+mod random_mission;
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded::replay;
+use apex_mission::recording;
+use apex_mission::verification::{CheckResult, FlightCheck, verify};
+use apex_model::effect::Effect;
+use apex_model::event::Batch;
+use apex_runtime::ports::Observer;
+use apex_simulation::{create_record, world};
+use random_mission::RandomMission;
+use std::path::Path;
+use std::sync::Arc;
+
+fn number(name: &str, usual: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
+/// Prints what failed, where that is wished.
+struct Failures;
+
+impl Observer for Failures {
+    fn observe(&mut self, batch: &Batch, effects: &[Effect]) -> Result<(), String> {
+        for effect in effects {
+            let text = format!("{effect:?}");
+            if let Effect::Command { form, .. } = effect {
+                println!("{}: {form}", batch.now);
+            }
+            if ["ExpressionFailed", "CommandFailed", "CommandTimedOut"].iter().any(|word| text.contains(word)) {
+                println!("{}: {text}", batch.now);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn fly(mission: &Arc<Mission>, seed: u64) -> CheckResult {
+    let mut check = FlightCheck::new(mission);
+    let mut vehicle = world(mission, Some(seed)).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(mission, None);
+    let told = std::env::var_os("APEX_GUARDED_NOTES").is_some();
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut check];
+    let mut failures = Failures;
+    if told {
+        observers.push(&mut failures);
+    }
+    let flown = MissionFlight::new(Arc::clone(mission), means).fly(&mut vehicle, terms, &mut observers).unwrap();
+    if told {
+        println!("{:?}", flown.end);
+        flown.report.notes.iter().for_each(|note| println!("{note:?}"));
+    }
+    check.result().clone()
+}
+
+fn shown(name: &str, result: &CheckResult) -> Option<String> {
+    (result.violations() > 0 || !result.said_broken.is_empty()).then(|| format!("{name}: {result}"))
+}
+
+#[test]
+fn western_states_keeps_its_requirements() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+    for entry in std::fs::read_dir(shipped).unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+    }
+    let program = folder.path().join("mission.pdl");
+    let text = std::fs::read_to_string(&program).unwrap();
+    // The quality of plans is not what is tested.
+    std::fs::write(&program, text.replace(":budget 3s", ":budget 200ms")).unwrap();
+    let mission = Arc::new(Mission::load(folder.path()).unwrap());
+    let mut wrong = Vec::new();
+    let mut positions = 0;
+    for seed in 1..=number("APEX_GUARDED_SEEDS", 10) {
+        let result = fly(&mission, seed);
+        positions += result.positions;
+        wrong.extend(shown(&format!("seed {seed}"), &result));
+    }
+    assert!(positions > 1_000, "{positions} positions are too few to say anything");
+    assert!(wrong.is_empty(), "{} flights:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn a_recorded_flight_by_ways_is_replayed_and_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    // Its flight needs ways, waits and a circle aside.
+    RandomMission::new(154).write(folder.path());
+    let mission = Arc::new(Mission::load(folder.path()).unwrap());
+    let path = folder.path().join("flight.apex");
+    let mut recorder = create_record(&path, &mission, Some(154)).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    apex_simulation::fly(Arc::clone(&mission), means, Some(154), terms, &mut recorder, &mut []).unwrap();
+    drop(recorder);
+    let (reader, _) = recording::open(&path).unwrap();
+    let replayed = replay(&reader).unwrap();
+    assert!(replayed.difference.is_none(), "{:?}", replayed.difference.map(|difference| difference.what.to_string()));
+    let result = verify(&reader, &mission).unwrap();
+    let said = !result.said_broken.is_empty();
+    assert!(result.positions > 1_000 && (result.violations() == 0 || said), "{result}");
+}
+
+#[test]
+fn random_missions_keep_their_requirements() {
+    let (mut wrong, mut positions, mut broken) = (Vec::new(), 0, 0);
+    let first = number("APEX_GUARDED_FIRST", 1);
+    for seed in first..first + number("APEX_GUARDED_MISSIONS", 20) {
+        let folder = tempfile::tempdir().unwrap();
+        RandomMission::new(seed).write(folder.path());
+        let mission = Arc::new(Mission::load(folder.path()).unwrap_or_else(|error| panic!("mission {seed}: {error}")));
+        let result = fly(&mission, seed);
+        positions += result.positions;
+        broken += result.said_broken.len();
+        for (t_s, what) in &result.said_broken {
+            println!("mission {seed} at {t_s:.0} s: {what} ({} violations)", result.violations());
+        }
+        // What was said before it happened is a field or a place where the mission forbids it to be.
+        let said_s = result.said_broken.first().map_or(f64::INFINITY, |(t_s, _)| *t_s);
+        if result.findings.iter().any(|finding| finding.t_s < said_s) {
+            wrong.push(format!("mission {seed}: {result}"));
+        }
+    }
+    println!("{positions} positions, {broken} times a requirement had to be broken");
+    assert!(positions > 1_000, "{positions} positions are too few to say anything");
+    assert!(wrong.is_empty(), "{} flights:\n{}", wrong.len(), wrong.join("\n"));
+}

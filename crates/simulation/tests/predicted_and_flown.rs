@@ -1,0 +1,79 @@
+//! A fire planned, flown in the simulator, recorded and scored again from the record: in still air what was predicted happens.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "a test stops where it is surprised")]
+
+use apex_mission::Mission;
+use apex_mission::deliberation::PlanningResources;
+use apex_mission::flight::MissionFlight;
+use apex_mission::recorded::{mission_of, replay, report_of};
+use apex_mission::recording;
+use apex_mission::report::MissionValue;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Two of the fires of `western-states` in still, smooth air: one by lines over it, one along its perimeter.
+const FIRES: [&str; 2] = ["lick", "gw"];
+
+fn mission() -> Mission {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions/western-states");
+    let mission = Mission::load(&folder).unwrap();
+    let mut data: Vec<_> = mission.data.iter().cloned().collect();
+    for (name, bytes) in &mut data {
+        match name.as_str() {
+            "fires.geojson" => {
+                let mut all: serde_json::Value = serde_json::from_slice(bytes).unwrap();
+                let keeps =
+                    |feature: &serde_json::Value| FIRES.contains(&feature["properties"]["id"].as_str().unwrap());
+                all["features"].as_array_mut().unwrap().retain(keeps);
+                *bytes = all.to_string().into_bytes();
+            }
+            "winds-forecast.csv" | "winds-actual.csv" => {
+                *bytes = b"altitude_m_min,altitude_m_max,wind_from_deg,wind_speed_mps\n0,20000,0,0\n".to_vec();
+            }
+            "scenario.jsonl" => *bytes = b"# Nothing happens.\n".to_vec(),
+            _ => {}
+        }
+    }
+    Mission::from_sources(&mission.library.sources, data).unwrap()
+}
+
+#[test]
+fn in_still_air_the_flight_is_worth_what_the_plan_predicted() {
+    let mission = Arc::new(mission());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("still.apex");
+    let mut recorder = apex_simulation::create_record(&path, &mission, None).unwrap();
+    let means = PlanningResources::of(&Arc::new(apex_solvers::shipped()));
+    let terms = MissionFlight::terms(&mission, None);
+    let flight = apex_simulation::fly(Arc::clone(&mission), means, None, terms, &mut recorder, &mut []).unwrap();
+    drop(recorder);
+    let MissionValue::Score(score) = &flight.report.value else { panic!("of another kind") };
+    assert_eq!(score.looks.len(), FIRES.len(), "{}", flight.report.text());
+    for look in &score.looks {
+        let predicted = look.predicted.as_ref().unwrap();
+        let flown = &look.flown;
+        let off = (flown.points - predicted.worth).abs() / flown.value;
+        assert!(
+            off <= 0.01,
+            "{}: {} flown, {} predicted\n{}",
+            look.id,
+            flown.points,
+            predicted.worth,
+            flight.report.text()
+        );
+        let visit = flight.report.visits.iter().find(|visit| visit.target == look.id).unwrap();
+        let took_s = (visit.end.unwrap() - visit.begin).seconds();
+        let planned_s = predicted.end_s - predicted.begin_s;
+        println!("{}: {took_s:.0} s flown, {planned_s:.0} s planned; {} of {}", look.id, flown.points, predicted.worth);
+        assert!((took_s - planned_s).abs() <= 60.0 + 0.1 * planned_s, "{}: {took_s} s of {planned_s} s", look.id);
+    }
+    // From the record alone, byte for byte.
+    let (reader, warning) = recording::open(&path).unwrap();
+    assert_eq!(warning, None);
+    let recorded = mission_of(&reader).unwrap().unwrap();
+    let again = report_of(&reader, &recorded).unwrap();
+    assert_eq!(again.text(), flight.report.text());
+    assert_eq!(again.json().to_string(), flight.report.json().to_string());
+    let replayed = replay(&reader).unwrap();
+    assert_eq!(replayed.difference, None);
+}
