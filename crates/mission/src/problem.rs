@@ -10,8 +10,8 @@ use crate::score::FlownScore;
 use crate::vehicle::{Airframe, turn_radius_m};
 use apex_geo::geodesy;
 use apex_model::problem::{
-    EventRate, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle, SurveillanceProblem,
-    SurveillanceTarget,
+    AirspaceZone, EventRate, Position, Problem, SingleVisitProblem, SingleVisitTarget, SingleVisitVehicle,
+    SurveillanceProblem, SurveillanceTarget, ZoneKind,
 };
 use apex_model::time::Time;
 use apex_planning::surveillance::travel::{SurveillanceTravel, Transit};
@@ -83,7 +83,7 @@ fn single_visit(
         end_s: Some(mission.settings.duration.seconds() - mission.settings.end_margin.seconds()),
         zero_unix_s: mission.settings.epoch_unix_s.unwrap_or(0.0),
         precedence,
-        zones: mission.zones.clone(),
+        zones: mission.zones.iter().map(|zone| grown(zone, mission)).collect(),
         zone_margin_m: mission.requirements.zone_margin_m,
         landing_places: mission.landing_places(),
         landing_distance_m_max: mission.requirements.landing_distance_m_max(),
@@ -241,6 +241,16 @@ fn from(rate: &EventRate, now_s: f64) -> EventRate {
     let now = std::iter::once((0.0, rate.at(now_s)));
     let later = rate.steps.iter().filter(|(from_s, _)| *from_s > now_s).map(|(from_s, rate)| (from_s - now_s, *rate));
     EventRate { steps: now.chain(later).collect() }
+}
+
+/// A zone with the height that the flight must keep from its faces: plans that keep out of it raise no alarm. A face at sea
+/// level is the ground.
+fn grown(zone: &AirspaceZone, mission: &Mission) -> AirspaceZone {
+    let height_m = mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
+    let out_m = if zone.kind == ZoneKind::Restricted { height_m } else { -height_m };
+    let (low_m, high_m) = (zone.altitude_m_min, zone.altitude_m_max);
+    let low_m = if low_m > 0.0 { low_m - out_m } else { low_m };
+    AirspaceZone { altitude_m_min: low_m, altitude_m_max: (high_m + out_m).max(low_m), ..zone.clone() }
 }
 
 #[cfg(test)]

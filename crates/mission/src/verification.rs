@@ -14,6 +14,7 @@ use apex_model::event::{Batch, EventKind};
 use apex_model::planned::Location;
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 use apex_model::time::{Duration, Time};
+use apex_model::value::Value;
 use apex_runtime::ports::Observer;
 use apex_runtime::record::RecordReader;
 use libm::{atan, atan2, cos, sin, sqrt, tan};
@@ -44,6 +45,18 @@ pub enum Violation {
     NearGround,
     /// Farther from every landing place than the mission allows.
     BeyondLandingDistance,
+}
+
+impl Violation {
+    /// The requirement as a flight names it in `(requirement-broken NAME WHY)`.
+    pub fn requirement(&self) -> &str {
+        match self {
+            Violation::Inside(zone) => zone,
+            Violation::OutsidePermitted => "permitted area",
+            Violation::NearGround => "ground",
+            Violation::BeyondLandingDistance => "landing distance",
+        }
+    }
 }
 
 /// One position at which a requirement was violated.
@@ -100,6 +113,15 @@ impl CheckResult {
     pub fn violations(&self) -> u64 {
         self.inside_zones + self.outside_permitted + self.near_ground + self.beyond_landing_distance
     }
+
+    /// The kept findings of which the flight did not say before that it had to break this requirement.
+    pub fn unsaid(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| {
+            let name = finding.violation.requirement();
+            let names = |words: &str| words.split("; ").any(|part| part.strip_prefix(name).is_some_and(ends_name));
+            !self.said_broken.iter().any(|(t_s, words)| *t_s <= finding.t_s && names(words))
+        })
+    }
 }
 
 impl FlightCheck {
@@ -135,7 +157,11 @@ impl FlightCheck {
                 && let Some([head, name, why]) = form.as_list()
                 && head.as_symbol().is_some_and(|head| head.is("requirement-broken"))
             {
-                self.result.said_broken.push((batch.now.seconds(), format!("{name}: {why}")));
+                let text = |value: &Value| match value {
+                    Value::Text(text) => text.to_string(),
+                    other => other.to_string(),
+                };
+                self.result.said_broken.push((batch.now.seconds(), format!("{}: {}", text(name), text(why))));
             }
         }
         let mut here = None;
@@ -251,6 +277,11 @@ impl fmt::Display for CheckResult {
         }
         Ok(())
     }
+}
+
+/// Nothing, or the reason, follows a whole name.
+fn ends_name(rest: &str) -> bool {
+    rest.is_empty() || rest.starts_with(": ")
 }
 
 /// Do the corners go around a place? The bearings of a polygon's corners, followed edge by edge, make a full turn then.

@@ -145,6 +145,32 @@ fn an_aircraft_stays_inside_of_what_is_permitted() {
     flown.assert_replays();
 }
 
+/// A face that covers everything around cannot be left sideways: the aircraft levels off below, and goes on.
+#[test]
+fn an_aircraft_that_climbs_towards_the_upper_face_of_what_is_permitted_stays_below() {
+    let area = zone("permitted", -119.0, 35.5, -115.0, 38.5)
+        .replace("\"kind\": \"permitted\"", "\"kind\": \"permitted\", \"altitude_m_max\": 4000");
+    let flown = fly(
+        ":vehicle (sim :model predator-b :at home) :duration 2h :targets \"base.geojson\" :airspace \"zone.geojson\"",
+        "(procedure :sequential (index (fly the mission)) (step up (take off to 3000m)) (step work (work)))\n\
+         (procedure (index (work)) (step guard (guard the flight)) (step go (dash to (37.9 -117.0 3950))) \
+           (step end (terminate) (waitfor (:delay 20min))))",
+        &[("base.geojson", BASE), ("zone.geojson", &area)],
+    );
+    let alarms = flown.said("requirement-at-risk");
+    assert!(
+        alarms.len() == 1 && alarms[0].1.contains(" climb "),
+        "a climb that ends below the face is enough: {alarms:?}"
+    );
+    let buffer = flown.mission.requirements.airspace.unwrap();
+    let track = flown.track();
+    let highest_m = track.iter().map(|(.., altitude_m)| *altitude_m).fold(0.0, f64::max);
+    assert!(highest_m < 4000.0 - 0.9 * buffer.vertical_m, "{highest_m} m");
+    let northmost_deg = track.iter().map(|(_, latitude_deg, ..)| *latitude_deg).fold(0.0, f64::max);
+    assert!(northmost_deg > 37.8, "it goes on to its place: {northmost_deg}");
+    flown.assert_replays();
+}
+
 #[test]
 fn a_hovering_helicopter_returns_and_lands_with_its_reserve() {
     let flown = fly(

@@ -10,8 +10,10 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Altitudes closer than this are one.
 const APART_M: f64 = 50.0;
-/// Height kept from the upper and lower faces of zones.
+/// Height kept from the upper and lower faces of zones, at least.
 const ZONE_HEIGHT_M: f64 = 150.0;
+/// Height by which an aircraft may leave its altitude, besides the height that the mission requires from faces.
+const LEVEL_M: f64 = 10.0;
 
 /// The altitudes to try, rising, above mean sea level.
 ///
@@ -49,17 +51,47 @@ pub(super) fn of(wish: &Wish<'_>, mode: &ScannerMode) -> Result<Vec<f64>, String
     let here = |area: Option<apex_model::problem::Area>| area.is_none_or(|area| area.contains(wish.target.position));
     let layers = mission.forecast.layers.iter().filter(|layer| here(layer.area) && layer.until_s > wish.from_s);
     found.extend(layers.map(|layer| 0.5 * (layer.altitude_m_min + layer.altitude_m_max)));
+    let face_m = face_height_m(wish);
     for zone in zones_near(wish) {
-        found.extend([zone.altitude_m_max + ZONE_HEIGHT_M, zone.altitude_m_min - ZONE_HEIGHT_M]);
+        found.extend([zone.altitude_m_max + face_m, zone.altitude_m_min - face_m]);
     }
+    let bands = permitted_bands(wish, face_m);
+    found.extend(bands.iter().flat_map(|(low_m, high_m)| [*low_m, *high_m]));
     // At the ground nothing is seen, and the least height may be 0 where no scan rate is known.
     found.retain(|altitude_m| *altitude_m >= lowest_m && *altitude_m <= top_m && *altitude_m > ground_m + APART_M);
+    if let Some((low_m, high_m)) = bands.first() {
+        found.retain(|altitude_m| bands.iter().any(|(low_m, high_m)| (*low_m..=*high_m).contains(altitude_m)));
+        if found.is_empty() {
+            return Err(format!(
+                "the permitted area leaves {low_m:.0} m to {high_m:.0} m, the scanner needs {lowest_m:.0} m to {top_m:.0} m"
+            ));
+        }
+    }
     found.sort_by(f64::total_cmp);
     found.dedup_by(|next, before| *next - *before < APART_M);
     match found.is_empty() {
         true => Err(format!("no altitude between {lowest_m:.0} m and {top_m:.0} m is possible")),
         false => Ok(found),
     }
+}
+
+/// Height that lines keep from the faces of zones: what the flight must keep, and what an aircraft may be off its altitude.
+fn face_height_m(wish: &Wish<'_>) -> f64 {
+    let required_m = wish.mission.requirements.airspace.map_or(0.0, |buffer| buffer.vertical_m);
+    ZONE_HEIGHT_M.max(required_m + LEVEL_M)
+}
+
+/// The altitudes that permitted zones around the target leave. Empty where none is around it: then everything is permitted, or
+/// the planner finds that the target lies outside.
+fn permitted_bands(wish: &Wish<'_>, face_m: f64) -> Vec<(f64, f64)> {
+    let here = wish.mission.zones.iter().filter(|zone| {
+        zone.kind == ZoneKind::Permitted
+            && zone.active.until_s > wish.from_s
+            && distance_m(zone, wish.target.position) == 0.0
+    });
+    // A face at sea level is the ground.
+    let low_m = |zone: &AirspaceZone| if zone.altitude_m_min > 0.0 { zone.altitude_m_min + face_m } else { 0.0 };
+    here.map(|zone| (low_m(zone), zone.altitude_m_max - face_m)).collect()
 }
 
 /// Restricted zones that the lines over the target may meet.

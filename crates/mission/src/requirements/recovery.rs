@@ -23,6 +23,8 @@ const LAYER_M: f64 = 500.0;
 const LAYERS: i32 = 10;
 /// Clearance that a climb aims at, as a multiple of the one required.
 const CLEARANCE_SHARE: f64 = 1.5;
+/// A level beyond a face is chosen this much farther than required, so that the vehicle may be off its altitude.
+const LEVEL_M: f64 = 10.0;
 
 impl Scene<'_> {
     /// The response to a reading, with its way out. After `is_escalated` alarms the response that did not help is replaced by a
@@ -48,7 +50,8 @@ impl Scene<'_> {
             }
             (Concern::LandingDistance, _) => (Response::TurnAway, self.towards(site.position)),
             (Concern::Weather, _) => self.calmer_layer(reading).unwrap_or((Response::LandAt, to_site)),
-            (Concern::Airspace | Concern::Link | Concern::Sensor, _) => (Response::TurnAway, self.turn_away()),
+            (Concern::Airspace, _) => self.leave_airspace(reading),
+            (Concern::Link | Concern::Sensor, _) => (Response::TurnAway, self.turn_away().0),
         }
     }
 
@@ -66,10 +69,75 @@ impl Scene<'_> {
         Location { position, altitude_m: self.flown.altitude_m }
     }
 
-    /// The place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals.
-    fn turn_away(&self) -> Location {
-        let buffer =
-            self.requirements().airspace.unwrap_or(ZoneBuffer { horizontal_m: 0.0, vertical_m: 0.0, time_s: 0.0 });
+    /// Another altitude where a climb or a descent is what violates the requirement; else a turn where that leads to a place that
+    /// keeps it; else the nearest altitude that does: a face of a zone that covers everything around cannot be left sideways.
+    fn leave_airspace(&self, reading: &Reading) -> (Response, Location) {
+        let to_level = |altitude_m: f64| {
+            let response = if altitude_m > self.flown.altitude_m { Response::Climb } else { Response::Descend };
+            (response, Location { position: self.here, altitude_m })
+        };
+        if let Some(altitude_m) = self.level_on_the_way(reading) {
+            return to_level(altitude_m);
+        }
+        let (place, end_m) = self.turn_away();
+        let level = if end_m < 0.0 { self.permitted_level(Point::default(), self.flown.altitude_m) } else { None };
+        level.map_or((Response::TurnAway, place), to_level)
+    }
+
+    /// Where the route violates the requirement by its altitude alone, the nearest permitted altitude there.
+    fn level_on_the_way(&self, reading: &Reading) -> Option<f64> {
+        let state = self.route.at(reading.after_s?.min(self.route.end_s()))?;
+        let is_level = (state.altitude_m - self.flown.altitude_m).abs() < LEVEL_M;
+        let (zones, _) = self.near_zones();
+        let area = KeepIn::new(&zones, self.flown.altitude_m, self.now_s);
+        let here = (self.flown.altitude_m, self.now_s + state.after_s);
+        let kept_m = self.zone_margin_m(state.point, here, &zones, area.as_ref(), &self.zone_buffer());
+        if is_level || kept_m < 0.0 { None } else { self.permitted_level(state.point, state.altitude_m) }
+    }
+
+    fn zone_buffer(&self) -> ZoneBuffer {
+        self.requirements().airspace.unwrap_or(ZoneBuffer { horizontal_m: 0.0, vertical_m: 0.0, time_s: 0.0 })
+    }
+
+    /// The altitude nearest to `wished_m`, beyond a face of a zone, at which the vehicle may be at `point`.
+    fn permitted_level(&self, point: Point, wished_m: f64) -> Option<f64> {
+        let buffer = self.zone_buffer();
+        let (zones, _) = self.near_zones();
+        let model = &self.mission.model;
+        let ground_m = self.flown.altitude_m - self.flown.height_above_ground_m.unwrap_or(0.0);
+        let lowest_m = ground_m + CLEARANCE_SHARE * self.requirements().terrain_clearance_m.unwrap_or(0.0);
+        let off_m = buffer.vertical_m + LEVEL_M;
+        let faces = zones.iter().flat_map(|zone| [zone.altitude_m().0, zone.altitude_m().1]);
+        let levels = faces.flat_map(|face_m| [face_m - off_m, face_m + off_m]);
+        let is_kept = |altitude_m: &f64| {
+            let area = KeepIn::new(&zones, *altitude_m, self.now_s);
+            self.zone_margin_m(point, (*altitude_m, self.now_s), &zones, area.as_ref(), &buffer) >= 0.0
+        };
+        let distance_m = |altitude_m: &f64| (altitude_m - wished_m).abs();
+        levels
+            .filter(|altitude_m| (lowest_m..=model.ceiling_m).contains(altitude_m))
+            .filter(is_kept)
+            .min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))
+    }
+
+    /// The least margin of all zones at a point, an altitude and an instant.
+    fn zone_margin_m(
+        &self,
+        point: Point,
+        (altitude_m, at_s): (f64, f64),
+        zones: &[LocalZone],
+        area: Option<&KeepIn>,
+        buffer: &ZoneBuffer,
+    ) -> f64 {
+        let out = zones.iter().filter(|zone| zone.is_restricted() && zone.is_active(at_s));
+        let out_m = out.map(|zone| zone.keep_out_m(point, altitude_m, buffer)).fold(f64::INFINITY, f64::min);
+        out_m.min(area.map_or(f64::INFINITY, |area| area.keep_in_m(point, altitude_m, buffer)))
+    }
+
+    /// The place around here whose way stays farthest from what is to be kept, the nearest to the present course among equals, and
+    /// the margin there.
+    fn turn_away(&self) -> (Location, f64) {
+        let buffer = self.zone_buffer();
         let (zones, _) = self.near_zones();
         let area = KeepIn::new(&zones, self.flown.altitude_m, self.now_s);
         let course_rad = self.flown.track_deg().to_radians();
@@ -86,7 +154,9 @@ impl Scene<'_> {
             }
         }
         let to = best.map_or(Point::default(), |(_, to)| to);
-        Location { position: self.plane.position(to), altitude_m: self.flown.altitude_m }
+        let altitude_m = self.flown.altitude_m;
+        let end_m = self.zone_margin_m(to, (altitude_m, self.now_s), &zones, area.as_ref(), &buffer);
+        (Location { position: self.plane.position(to), altitude_m }, end_m)
     }
 
     /// The least margin on the way to a place, at most the distance to it: farther than that needs no preference.
@@ -96,12 +166,7 @@ impl Scene<'_> {
         let altitude_m = self.flown.altitude_m;
         let route = Route::begin(Point::default(), track, (altitude_m, altitude_m), self.motion).fly_to(to);
         let reach = self.requirements().landing_distance_m_max();
-        let margin = |point: Point, at_s: f64| {
-            let out = zones.iter().filter(|zone| zone.is_restricted() && zone.is_active(at_s));
-            let out_m = out.map(|zone| zone.keep_out_m(point, altitude_m, buffer)).fold(f64::INFINITY, f64::min);
-            let in_m = area.map_or(f64::INFINITY, |area| area.keep_in_m(point, altitude_m, buffer));
-            out_m.min(in_m)
-        };
+        let margin = |point: Point, at_s: f64| self.zone_margin_m(point, (altitude_m, at_s), zones, area, buffer);
         let mut worst_m = to.length();
         let count = (route.end_s() / 2.0) as u32;
         for number in 0..=count {

@@ -6,6 +6,7 @@
 
 use super::limits::Limits;
 use super::route::{MARGIN_SHARES, Strictness};
+use super::straight::TURN_ROOM;
 use super::{Broken, Request, Way};
 use apex_geo::geodesy;
 use apex_geo::plane::{self, Plane, Point};
@@ -17,6 +18,8 @@ const LOOK_M_FIRST: f64 = 200.0;
 const LOOK_GROWTH: f64 = 1.08;
 const LOOK_M_MAX: f64 = 2_000_000.0;
 const LOOK_DIRECTIONS: usize = 48;
+/// What wind and turns may carry the vehicle off its way at its ends, where it keeps no margin.
+const EDGE_M: f64 = 500.0;
 /// Share of the margins that a way keeps which breaks a requirement already.
 const MARGINS_LEFT: f64 = 0.2;
 
@@ -29,6 +32,13 @@ impl Limits {
         let mut first = None;
         for margins in MARGIN_SHARES {
             match self.way(request, &Strictness::all(margins)) {
+                // Without any margin the wind alone may carry the vehicle across an edge.
+                Ok(way) if margins == 0.0 => {
+                    let names = self.crossed(request, &way, (EDGE_M, true));
+                    let why = "no way keeps a distance from its edge".to_string();
+                    let broken = (!names.is_empty()).then(|| Broken { name: names.join("; "), why });
+                    return Some(Way { broken, ..way });
+                }
                 Ok(way) => return Some(way),
                 Err(reason) => first = first.or(Some(reason)),
             }
@@ -36,6 +46,24 @@ impl Limits {
         let why = first.unwrap_or(TravelError::Shut).to_string();
         let way = self.way_between_permitted_ends(request).or_else(|| self.through_zones(request, &why));
         Some(way.unwrap_or_else(|| self.straight_anyway(request, why)))
+    }
+
+    /// The way with what it breaks: the requirement without which it was searched, and every zone that it passes. Where the
+    /// vehicle chooses its turns itself, every zone near them counts.
+    fn breaking(&self, request: &Request, way: Way, (name, why): (&str, &str), has_turns: bool) -> Way {
+        let room_m = TURN_ROOM * self.turn_radius_m_over_ground();
+        let mut names: Vec<String> = name.split("; ").map(str::to_string).collect();
+        names.extend(self.crossed(request, &way, (room_m, has_turns)));
+        let mut known: Vec<String> = Vec::new();
+        for name in names {
+            if !name.is_empty() && !known.contains(&name) {
+                known.push(name);
+            }
+        }
+        if known.is_empty() {
+            known.push("airspace".to_string());
+        }
+        Way { broken: Some(Broken { name: known.join("; "), why: why.to_string() }), ..way }
     }
 
     /// By the shortest legs out of where one must not be, and into where one must not go.
@@ -73,7 +101,7 @@ impl Limits {
             (None, Some((_, reason))) => (self.name_of(reason), format!("the place is {reason}")),
             (None, None) => return None,
         };
-        Some(Way { via, broken: Some(Broken { name, why }), ..found })
+        Some(self.breaking(request, Way { via, ..found }, (&name, &why), false))
     }
 
     /// The nearest place to `position` at which it is allowed to be, and why it is not there; within: none where it is.
@@ -114,44 +142,40 @@ impl Limits {
                 names.push(zone.name.clone());
             }
         }
-        let mut found: Option<(f64, Way)> = None;
-        let mut consider = |without: Vec<String>, name: &str| {
-            for turns in [true, false] {
-                let strict = Strictness { turns, without: without.clone(), ..Strictness::all(0.0) };
-                let Ok(way) = self.way(request, &strict) else { continue };
-                let violated_s = self.time_in_s(request, &way, &without);
-                let broken = Broken { name: name.to_string(), why: why.to_string() };
-                if found.as_ref().is_none_or(|(least_s, _)| violated_s < *least_s) {
-                    found = Some((violated_s, Way { broken: Some(broken), ..way }));
-                }
-                break;
-            }
+        let without = |without: Vec<String>, turns: bool| {
+            self.way(request, &Strictness { turns, without, ..Strictness::all(0.0) }).ok()
         };
-        for name in &names {
-            consider(vec![name.clone()], name);
-        }
-        if found.is_none() {
-            let restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
-            let restricted: Vec<String> = restricted.map(|zone| zone.name.clone()).collect();
-            let name = restricted.join(", ");
-            let consider = |without: Vec<String>, name: &str| {
-                let strict = Strictness { turns: false, without, ..Strictness::all(0.0) };
-                let broken = Broken { name: name.to_string(), why: why.to_string() };
-                self.way(request, &strict).ok().map(|way| Way { broken: Some(broken), ..way })
-            };
-            return consider(restricted, &name).or_else(|| consider(names.clone(), &names.join(", "))).or_else(|| {
-                let strict = Strictness { turns: false, reach: false, ..Strictness::all(0.0) };
-                let broken = Broken { name: "landing distance".to_string(), why: why.to_string() };
-                self.way(request, &strict).ok().map(|way| Way { broken: Some(broken), ..way })
+        let through_one = |turns: bool| {
+            let ways = names.iter().filter_map(|name| {
+                let way = without(vec![name.clone()], turns)?;
+                Some((self.time_in_s(request, &way, std::slice::from_ref(name)), name, way))
             });
-        }
-        found.map(|(_, way)| way)
+            let least = ways.min_by(|(a_s, ..), (b_s, ..)| a_s.total_cmp(b_s));
+            least.map(|(_, name, way)| self.breaking(request, way, (name, why), turns))
+        };
+        let restricted = self.zones.iter().filter(|zone| zone.kind == ZoneKind::Restricted);
+        let restricted: Vec<String> = restricted.map(|zone| zone.name.clone()).collect();
+        let through_all = |of: &[String]| {
+            without(of.to_vec(), false).map(|way| self.breaking(request, way, (&of.join("; "), why), false))
+        };
+        through_one(true)
+            // Only the turns have no room: the vehicle turns where it can.
+            .or_else(|| through_all(&[]))
+            .or_else(|| through_one(false))
+            .or_else(|| through_all(&restricted))
+            .or_else(|| through_all(&names))
+            .or_else(|| {
+                let strict = Strictness { turns: false, reach: false, ..Strictness::all(0.0) };
+                let way = self.way(request, &strict).ok()?;
+                Some(self.breaking(request, way, ("landing distance", why), false))
+            })
     }
 
     fn straight_anyway(&self, request: &Request, why: String) -> Way {
         let time_s = geodesy::distance_m(request.from, request.to) / self.true_airspeed_mps;
-        let broken = Some(Broken { name: "airspace and landing distance".to_string(), why });
-        Way { via: Vec::new(), altitude_m: request.to_altitude_m, hold_s: 0.0, hold_around: None, time_s, broken }
+        let altitude_m = request.to_altitude_m;
+        let way = Way { via: Vec::new(), altitude_m, hold_s: 0.0, hold_around: None, time_s, broken: None };
+        self.breaking(request, way, ("landing distance", &why), false)
     }
 
     /// How long a way is inside restricted zones of these names, or outside of permitted ones.

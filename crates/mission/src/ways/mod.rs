@@ -7,6 +7,7 @@
 //! Bound: O(zones) where the straight way is open; else a network of travel for each altitude tried ([`apex_geo::travel`]).
 
 mod answers;
+mod crossed;
 mod landing;
 mod least;
 mod limits;
@@ -47,7 +48,7 @@ pub struct Request {
 /// A requirement of the mission that no way keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// What is broken: the zone's name, `permitted area` or `landing distance`.
+    /// What is broken: names of zones, `permitted area`, `landing distance`, with `; ` between them.
     pub name: String,
     /// Why, as a sentence.
     pub why: String,

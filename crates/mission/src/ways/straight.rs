@@ -6,7 +6,7 @@ use apex_geo::plane::{self, Plane, Point};
 use apex_model::problem::{AirspaceZone, Position, ZoneKind};
 
 /// Room for a turn: across, and its overshoot, as multiples of the radius over ground.
-const TURN_ROOM: f64 = 3.0;
+pub(super) const TURN_ROOM: f64 = 3.0;
 /// Time that a flight may take longer than planned, and the earlier or later end of a zone's activity that it is prepared for.
 pub(super) const LATE_SHARE: f64 = 0.1;
 pub(super) const LATE_S: f64 = 900.0;

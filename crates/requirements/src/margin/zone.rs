@@ -31,6 +31,11 @@ pub struct LocalZone {
     active_s: (f64, f64),
 }
 
+/// A lower face at sea level is the ground: nothing is below it, and no distance is kept from it.
+fn lower_face_m(zone: &AirspaceZone) -> f64 {
+    if zone.altitude_m_min > 0.0 { zone.altitude_m_min } else { f64::NEG_INFINITY }
+}
+
 impl LocalZone {
     /// The zone on `plane`; `None` if a corner is too far from the plane's centre to be projected.
     pub fn new(number: usize, zone: &AirspaceZone, plane: &Plane) -> Option<LocalZone> {
@@ -39,7 +44,7 @@ impl LocalZone {
             number,
             kind: zone.kind,
             corners: corners?,
-            altitude_m: (zone.altitude_m_min, zone.altitude_m_max),
+            altitude_m: (lower_face_m(zone), zone.altitude_m_max),
             active_s: (zone.active.from_s, zone.active.until_s),
         })
     }
@@ -47,6 +52,11 @@ impl LocalZone {
     /// True if the zone is one to keep out of.
     pub fn is_restricted(&self) -> bool {
         self.kind == ZoneKind::Restricted
+    }
+
+    /// Lower and upper face above mean sea level.
+    pub fn altitude_m(&self) -> (f64, f64) {
+        self.altitude_m
     }
 
     /// True if the zone is active at `at_s` of mission time.
