@@ -29,9 +29,15 @@ pub enum Pace {
     Fast,
     /// In full packets: at least every ten seconds.
     Slow,
+    /// In full packets, and in every packet in which it differs by more than [`CHANGE_SHARE`] from its last report: held
+    /// until the next report, it may be summed up over time.
+    Flow,
     /// When it changes, and in full packets.
     Discrete,
 }
+
+/// Share of its last report by which a [`Pace::Flow`] differs before it is reported again.
+const CHANGE_SHARE: f64 = 0.01;
 
 /// A state variable that the vehicle publishes.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +98,7 @@ fn truth_word(truth: bool) -> &'static str {
     if truth { "t" } else { "nil" }
 }
 
-use Pace::{Attitude, Fast, Slow};
+use Pace::{Attitude, Fast, Flow, Slow};
 
 /// Every variable of the vehicle, in the order of the packet. Cameras and modems add their own:
 /// `(camera-state C)` `(camera-tilt C)` `(camera-pan C)` `(signal-level M)`.
@@ -125,9 +131,9 @@ pub const VARIABLES: &[Variable] = &[
     number("truth-wind-east", "m/s", Slow, |s| s.wind.east_mps),
     number("truth-wind-north", "m/s", Slow, |s| s.wind.north_mps),
     number("fuel", "kg", Slow, |s| s.state.stored),
-    number("fuel-flow", "kg/h", Slow, |s| s.state.drain_per_s),
+    number("fuel-flow", "kg/h", Flow, |s| s.state.drain_per_s),
     plain("battery-charge", Slow, battery_charge),
-    number("battery-power", "W", Slow, |s| s.state.drain_per_s),
+    number("battery-power", "W", Flow, |s| s.state.drain_per_s),
     other("endurance-remaining", Slow, endurance),
     number("commanded-altitude", "m", Slow, |s| s.altitude_m_commanded),
     number("commanded-speed", "m/s", Slow, |s| s.true_airspeed_commanded),
@@ -198,6 +204,10 @@ fn battery_charge(snapshot: &Snapshot) -> f64 {
     model.available(snapshot.state.stored, snapshot.air.temperature_k - ICE_K) / model.stored_full()
 }
 
+fn is_changed(last: f64, now: f64) -> bool {
+    (now - last).abs() > CHANGE_SHARE * last.abs() || last.is_nan()
+}
+
 /// True if a vehicle with this store of energy has the variable.
 fn is_carried(variable: &Variable, energy: &EnergyModel) -> bool {
     match energy {
@@ -247,6 +257,8 @@ pub(crate) struct Reporter {
     words: BTreeMap<&'static str, Value>,
     /// The last word reported of each discrete variable.
     last_words: Vec<&'static str>,
+    /// The last number reported of each flow.
+    last_flows: Vec<f64>,
     cameras: Vec<[StateVariable; 3]>,
     last_cameras: Vec<&'static str>,
     radios: Vec<StateVariable>,
@@ -276,6 +288,7 @@ impl Reporter {
             variables: VARIABLES.iter().map(named).collect(),
             words: BTreeMap::new(),
             last_words: vec![""; VARIABLES.len()],
+            last_flows: vec![f64::NAN; VARIABLES.len()],
             cameras: cameras.iter().map(of_camera).collect(),
             last_cameras: vec![""; cameras.len()],
             radios: radios.iter().map(of_radio).collect(),
@@ -301,18 +314,22 @@ impl Reporter {
             self.last_words.fill("");
             self.last_cameras.fill("");
         }
-        for (variable, published) in VARIABLES.iter().zip(&self.variables) {
-            let due = match variable.pace {
-                Pace::Attitude => true,
-                Pace::Fast => !brief,
-                Pace::Slow => full,
-                Pace::Discrete => false,
+        for ((variable, published), last_flow) in VARIABLES.iter().zip(&self.variables).zip(&mut self.last_flows) {
+            let due = match (variable.pace, variable.read) {
+                (Pace::Attitude, _) => true,
+                (Pace::Fast, _) => !brief,
+                (Pace::Slow, _) => full,
+                (Pace::Flow, Read::Number(read)) => full || (!brief && is_changed(*last_flow, read(snapshot))),
+                (Pace::Flow | Pace::Discrete, _) => false,
             };
             if !due || !published.carried {
                 continue;
             }
             let value = match variable.read {
-                Read::Number(read) => published.value(read(snapshot)),
+                Read::Number(read) => {
+                    *last_flow = read(snapshot);
+                    published.value(*last_flow)
+                }
                 Read::Other(read) => read(snapshot),
                 Read::Word(_) => continue,
             };
