@@ -104,6 +104,13 @@ pub enum PlannedActivity {
         /// How long.
         time: Duration,
     },
+    /// Stay at a point until an instant; no longer than it takes to get there where the instant has passed.
+    LoiterUntil {
+        /// The point.
+        at: Location,
+        /// When it ends, since the mission's start.
+        until: Duration,
+    },
     /// Any other ground goal.
     Goal(Value),
 }
@@ -114,7 +121,10 @@ impl PlannedActivity {
         match self {
             PlannedActivity::Observe { target, .. } => Some(target),
             PlannedActivity::Visit { site, .. } => Some(site),
-            PlannedActivity::FlyTo(_) | PlannedActivity::Loiter { .. } | PlannedActivity::Goal(_) => None,
+            PlannedActivity::FlyTo(_)
+            | PlannedActivity::Loiter { .. }
+            | PlannedActivity::LoiterUntil { .. }
+            | PlannedActivity::Goal(_) => None,
         }
     }
 
@@ -139,6 +149,9 @@ impl PlannedActivity {
             PlannedActivity::FlyTo(to) => Value::list([word("fly"), word("to"), to.value()]),
             PlannedActivity::Loiter { at, time } => {
                 Value::list([word("loiter"), word("at"), at.value(), word("for"), Value::Duration(*time)])
+            }
+            PlannedActivity::LoiterUntil { at, until } => {
+                Value::list([word("loiter"), word("at"), at.value(), word("until"), Value::Duration(*until)])
             }
             PlannedActivity::Goal(goal) => goal.clone(),
         }
@@ -179,6 +192,11 @@ fn known_goal(goal: &Value) -> Option<PlannedActivity> {
         [head, word, place, span, Value::Duration(time)] if is(head, "loiter") && is(word, "at") && is(span, "for") => {
             Some(PlannedActivity::Loiter { at: Location::from_value(place)?, time: *time })
         }
+        [head, word, place, span, Value::Duration(until)]
+            if is(head, "loiter") && is(word, "at") && is(span, "until") =>
+        {
+            Some(PlannedActivity::LoiterUntil { at: Location::from_value(place)?, until: *until })
+        }
         _ => None,
     }
 }
@@ -204,6 +222,7 @@ mod tests {
             look(LookFrom::Circle),
             PlannedActivity::FlyTo(location(2.5)),
             PlannedActivity::Loiter { at: location(3.5), time: minute },
+            PlannedActivity::LoiterUntil { at: location(3.5), until: minute },
             PlannedActivity::Goal(Value::list([Value::symbol("say"), Value::Integer(3)])),
         ];
         for activity in all {

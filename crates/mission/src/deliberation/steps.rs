@@ -6,13 +6,23 @@ use super::solve::Deliberation;
 use crate::problem::{survey, visit_altitude_m};
 use crate::vehicle::Airframe;
 use crate::{Mission, Target, TargetKind};
+use apex_geo::sun::is_light;
 use apex_model::planned::{Location, LookFrom, PlannedActivity, PlannedProcedure, PlannedStep};
-use apex_model::problem::{Plan, Position, Problem, SingleVisitPlan, SingleVisitProblem, SurveillancePlan};
+use apex_model::problem::{
+    Manoeuvre, Plan, PlannedVisit, Position, Problem, SingleVisitPlan, SingleVisitProblem, SingleVisitTarget,
+    SurveillancePlan,
+};
 use apex_model::source::SourceFile;
 use apex_model::symbol::Symbol;
 use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_pdl::PrintedPlan;
+
+/// An arrival may be earlier than planned by this: with it the mission would still keep its plan (`+max-delay+` in
+/// library/aerial-observation.pdl).
+const EARLY_S: f64 = 900.0;
+/// Timing factors closer than this are the same.
+const TIMING_TOLERANCE: f64 = 1e-3;
 
 /// A step before it has a line in the procedure's text.
 type Step = (Symbol, PlannedActivity);
@@ -75,6 +85,9 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
         ready_s = visit.end_s;
         altitude_m = manoeuvre.altitude_m;
         detour(&mut steps, &visit.route, altitude_m);
+        if target.is_some_and(|target| waits(problem, target, manoeuvre, visit)) {
+            wait(&mut steps, &visit.route, altitude_m, visit.begin_s);
+        }
         let observe = PlannedActivity::Observe {
             target: visit.target.clone(),
             lines: observed_lines(manoeuvre),
@@ -85,6 +98,31 @@ fn single_visit_steps(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> V
     hold(&mut steps, &plan.return_route, altitude_m, plan.return_depart_s - ready_s);
     detour(&mut steps, &plan.return_route, problem.vehicle.cruise_altitude_m);
     steps
+}
+
+/// Whether the observation waits for its instant: the plan waits, or an arrival earlier than planned would find the wrong
+/// light, a closed window or a lower timing factor.
+fn waits(
+    problem: &SingleVisitProblem,
+    target: &SingleVisitTarget,
+    manoeuvre: &Manoeuvre,
+    visit: &PlannedVisit,
+) -> bool {
+    let early_s = visit.begin_s - EARLY_S;
+    let closed = !target.windows.is_empty() && !target.windows.iter().any(|window| window.contains(early_s));
+    let dark = [early_s, early_s + manoeuvre.duration_s]
+        .iter()
+        .any(|time_s| !is_light(target.light, target.position, problem.zero_unix_s + time_s));
+    let lower = target.timing_at(early_s) < target.timing_at(visit.begin_s) - TIMING_TOLERANCE;
+    visit.begin_s - visit.arrive_s >= 1.0 || closed || dark || lower
+}
+
+/// A circle where a route ends until the observation may begin; over at once where it is later already.
+fn wait(steps: &mut Vec<Step>, route: &[Position], altitude_m: f64, begin_s: f64) {
+    let Some(there) = route.last() else { return };
+    let tag = Symbol::new(&format!("wait-{}", steps.len() + 1));
+    let until = Duration::from_seconds(libm::ceil(begin_s));
+    steps.push((tag, PlannedActivity::LoiterUntil { at: at(*there, altitude_m), until }));
 }
 
 /// Staying where a route begins until it is open; nothing for less than a second.
