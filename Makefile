@@ -7,7 +7,7 @@ SHELL := bash
 MAKEFLAGS += --no-builtin-rules
 
 MISSION ?= western-states
-MISSIONS := first-picture structure-watch western-states
+MISSIONS := first-picture structure-watch day-and-night western-states
 SEED ?= 1
 ROUNDS ?= 20
 # Random worlds with about 13 trips each: a million trips that must not enter a zone.
@@ -215,7 +215,7 @@ define fly_all
 	  'set -euo pipefail; $(1) fly missions/{} --record $(2)/{}.apex --no-progress $(3) > $(2)/{}.txt \
 	   || { echo "flight of {} failed:"; cat $(2)/{}.txt; exit 1; }; \
    grep -q "because the initial task is done" $(2)/{}.txt || { echo "{} did not reach its goal:"; cat $(2)/{}.txt; exit 1; }; \
-   $(1) replay $(2)/{}.apex'
+   $(1) replay $(2)/{}.apex; $(1) verify $(2)/{}.apex'
 endef
 
 flights: $(CI_APEX)
