@@ -34,7 +34,7 @@ fn a_small_plan_in_every_format() {
     }
 }
 
-/// 22 fires in wind and among zones that change. The scores with these seeds are above 1,090; the bound of the benefits is 1,264.9.
+/// 22 fires in wind and among zones that change. The scores with these seeds are above 1,100; the bound of the benefits is 1,262.5.
 #[test]
 fn fires_in_changing_wind_are_planned_well() {
     let desk = Desk::new();
@@ -42,7 +42,7 @@ fn fires_in_changing_wind_are_planned_well() {
         let said = desk.apex(&["plan", &mission("western-states"), "--budget", "3s", "--seed", seed, "--json"]).well();
         let plan = &json(&said.out)["plan"]["SingleVisit"];
         let score = plan["benefits"].as_f64().unwrap() - plan["costs"].as_f64().unwrap();
-        assert!(score > 1_090.0, "{score} with seed {seed}");
+        assert!(score > 1_100.0, "{score} with seed {seed}");
     }
 }
 

@@ -72,8 +72,8 @@ pub(crate) fn scanner_of(model: &VehicleModel) -> Option<PredictedScanner> {
         name: "mission".to_string(),
         pixel_mrad: scanner.pixel_mrad,
         field_of_view_deg: scanner.field_of_view_deg,
-        scan_rates_hz: Vec::new(),
-        line_overlap: 0.0,
+        scan_rates_hz: scanner.scan_rates_hz.clone(),
+        line_overlap: scanner.overlap_share,
     };
     let roll = RollLimits { valid_deg: model.level_roll_deg_max, zero_deg: None };
     Some(PredictedScanner {

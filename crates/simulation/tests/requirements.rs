@@ -299,3 +299,27 @@ fn a_requirement_that_cannot_be_met_from_the_start_is_an_error() {
     let twice = load(":requirements ((wind :at-most 5m/s) (wind :at-most 6m/s))", &[]);
     assert!(twice.contains("stated twice"), "{twice}");
 }
+
+/// Dusk (the sun 6 degrees below the horizon) at Zaca on 7 September 2007 is at 19:43:00 PDT: 1 h 43 min after this start.
+#[test]
+fn a_fire_wanted_by_night_is_waited_for_until_dusk() {
+    let fire = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"id": "zaca", "kind": "fire", "acres": 2000,
+        "value": 10, "light": "night"}, "geometry": {"type": "Point", "coordinates": [-119.783, 34.716]}},
+        {"type": "Feature", "properties": {"id": "home", "kind": "base"}, "geometry": {"type": "Point", "coordinates": [-118.0, 34.9]}}]}"#;
+    let flown = fly(
+        ":vehicle (sim :model predator-b :at home) :start \"2007-09-08T01:00:00Z\" :duration 4h :targets \"fires.geojson\"",
+        "(solver auto (index (map the fires)) :budget 20ms)\n\
+         (procedure :sequential (index (fly the mission)) (step up (take off to 5000m)) (step survey (map the fires)))",
+        &[("fires.geojson", fire)],
+    );
+    let begins = |(at_s, kind): (f64, EventKind)| match kind {
+        EventKind::Measurement(variable, Value::Symbol(word)) if variable.attribute.is("scanner-state") => {
+            word.is("on").then_some(at_s)
+        }
+        _ => None,
+    };
+    let observing_s = flown.events().into_iter().find_map(begins);
+    let dusk_s = 3600.0 + 43.0 * 60.0;
+    assert!(observing_s.is_some_and(|at_s| (dusk_s..dusk_s + 1_800.0).contains(&at_s)), "{observing_s:?}");
+    flown.assert_replays();
+}

@@ -147,6 +147,7 @@ fn worth(result: LookResult, value: f64) -> LookResult {
 impl FlightScore {
     /// Sum of the costs of a kind.
     pub fn cost_of(&self, kind: CostKind) -> f64 {
-        self.costs.iter().filter(|cost| cost.kind == kind).map(Cost::points).sum()
+        // The sum of nothing would be -0.
+        self.costs.iter().filter(|cost| cost.kind == kind).map(Cost::points).fold(0.0, std::ops::Add::add)
     }
 }
