@@ -7,6 +7,14 @@ use apex_model::problem::{
     SurveillanceProblem, SurveillanceTarget, TimeWindow, TravelTimes, UNREACHABLE_S,
 };
 
+/// Of these the bound by ages on a grid was above the cost of doing nothing, or of the only flight.
+#[test]
+fn grids_of_ages_bound_problems_in_which_little_can_be_flown() {
+    for seed in [1_000_035, 1_000_366, 1_001_288, 1_001_950, 1_002_282, 1_002_799] {
+        assert_eq!(watches::differences(seed), Vec::<String>::new(), "seed {seed}");
+    }
+}
+
 /// Targets by name and value, each of one manoeuvre without duration, 10 s from everything, an hour of endurance.
 fn visits_of(targets: &[(&str, f64)]) -> SingleVisitProblem {
     let count = targets.len();
