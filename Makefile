@@ -129,6 +129,7 @@ nightly: test build ## What is too slow for every change: many seeds, replay acr
 	$(APEX) profile build $(TARGET)/profile-subset.txt --cells subset --budgets 1ms,3ms,10ms,100ms
 	$(APEX) profile compare $(TARGET)/profile-subset.txt
 	$(APEX) profile compare --regret --missions 1
+	APEX_BRUTE_FORCE_PROBLEMS=100000 APEX_BRUTE_FORCE_SEED=1000000 cargo test --locked $(CI_PROFILE) --package apex-solvers --test brute_force
 	PROPTEST_CASES=$(TRAVEL_WORLDS) cargo test --locked $(CI_PROFILE) --package apex-geo --lib travel::tests::random::no_way
 	$(MAKE) golden-travel
 	$(MAKE) bench

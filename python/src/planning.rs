@@ -7,7 +7,7 @@ use apex_mission::error::{MissionError, MissionResult};
 use apex_mission::export::json;
 use apex_mission::export::table::PlanFacts;
 use apex_mission::plan::input::PlanInput;
-use apex_mission::plan::{proof, turns};
+use apex_mission::plan::{problem_file, proof, turns};
 use apex_mission::{TargetKind, program};
 use apex_model::time::Duration;
 use apex_pdl::{Diagnostic, Severity};
@@ -166,7 +166,7 @@ pub(crate) fn plan_json(
 #[pyfunction]
 pub(crate) fn problem_json(python: Python<'_>, path: PathBuf) -> PyResult<String> {
     let found = python.detach(|| match PlanInput::find(&path)? {
-        Some(input) => Ok(serde_json::json!(input.problem).to_string()),
+        Some(input) => Ok(problem_file::write(&input.problem)),
         None => Err(MissionError::planning(format!("{} is not a planning problem", path.display())).help(
             "give a problem's file or the name of a test mission; `Mission.plan` poses the problem of a mission",
         )),
@@ -182,7 +182,7 @@ fn answer(input: &PlanInput, solver: Option<&str>, means: &PlanningResources) ->
     if let Some(mission) = input.mission() {
         name_obstacles(mission, &mut solved);
     }
-    let proven = proof::prove(&mut solved, input.is_tour(), input.bound_budget);
+    let proven = proof::prove(&mut solved, input.is_tour(), input.bound_budget)?;
     let turns = turns::of(&solved.problem, &solved.plan, input.mission());
     let facts = PlanFacts { proven: &proven, turns, survival: None };
     Ok(json::write(&input.name, input.benchmark.as_ref(), &solved, &facts))

@@ -368,7 +368,8 @@ pub struct PlanOptions {
     #[arg(long, value_name = "TIME")]
     pub budget: Option<String>,
     /// How long proofs of how good any plan could be may take, in the time of a flight; default is 10 s, which is enough for all that
-    /// is known of up to 24 targets of surveillance.
+    /// is known of up to 24 targets of surveillance. With `--budget` it is what planning left of that and a twentieth more, at
+    /// least 0.5 s.
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub bound_budget: Option<String>,
     /// Seed of the solver's chance; default is the mission's own, or 1.

@@ -1,5 +1,6 @@
 //! What all surveillance planners share: flying a word of targets, its expected cost, and the plan made of it.
 
 pub mod previous;
+mod reach;
 pub mod scenario;
 pub mod travel;

@@ -1,6 +1,6 @@
 //! Proofs of how good a given plan is, by planners' and bounds' methods together: planners know the bounds of their own plans.
 
-use crate::bounds::{expected_cost_within, expected_cost_without_waiting_within, state_at_least};
+use crate::bounds::{Contradiction, expected_cost_within, expected_cost_without_waiting_within, state_at_least};
 use crate::planners::single_visit;
 use apex_model::problem::{Plan, Problem, SurveillancePlan, SurveillanceProblem};
 use apex_planning::meter::Meter;
@@ -12,7 +12,10 @@ const WAIT_S: f64 = 1e-6;
 /// States in a plan the best bound that the budget of `meter` suffices for: of surveillance a lower bound on the expected
 /// cost (of plans that never wait, if this one never waits), of single visits an upper bound on the benefits. A plan keeps
 /// a better bound that it already states. The meter reports the work, and whether a greater budget would prove more.
-pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) {
+///
+/// # Errors
+/// A bound contradicts the plan, which then states none.
+pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) -> Result<(), Contradiction> {
     if let (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) = (problem, &mut *plan) {
         single_visit::prove(problem, plan, meter);
     }
@@ -24,7 +27,7 @@ pub fn prove(problem: &Problem, plan: &mut Plan, meter: &mut Meter<'_>) {
         true => expected_cost_within(problem, meter).expected_cost,
         false => expected_cost_without_waiting_within(problem, meter).expected_cost,
     };
-    state_at_least(problem, plan, best);
+    state_at_least(problem, plan, best)
 }
 
 /// Returns true if a visit of the plan begins or ends later than it could, or if the plan cannot be flown as it is.

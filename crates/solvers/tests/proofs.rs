@@ -39,6 +39,26 @@ fn forty_targets_with_wide_windows_are_proven() {
     }
 }
 
+/// A tour of many places, and the most value in too little time: a plan of more work is never worse, whatever the two budgets.
+#[test]
+fn more_work_never_gives_a_worse_plan() {
+    let problems =
+        generate::windows_suite().into_iter().filter(|(name, _)| ["c104", "r203", "pr05"].contains(&name.as_str()));
+    let mut worse = Vec::new();
+    for (name, text) in problems {
+        let problem = formats::read(&name, &text).expect("the project's own problem").problem;
+        for seed in 1..4 {
+            let posed = Problem::SingleVisit(problem.clone());
+            let budgets = [1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 100_000];
+            let scores: Vec<f64> = budgets.iter().map(|units| solved(&posed, *units, seed).0.score).collect();
+            if scores.iter().zip(scores.iter().skip(1)).any(|(less, more)| more < less) {
+                worse.push(format!("{name}, seed {seed}: {scores:?}"));
+            }
+        }
+    }
+    assert_eq!(worse, Vec::<String>::new());
+}
+
 /// A plan without faults, and the units of work that it took.
 fn solved(problem: &Problem, units: u64, seed: u64) -> (SingleVisitPlan, u64) {
     let mut budget = WorkBudget::new(units);

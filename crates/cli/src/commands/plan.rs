@@ -11,18 +11,22 @@ use apex_mission::export::table::PlanFacts;
 use apex_mission::export::{geojson, json, kml, qgc, table};
 use apex_mission::plan::import::import;
 use apex_mission::plan::input::PlanInput;
+use apex_mission::plan::problem_file;
 use apex_mission::plan::proof::{self, Proven};
 use apex_mission::plan::turns;
 use apex_model::problem::{Plan, Problem};
-use apex_model::time::Time;
+use apex_model::time::{Duration, Time};
 use apex_model::value::Value;
 use apex_planning::Registry;
+use apex_planning::solver::time_of;
 use apex_runtime::invocation::Invocations;
 use apex_runtime::ports::CancelToken;
 use apex_solvers::planners::human::Human;
 use std::path::Path;
 use std::sync::Arc;
 
+/// What a proof may take next to a short budget for planning.
+const BOUND_BUDGET_MIN: Duration = Duration(500_000_000);
 /// What to do when there is no plan.
 const NO_PLAN_HELP: &str = "look at the mission's data, or leave `--solver` out to let the mission's features choose";
 /// What to do when a person's visits are none.
@@ -43,7 +47,7 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
         options.plan.iter().try_for_each(|plan| refuse_to_overwrite(out, plan))?;
     }
     if options.problem {
-        return output::put(out, &format!("{}\n", serde_json::json!(question.problem)));
+        return output::put(out, &format!("{}\n", problem_file::write(&question.problem)));
     }
     refuse(format, &question)?;
     if options.survival {
@@ -56,7 +60,8 @@ pub fn run(options: &PlanOptions, planners: &Arc<Registry>) -> CliResult {
     if let Some((mission, _)) = &question.mission {
         name_obstacles(mission, &mut solved);
     }
-    let proven = proof::prove(&mut solved, question.is_tour(), question.bound_budget);
+    let bound_budget = bound_budget(options, &question, &solved);
+    let proven = proof::prove(&mut solved, question.is_tour(), bound_budget)?;
     let survival = if options.survival { Some(survival_cost(&solved)?) } else { None };
     let text = match format {
         PlanFormat::Table => {
@@ -101,6 +106,17 @@ fn read(options: &PlanOptions) -> CliResult<PlanInput> {
     }
     question.seed = options.seed.unwrap_or(question.seed);
     Ok(question)
+}
+
+/// What a proof may take: what is stated; where only a budget is stated, what planning has left of it, and a twentieth or half a
+/// second more.
+fn bound_budget(options: &PlanOptions, question: &PlanInput, solved: &Deliberation) -> Duration {
+    if options.budget.is_none() || options.bound_budget.is_some() {
+        return question.bound_budget;
+    }
+    let more = Duration(question.budget.0 / 20).max(BOUND_BUDGET_MIN);
+    let left = Duration(question.budget.0.saturating_sub(time_of(solved.work).0).max(0));
+    Duration(left.0.saturating_add(more.0)).min(question.bound_budget)
 }
 
 /// Refuses to plan for more than one vehicle.

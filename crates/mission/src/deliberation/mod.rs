@@ -209,7 +209,12 @@ impl Question {
         let solved = self.problem.and_then(|problem| {
             let means = operator_plan::means(means, solver, self.operator_plan.as_ref()).map_err(NoPlan::Fault)?;
             let wish = SolveOptions { means: &means, solver, budget, seed: self.seed, previous };
-            solve(problem, wish, invocations, cancel)
+            let solved = solve(problem, wish, invocations, cancel)?;
+            // A plan without visits is an answer on the ground; in flight nothing is left to do.
+            match solved.plan.targets().is_empty() {
+                true => Err(NoPlan::NothingLeft(solved.plan.summary().to_string())),
+                false => Ok(solved),
+            }
         });
         match solved {
             Err(NoPlan::NothingLeft(reason)) if has_observed && !is_imposed => {

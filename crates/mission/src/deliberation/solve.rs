@@ -108,7 +108,10 @@ pub fn solve(
     if let Some(misconduct) = misconduct {
         reason = format!("{reason}; {misconduct}, and its best plan until then is used");
     }
-    apex_solvers::bounds::state(&problem, &mut plan);
+    if let Err(contradiction) = apex_solvers::bounds::state(&problem, &mut plan) {
+        // The plan is checked and can be flown; what is said of its bound is not.
+        reason = format!("{reason}; {contradiction}");
+    }
     tell_quality(&problem, &mut plan);
     let problem = Arc::unwrap_or_clone(problem);
     let (work, cpu_s) = (answer.used.min(units), answer.cpu_s);

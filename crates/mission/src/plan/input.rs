@@ -1,7 +1,7 @@
 //! What `apex plan` is asked: a mission, a problem in a file (JSON, or a benchmark's format), or a test mission by the name
 //! of its cell.
 
-use super::proof;
+use super::{problem_file, proof};
 use crate::Mission;
 use crate::deliberation::validate;
 use crate::error::{MissionError, MissionResult};
@@ -73,7 +73,12 @@ impl PlanInput {
         } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
             of_file(path).map(Some)
         } else if path.is_file() {
-            of_benchmark(path)
+            // Of tables some are benchmarks, maps never are.
+            let found = if is_of(path, MAPS) { None } else { of_benchmark(path)? };
+            match found.is_none() && (is_of(path, MAPS) || is_of(path, TABLES)) {
+                true => Err(places_alone(path)),
+                false => Ok(found),
+            }
         } else {
             Ok(None)
         }
@@ -97,7 +102,7 @@ impl PlanInput {
     /// # Errors
     /// The text is not a problem, or a field has an impossible value.
     pub fn of_json(text: &str, place: &str) -> MissionResult<PlanInput> {
-        let problem: Problem = serde_json::from_str(text).map_err(|error| {
+        let problem = problem_file::read(text).map_err(|error| {
             let place = format!("{place}:{}:{}", error.line(), error.column());
             MissionError::planning("this is no planning problem").at(place)
                 .because(error)
@@ -173,6 +178,30 @@ fn of_file(path: &Path) -> MissionResult<PlanInput> {
     let mut input = PlanInput::of_json(&read_text(path)?, &path.display().to_string())?;
     input.name = path.file_stem().map_or(input.name, |name| name.to_string_lossy().into_owned());
     Ok(input)
+}
+
+/// Extensions of files that hold places, which missions name.
+const MAPS: &[&str] = &["geojson", "kml", "kmz"];
+const TABLES: &[&str] = &["csv"];
+
+fn is_of(path: &Path, extensions: &[&str]) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    extension.is_some_and(|extension| extensions.contains(&extension.as_str()))
+}
+
+/// Places alone are no problem: what flies, from where, how long and what for is a mission's.
+fn places_alone(path: &Path) -> MissionError {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = path.parent().filter(|folder| folder.join("mission.pdl").is_file());
+    let help = match folder {
+        Some(folder) => format!("plan for the mission in the same folder: `apex plan {}`", folder.display()),
+        None => format!(
+            "write a mission next to it that names it, `:targets \"{name}\"`, and plan for its folder; docs/guides/your-own-mission.md shows how"
+        ),
+    };
+    MissionError::planning(format!("{} holds places, not a planning problem", path.display()))
+        .because("what flies, from where, how long and for which goal is a mission's to say")
+        .help(help)
 }
 
 /// A file that is neither JSON nor, perhaps, PDL: a benchmark's, if its extension or its first lines say so.

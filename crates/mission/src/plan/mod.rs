@@ -2,5 +2,6 @@
 
 pub mod import;
 pub mod input;
+pub mod problem_file;
 pub mod proof;
 pub mod turns;

@@ -1,12 +1,13 @@
 //! How good a plan is, and how good any could be.
 
 use crate::deliberation::Deliberation;
+use crate::error::{MissionError, MissionResult};
 use apex_model::problem::{Plan, Problem};
 use apex_model::time::Duration;
 use apex_planning::meter::Meter;
 use apex_planning::solver::{WorkBudget, units_in};
-use apex_solvers::bounds as bound;
 use apex_solvers::bounds::age_grid::cycles::{self, WithoutEnd};
+use apex_solvers::bounds::{self as bound, Contradiction};
 
 /// Budget of a proof if none is given: enough for all methods with four targets (about 3 s), five (7 s), 16 (1 s) and 24 (6 s);
 /// with more targets some methods are skipped.
@@ -41,30 +42,49 @@ pub struct Proven {
     pub complete: bool,
 }
 
+/// The error with its evidence: the problem and the plan as JSON, to be read again by `apex plan PROBLEM --plan PLAN`.
+fn internal_error(contradiction: &Contradiction) -> MissionError {
+    let Contradiction { problem, plan, .. } = contradiction;
+    let evidence = serde_json::json!({ "problem": problem, "plan": plan });
+    MissionError::planning(contradiction.to_string())
+        .because("a proof says that no plan is better than the bound, and the plan is")
+        .help(format!("report it with this evidence: {evidence}"))
+}
+
 /// Proves within `budget` how good any plan could be, and states it in the plan; `tour` where the shortest of all tours was asked for.
 /// In flight the fast bound suffices; on the ground the user asks for a proof.
-pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> Proven {
+///
+/// # Errors
+/// An internal error if the plan is better than the bound that is proven.
+pub fn prove(solved: &mut Deliberation, tour: bool, budget: Duration) -> MissionResult<Proven> {
     let mut budget = WorkBudget::new(if budget > Duration::ZERO { units_in(budget) } else { 0 });
     let mut meter = Meter::new(&mut budget);
-    apex_solvers::prove(&solved.problem, &mut solved.plan, &mut meter);
-    let proof = of(&solved.problem, &solved.plan, tour, &mut meter);
+    apex_solvers::prove(&solved.problem, &mut solved.plan, &mut meter).map_err(|found| internal_error(&found))?;
+    let proof = of(&solved.problem, &solved.plan, tour, &mut meter).map_err(|found| internal_error(&found))?;
     let without_end = cycles::of_plan(&solved.problem, &solved.plan, &mut meter);
-    Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() }
+    Ok(Proven { proof, without_end, work: meter.used(), complete: meter.is_complete() })
 }
 
 /// What is known of `plan`; `tour` where the shortest of all tours was asked for.
-fn of(problem: &Problem, plan: &Plan, tour: bool, meter: &mut Meter<'_>) -> Proof {
+fn of(problem: &Problem, plan: &Plan, tour: bool, meter: &mut Meter<'_>) -> Result<Proof, Contradiction> {
     let (value, bound, costly) = match (problem, plan) {
         (Problem::SingleVisit(problem), Plan::SingleVisit(plan)) if tour && plan.left_out.is_empty() => {
             let travel = problem.travel.as_ref();
-            (plan.costs, travel.map(|travel| bound::tour::shortest(travel, plan.costs, meter)), false)
+            (plan.costs, travel.map(|travel| bound::tour::shortest(travel, plan.costs, meter)), None)
         }
-        (_, Plan::SingleVisit(plan)) => (plan.benefits, plan.benefits_bound, plan.costs > 0.0),
-        (_, Plan::Surveillance(plan)) => (plan.expected_cost, plan.expected_cost_bound, false),
+        (_, Plan::SingleVisit(plan)) => (plan.benefits, plan.benefits_bound, Some(plan.costs > 0.0)),
+        (_, Plan::Surveillance(plan)) => (plan.expected_cost, plan.expected_cost_bound, None),
     };
+    let less_is_better = costly.is_none();
+    let contradiction = bound.and_then(|bound| Contradiction::found(problem, plan, (value, bound), less_is_better));
+    if let Some(contradiction) = contradiction {
+        return Err(contradiction);
+    }
+    // What rounding lifts above the value is none.
+    let bound = bound.map(|bound| if less_is_better { bound.min(value) } else { bound.max(value) });
     let gap = bound.map(|bound| {
         let greater = value.abs().max(bound.abs());
         if greater > 0.0 { (value - bound).abs() / greater } else { 0.0 }
     });
-    Proof { value, bound, gap, proven_optimal: gap.is_some_and(|gap| gap < OPTIMAL) && !costly }
+    Ok(Proof { value, bound, gap, proven_optimal: gap.is_some_and(|gap| gap < OPTIMAL) && costly != Some(true) })
 }

@@ -57,7 +57,8 @@ pub struct SingleVisitTarget {
     pub value: f64,
     /// Ways to observe it, best guess first; at least one.
     pub manoeuvres: Vec<Manoeuvre>,
-    /// The observation must begin in one of these; empty is any time.
+    /// The observation must begin in one of these, both ends included; empty is any time. Other windows of time are
+    /// half-open ([`TimeWindow`]).
     pub windows: Vec<TimeWindow>,
     /// Light wanted from beginning to end of the observation.
     pub light: Light,

@@ -59,6 +59,9 @@ pub(super) fn violations(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -
     }
     if let Some(travel) = &problem.travel {
         given_times::legs(problem, travel, plan, &mut found);
+    } else if plan.visits.is_empty() && problem.base.is_none_or(|base| geodesy::distance_m(problem.start, base) <= 1.0)
+    {
+        // Nothing is flown: the vehicle stays where it is.
     } else if let Some(base) = problem.base {
         let leg = Leg { to: "the base", from_m: altitude_m, to_m: problem.vehicle.cruise_altitude_m };
         ends_meet(&plan.return_route, here, base, "the base", &mut found);
@@ -238,7 +241,9 @@ fn observe(
             manoeuvre.duration_s
         ));
     }
-    if !target.windows.is_empty() && !target.windows.iter().any(|window| window.contains(visit.begin_s)) {
+    // Both ends of a window are in it.
+    let (mut windows, begin_s) = (target.windows.iter(), visit.begin_s);
+    if !target.windows.is_empty() && !windows.any(|window| window.from_s <= begin_s && begin_s <= window.until_s) {
         found.push(format!("observes {name} outside its time windows"));
     }
     for time_s in [visit.begin_s, visit.end_s] {

@@ -4,6 +4,7 @@
 //! what planners do besides flying words they [`spend`](Scenario::spend) too. The figures were measured (`make bench-units`).
 //! Bound: O(visits) per evaluation, at most [`VISITS_MAX`].
 
+use super::reach;
 use crate::solver::{Budget, WORK_UNIT};
 use apex_metrics::eci;
 use apex_model::problem::{
@@ -46,6 +47,9 @@ pub struct Scenario<'a> {
     usable: Vec<usize>,
     /// Times that do not depend on the departure.
     typical: Cow<'a, TravelTimes>,
+    /// Least time from the end of each target's observation to the base, over others where that is quicker than the way home;
+    /// empty where it is not.
+    home_s: Vec<f64>,
     /// What each target costs when it is never visited, and all of them.
     idle: (Vec<f64>, f64),
     /// Mean time from one usable target to another, dwell included, once somebody has asked.
@@ -58,7 +62,7 @@ impl<'a> Scenario<'a> {
     /// Prepares `problem`.
     ///
     /// # Errors
-    /// A sentence where the problem makes no sense or no target can be observed at all.
+    /// A sentence where the problem makes no sense.
     pub fn new(problem: &'a SurveillanceProblem) -> Result<Scenario<'a>, String> {
         crate::validate::surveillance(problem)?;
         let limit_s = problem.endurance_s.unwrap_or(problem.horizon_s).min(problem.horizon_s);
@@ -73,19 +77,10 @@ impl<'a> Scenario<'a> {
         let (count, matrices) = (targets.len() as u64, 1 + problem.travel.later.len() as u64);
         let spent_ns = Cell::new(count * count * matrices * ENTRY_NS + count * VISIT_NS);
         let (idle, mean_transit_s) = ((alone, sum), OnceCell::new());
-        let mut scenario = Scenario { problem, limit_s, usable: Vec::new(), typical, idle, mean_transit_s, spent_ns };
-        scenario.usable =
-            (0..problem.targets.len()).filter(|target| scenario.next_stop(None, 0.0, *target).is_some()).collect();
-        if scenario.usable.is_empty() {
-            let reasons: Vec<String> = problem
-                .targets
-                .iter()
-                .enumerate()
-                .take(3)
-                .map(|(index, target)| format!("{} {}", target.name, scenario.unusable_reason(index)))
-                .collect();
-            return Err(format!("No target can be observed: {}.", reasons.join("; ")));
-        }
+        let home_s = if problem.return_to_base { reach::detours_home_s(problem) } else { Vec::new() };
+        let mut scenario =
+            Scenario { problem, limit_s, usable: Vec::new(), typical, home_s, idle, mean_transit_s, spent_ns };
+        scenario.usable = reach::usable(&scenario);
         Ok(scenario)
     }
 
@@ -99,9 +94,14 @@ impl<'a> Scenario<'a> {
         &self.typical
     }
 
-    /// Indices of the targets that can be observed as the first one.
+    /// Indices of the targets that can be observed, as the first one or after others.
     pub fn usable(&self) -> &[usize] {
         &self.usable
+    }
+
+    /// Can it be quicker to go home over another target? Then whether a flight may end with a visit is known only when it does.
+    pub fn has_detours_home(&self) -> bool {
+        !self.home_s.is_empty()
     }
 
     /// Latest end of a flight: horizon or endurance.
@@ -143,7 +143,8 @@ impl<'a> Scenario<'a> {
         })
     }
 
-    /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late.
+    /// The visit of `target` after being at `from` (none: the start) at `time_s`; none where it would end too late for every way
+    /// home.
     pub fn next_stop(&self, from: Option<usize>, time_s: f64, target: usize) -> Option<Stop> {
         let travel = &self.problem.travel;
         let travel_s =
@@ -151,13 +152,30 @@ impl<'a> Scenario<'a> {
         let dwell_s = self.problem.targets.get(target)?.dwell_s;
         let arrive_s = time_s + travel_s;
         let end_s = arrive_s + dwell_s;
-        let home_s = if self.problem.return_to_base { travel.to_base_at(target, end_s) } else { 0.0 };
+        let home_s = match self.home_s.get(target) {
+            Some(home_s) => *home_s,
+            None if self.problem.return_to_base => travel.to_base_at(target, end_s),
+            None => 0.0,
+        };
         let in_time = travel_s < UNREACHABLE_S && home_s < UNREACHABLE_S && end_s + home_s <= self.limit_s;
         in_time.then_some(Stop { target, arrive_s, end_s })
     }
 
     /// Flies `word` in order until it ends or the next visit would end too late.
-    pub fn fly(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
+    pub fn fly(&self, word: impl IntoIterator<Item = usize>, each: impl FnMut(Stop)) {
+        if self.home_s.is_empty() {
+            return self.fly_out(word, each);
+        }
+        let mut stops = Vec::new();
+        self.fly_out(word, |stop| stops.push(stop));
+        let is_last =
+            |stop: &Stop| stop.end_s + self.problem.travel.to_base_at(stop.target, stop.end_s) <= self.limit_s;
+        let flown = stops.iter().rposition(is_last).map_or(0, |last| last + 1);
+        stops.into_iter().take(flown).for_each(each);
+    }
+
+    /// As [`Scenario::fly`], where what is flown may end without a way home.
+    fn fly_out(&self, word: impl IntoIterator<Item = usize>, mut each: impl FnMut(Stop)) {
         let (mut place, mut time_s) = (None, 0.0);
         for target in word.into_iter().take(VISITS_MAX) {
             let Some(stop) = self.next_stop(place, time_s, target) else { return };
@@ -233,7 +251,7 @@ impl<'a> Scenario<'a> {
         self.spend(visits.len() as u64 * WRITTEN_VISIT_NS + self.problem.targets.len() as u64 * WRITTEN_TARGET_NS);
         let left_out = self.left_out(&stops, expected.total);
         let seen = self.problem.targets.len() - left_out.len();
-        let summary = format!(
+        let mut summary = format!(
             "{} visits to {seen} of {} targets in {:.0} s; expected cost of ignorance {:.4} ({:.4} without any visit).",
             visits.len(),
             self.problem.targets.len(),
@@ -241,6 +259,10 @@ impl<'a> Scenario<'a> {
             expected.total,
             self.idle.1
         );
+        if self.usable.is_empty() {
+            let reasons = left_out.iter().take(3).map(|LeftOut { target, reason }| format!("{target} {reason}"));
+            summary = format!("No target can be observed: {}. {summary}", reasons.collect::<Vec<String>>().join("; "));
+        }
         let return_s = self
             .problem
             .return_to_base
@@ -332,7 +354,7 @@ impl<'a> Scenario<'a> {
         let travel = &self.problem.travel;
         let there_s = travel.start_to(index);
         if there_s >= UNREACHABLE_S {
-            return "cannot be reached from the start".to_string();
+            return "cannot be reached from the start, nor in time by way of others".to_string();
         }
         let dwell_s = self.problem.targets.get(index).map_or(0.0, |target| target.dwell_s);
         let home_s = if self.problem.return_to_base { travel.to_base_at(index, there_s + dwell_s) } else { 0.0 };
@@ -376,10 +398,10 @@ mod tests {
         problem.travel.from_start_s[1] = 5000.0;
         let scenario = Scenario::new(&problem).unwrap();
         let plan = scenario.cycle_plan("test", &[2]);
-        assert_eq!(plan.left_out[0].reason, "cannot be reached from the start");
+        assert_eq!(plan.left_out[0].reason, "cannot be reached from the start, nor in time by way of others");
         assert_eq!(plan.left_out[1].reason, "needs 1410 s more than the horizon allows");
         problem.travel.from_start_s[2] = 9000.0;
-        let message = Scenario::new(&problem).unwrap_err();
+        let message = Scenario::new(&problem).unwrap().plan("test", []).summary;
         assert!(message.starts_with("No target can be observed: ") && message.contains("horizon"), "{message}");
     }
 

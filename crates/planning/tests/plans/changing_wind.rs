@@ -88,7 +88,7 @@ proptest! {
             let mut budget = WorkBudget::new(5_000);
             let mut environment = Environment { seed, budget: &mut budget, report: &mut |_| {}, previous: None };
             let mut plan = solver.solve(&problem, &mut environment).unwrap();
-            apex_solvers::bounds::state(&problem, &mut plan);
+            apex_solvers::bounds::state(&problem, &mut plan).unwrap();
             prop_assert_eq!(checker::violations(&problem, &plan), Vec::<String>::new());
             // A plan for who is always as quick as at the best departure comes too late in truth.
             let mut budget = WorkBudget::new(5_000);

@@ -32,7 +32,7 @@ pub(crate) fn plan(mission: Mission, budget: Option<Duration>, means: &PlanningR
     if let Some(mission) = input.mission() {
         name_obstacles(mission, &mut solved);
     }
-    let proven = proof::prove(&mut solved, input.is_tour(), budget);
+    let proven = proof::prove(&mut solved, input.is_tour(), budget)?;
     let turns = turns::of(&solved.problem, &solved.plan, input.mission());
     Ok(json::write(&input.name, None, &solved, &PlanFacts { proven: &proven, turns, survival: None }))
 }

@@ -8,11 +8,15 @@
 //! Each bound brings its proof, whose value [`verified`] computes again without the solver that found it.
 
 pub mod age_grid;
+mod contradiction;
 mod least;
 pub mod price;
+mod rates;
 pub mod revisit_gaps;
 pub(crate) mod routes;
 pub mod tour;
+
+pub use contradiction::Contradiction;
 
 use apex_model::problem::{Plan, Problem, SurveillanceProblem};
 use apex_planning::meter::Meter;
@@ -41,16 +45,27 @@ pub enum Proof {
 
 /// States in a plan of surveillance how good any plan could be, where the plan does not say so itself or claims less, by
 /// the price of time: quickly, as in flight. Plans of single visits bring their bounds.
-pub fn state(problem: &Problem, plan: &mut Plan) {
-    state_at_least(problem, plan, |problem| price::expected_cost(&at_best_departures(problem)).expected_cost);
+///
+/// # Errors
+/// The bound contradicts the plan, which then states none.
+pub fn state(problem: &Problem, plan: &mut Plan) -> Result<(), Contradiction> {
+    state_at_least(problem, plan, |problem| price::expected_cost(&simplified(problem)).expected_cost)
 }
 
 /// States `bound` in a plan of surveillance, unless the plan claims a greater one.
-pub(crate) fn state_at_least(problem: &Problem, plan: &mut Plan, bound: impl FnOnce(&SurveillanceProblem) -> f64) {
-    if let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, plan) {
-        let found = bound(problem).min(plan.expected_cost);
+///
+/// # Errors
+/// As [`state`].
+pub(crate) fn state_at_least(
+    problem: &Problem,
+    plan: &mut Plan,
+    bound: impl FnOnce(&SurveillanceProblem) -> f64,
+) -> Result<(), Contradiction> {
+    if let (Problem::Surveillance(problem), Plan::Surveillance(plan)) = (problem, &mut *plan) {
+        let found = bound(problem);
         plan.expected_cost_bound = Some(plan.expected_cost_bound.map_or(found, |claimed| claimed.max(found)));
     }
+    contradiction::check(problem, plan)
 }
 
 /// The best bound found of plans that never wait. `problem` makes sense (`validate::surveillance`).
@@ -61,7 +76,7 @@ pub fn expected_cost_without_waiting(problem: &SurveillanceProblem) -> Bound {
 /// As [`expected_cost_without_waiting`], with what the budget is enough for.
 pub fn expected_cost_without_waiting_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
     let of_all = expected_cost_within(problem, meter);
-    match age_grid::horizon::expected_cost(problem, meter) {
+    match age_grid::horizon::expected_cost(&rates::held(problem), meter) {
         Some((expected_cost, look)) if expected_cost > of_all.expected_cost => {
             Bound { expected_cost, proof: Proof::AgeGrid(look) }
         }
@@ -74,9 +89,14 @@ pub fn expected_cost(problem: &SurveillanceProblem) -> Bound {
     expected_cost_within(problem, &mut Meter::new(&mut WorkBudget::new(u64::MAX)))
 }
 
-/// As [`expected_cost`], with what the budget is enough for.
+/// As [`expected_cost`], with what the budget is enough for. The meter says that something was left undone where rates change before
+/// the horizon: each counts at its least.
 pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>) -> Bound {
-    let problem = &*at_best_departures(problem);
+    let problem = &*simplified(problem);
+    if rates::change(problem) {
+        // Every rate counts at its least: what changes would prove more is left undone.
+        meter.cut();
+    }
     let of_price = price::expected_cost(problem);
     meter.spend(price::TARGET_NS * problem.targets.len() as f64);
     let by_price = Bound { expected_cost: of_price.expected_cost, proof: Proof::PricePerSecond(of_price.price_per_s) };
@@ -88,22 +108,23 @@ pub fn expected_cost_within(problem: &SurveillanceProblem, meter: &mut Meter<'_>
     }
 }
 
-/// The problem with the least time of each leg over all departures. Its plans are more than those of the problem: a slow leg
-/// is a quick one and a wait, which no bound here forbids.
-fn at_best_departures(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
+/// The problem with the least time of each leg over all departures, and with the rates that hold until the horizon. Its plans are
+/// more than those of the problem: a slow leg is a quick one and a wait, which no bound here forbids.
+fn simplified(problem: &SurveillanceProblem) -> Cow<'_, SurveillanceProblem> {
+    let held = rates::held(problem);
     if problem.travel.is_constant() {
-        return Cow::Borrowed(problem);
+        return held;
     }
-    Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..problem.clone() })
+    Cow::Owned(SurveillanceProblem { travel: problem.travel.least(), ..held.into_owned() })
 }
 
 /// What the proof proves for `problem`, computed anew: any numbers prove something, good ones much.
 pub fn verified(problem: &SurveillanceProblem, proof: &Proof) -> f64 {
-    let quickest = &*at_best_departures(problem);
+    let quickest = &*simplified(problem);
     match proof {
         Proof::PricePerSecond(price_per_s) => price::at_price(quickest, *price_per_s),
         Proof::RevisitGaps(multipliers) => revisit_gaps::verified(quickest, multipliers),
-        Proof::AgeGrid(look) => age_grid::horizon::expected_cost_at(problem, *look).unwrap_or(0.0),
+        Proof::AgeGrid(look) => age_grid::horizon::expected_cost_at(&rates::held(problem), *look).unwrap_or(0.0),
     }
 }
 

@@ -39,7 +39,7 @@ proptest! {
         problem.targets[2].rate = EventRate { steps: vec![(0.0, 1.0), (0.5 * horizon, later)] };
         prop_assume!(Scenario::new(&problem).is_ok());
         let scenario = Scenario::new(&problem).unwrap();
-        let quick = at_best_departures(&problem);
+        let quick = simplified(&problem);
         let of_price = price::expected_cost(&quick);
         prop_assert_eq!(price::at_price(&quick, of_price.price_per_s), of_price.expected_cost);
         let (of_absences, multipliers) = revisit_gaps::expected_cost(&quick, &mut Meter::new(&mut WorkBudget::new(u64::MAX))).unwrap();

@@ -34,7 +34,7 @@ pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f6
         .collect();
     if count <= 2 {
         let there_and_back = travel.start_to_s_min(0) + travel.to_base_s_min(0);
-        return if count == 2 { there_and_back.min(reached) } else { 0.0 };
+        return if count == 2 { there_and_back } else { 0.0 };
     }
     let whole = legs.iter().flatten().all(|leg| *leg >= UNREACHABLE_S || *leg == libm::floor(*leg));
     let mut prices = vec![0.0; count];
@@ -65,7 +65,7 @@ pub fn shortest(travel: &TravelTimes, reached: f64, meter: &mut Meter<'_>) -> f6
         }
     }
     let proven = best * (1.0 - ROUNDING);
-    if whole { libm::ceil(proven - 1e-6).min(reached) } else { proven.min(reached) }
+    if whole { libm::ceil(proven - 1e-6) } else { proven }
 }
 
 /// The shortest tree with one circle through the depot under prices, less the prices given back, and each node's degree.

@@ -5,7 +5,7 @@
 
 use super::flown_legs;
 use super::schedule::Schedule;
-use apex_model::problem::{SingleVisitProblem, TravelTimes};
+use apex_model::problem::{Light, SingleVisitProblem, SingleVisitTarget, TimeWindow, TravelTimes, UNREACHABLE_S};
 use apex_planning::meter::Meter;
 use apex_planning::solver::Budget;
 
@@ -21,6 +21,8 @@ pub(crate) const NO_WAY: i32 = 1 << 29;
 const TICKS_MAX: f64 = (1_u32 << 27) as f64;
 /// More nodes than this are left to the general search: the table of legs would not fit.
 const NODES_MAX: usize = 6_000;
+/// Flights that may take longer are looked at more closely, so that ticks need not be coarser than a millisecond.
+const FINE_SPAN_S: f64 = 1e-3 * TICKS_MAX;
 /// Two times nearer than this share of a tick are the same.
 const SAME_TICKS: f64 = 1e-6;
 /// Of missions that are flown around zones: every pair of nodes has a way of its own.
@@ -46,6 +48,8 @@ pub(crate) struct Network {
     pub(crate) nodes: Vec<Node>,
     pub(crate) targets: usize,
     legs: Vec<i32>,
+    /// The nodes as they were before windows were closed to what can be reached.
+    wide: Vec<Node>,
     /// For each node those that are quickly reached from it or that quickly reach it, nearest first; empty until they are
     /// found.
     pub(crate) near: Vec<Vec<u32>>,
@@ -63,7 +67,7 @@ impl Network {
         if !serves(schedule) {
             return None;
         }
-        let span_s = schedule.limit_s - problem.start_s;
+        let span_s = span_s(schedule);
         let tick_s = tick_s(span_s)?;
         let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s));
         for index in usable {
@@ -75,10 +79,9 @@ impl Network {
                 }
                 for window in schedule.windows(*index, manoeuvre).to_vec() {
                     let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
-                    // The window's end is not in it.
-                    let close = (libm::ceil((close / tick_s).min(TICKS_MAX) - SAME_TICKS) as i32).saturating_sub(1);
+                    let close = libm::floor((close / tick_s).min(TICKS_MAX) + SAME_TICKS) as i32;
                     let open = ceil_ticks(open.max(0.0).min(span_s + 1.0), tick_s);
-                    if open <= close && value > 0.0 {
+                    if open <= close {
                         let (target, manoeuvre) = (*index as u32, manoeuvre as u32);
                         nodes.push(Node { target, manoeuvre, open, close, value });
                     }
@@ -99,17 +102,14 @@ impl Network {
             }
         };
         let cost_per_tick = schedule.delay_cost(problem.start_s, problem.start_s + 3600.0) / 3600.0 * tick_s;
-        let mut network =
-            Network { targets: problem.targets.len(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };
-        network.tighten();
-        Some(network)
+        Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, cost_per_tick)))
     }
 
     /// A network that nobody is quicker in: each way at its best departure, each value at its best time, and no order, for a
     /// bound on what any plan of the problem is worth. None with too many nodes, or where the budget is too small to find the ways.
     pub(crate) fn relaxed(schedule: &mut Schedule<'_>, usable: &[usize], meter: &mut Meter<'_>) -> Option<Network> {
         let problem = schedule.problem;
-        let span_s = schedule.limit_s - problem.start_s;
+        let span_s = span_s(schedule);
         let tick_s = tick_s(span_s)?;
         let mut nodes = terminal_nodes(floor_ticks(span_s, tick_s).saturating_add(1));
         for index in usable.iter().copied() {
@@ -121,7 +121,7 @@ impl Network {
                     let (open, close) = (window.from_s - problem.start_s, window.until_s - problem.start_s);
                     let open = floor_ticks(open.clamp(0.0, span_s + 1.0), tick_s);
                     let close = floor_ticks(close.clamp(-1.0, span_s + 1.0), tick_s).saturating_add(1);
-                    if open <= close && value > 0.0 {
+                    if open <= close {
                         nodes.push(Node { target: index as u32, manoeuvre: manoeuvre as u32, open, close, value });
                     }
                 }
@@ -134,18 +134,37 @@ impl Network {
             meter.cut();
             return None;
         };
-        let targets = problem.targets.len();
-        let mut network = Network { targets, nodes, legs, near: Vec::new(), tick_s, cost_per_tick: 0.0 };
+        Some(Network::tightened(nodes, legs, problem.targets.len(), (tick_s, 0.0)))
+    }
+
+    fn tightened(nodes: Vec<Node>, legs: Vec<i32>, targets: usize, (tick_s, cost_per_tick): (f64, f64)) -> Network {
+        let mut network =
+            Network { targets, wide: nodes.clone(), nodes, legs, near: Vec::new(), tick_s, cost_per_tick };
         network.tighten();
-        Some(network)
+        network
+    }
+
+    /// A network with the same nodes in which every route of the problem fits, for bounds: where times are no whole ticks, those
+    /// here are rounded against the vehicle, and a route may be missed by a part of a tick. None where all times are whole.
+    pub(crate) fn lowered(&self, problem: &SingleVisitProblem, limit_s: f64) -> Option<Network> {
+        if is_whole(problem, limit_s, self.tick_s) {
+            return None;
+        }
+        let lower = |ticks: &i32| if *ticks >= NO_WAY { *ticks } else { (ticks - 1).max(0) };
+        let wider = |node: &Node| Node { open: lower(&node.open), close: node.close.saturating_add(1), ..*node };
+        let mut nodes: Vec<Node> = self.wide.iter().map(wider).collect();
+        // The flight begins when it begins.
+        if let Some(start) = nodes.get_mut(START as usize) {
+            start.close = 0;
+        }
+        let legs = self.legs.iter().map(lower).collect();
+        Some(Network::tightened(nodes, legs, self.targets, (self.tick_s, self.cost_per_tick)))
     }
 
     /// A network of given nodes and legs.
     #[cfg(test)]
     pub(crate) fn given(nodes: Vec<Node>, legs: Vec<i32>, targets: usize) -> Network {
-        let mut network = Network { nodes, targets, legs, near: Vec::new(), tick_s: 1.0, cost_per_tick: 0.0 };
-        network.tighten();
-        network
+        Network::tightened(nodes, legs, targets, (1.0, 0.0))
     }
 
     /// Ticks from the beginning of the visit `from` to the arrival at `to`.
@@ -225,7 +244,7 @@ impl Network {
             terminal_nodes(limit).into_iter().chain(self.nodes.iter().skip(FIRST as usize).map(turned)).collect();
         let leg = |index: usize| self.leg(other(index % count) as u32, other(index / count) as u32);
         let legs = (0..count * count).map(leg).collect();
-        Network { nodes, targets: self.targets, legs, near: Vec::new(), ..*self }
+        Network { wide: Vec::new(), nodes, targets: self.targets, legs, near: Vec::new(), ..*self }
     }
 
     /// Finds every node's neighbours: what is improved needs them, what is only repaired does not.
@@ -275,6 +294,50 @@ pub(crate) fn serves(schedule: &Schedule<'_>) -> bool {
     let timed = problem.targets.iter().any(|target| !target.timing.is_empty());
     let risky = problem.failure.probability_per_hour != 0.0;
     !timed && !risky && problem.precedence.is_empty() && schedule.travel.is_steady(schedule.limit_s)
+}
+
+/// How long a flight may take. Where that is so long that ticks would be coarse, and times are given, how long a flight takes that
+/// waits only for windows to open.
+fn span_s(schedule: &Schedule<'_>) -> f64 {
+    let problem = schedule.problem;
+    let span_s = schedule.limit_s - problem.start_s;
+    let Some(travel) = problem.travel.as_ref().filter(|travel| span_s > FINE_SPAN_S && travel.is_constant()) else {
+        return span_s;
+    };
+    let longest_s = |times: &mut dyn Iterator<Item = f64>| times.filter(|it| *it < UNREACHABLE_S).fold(0.0, f64::max);
+    let stay_s = |target: usize| {
+        let manoeuvres = problem.targets.get(target).map_or(&[][..], |target| &target.manoeuvres);
+        longest_s(&mut manoeuvres.iter().map(|manoeuvre| manoeuvre.duration_s))
+    };
+    let into_s = |to: usize| {
+        let from = travel.between_s.iter().filter_map(|row| row.get(to).copied());
+        longest_s(&mut from.chain([travel.start_to(to)])) + stay_s(to)
+    };
+    let opens_s = problem.targets.iter().flat_map(|target| &target.windows).map(|window| window.from_s);
+    let waits_s = longest_s(&mut opens_s.map(|from_s| from_s - problem.start_s));
+    let flown_s: f64 = (0..problem.targets.len()).map(into_s).sum();
+    let home_s = if problem.base.is_some() { longest_s(&mut travel.to_base_s.iter().copied()) } else { 0.0 };
+    span_s.min(waits_s + flown_s + home_s + 1.0)
+}
+
+/// Are all given times whole ticks? Those of ways that are flown never are.
+fn is_whole(problem: &SingleVisitProblem, limit_s: f64, tick_s: f64) -> bool {
+    let Some(travel) = &problem.travel else { return false };
+    let is_whole = |time_s: f64| {
+        let ticks = time_s / tick_s;
+        ticks.abs() >= TICKS_MAX || (ticks - libm::round(ticks)).abs() <= SAME_TICKS
+    };
+    let ends =
+        |window: &TimeWindow| is_whole(window.from_s - problem.start_s) && is_whole(window.until_s - problem.start_s);
+    let of_target = |target: &SingleVisitTarget| {
+        target.light == Light::Any
+            && target.windows.iter().all(ends)
+            && target.manoeuvres.iter().all(|manoeuvre| is_whole(manoeuvre.duration_s))
+    };
+    let mut times = travel.from_start_s.iter().chain(&travel.to_base_s).chain(travel.between_s.iter().flatten());
+    is_whole(limit_s - problem.start_s)
+        && problem.targets.iter().all(of_target)
+        && times.all(|time_s| is_whole(*time_s))
 }
 
 fn terminal_nodes(limit: i32) -> Vec<Node> {

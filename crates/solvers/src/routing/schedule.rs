@@ -1,13 +1,15 @@
 //! Judging an order of visits: times, feasibility and score.
 
 use super::travel::{PointKey, Times, Travel};
-use apex_geo::sun;
+use apex_geo::{geodesy, sun};
 use apex_metrics::mission_score;
 use apex_model::problem::{FailureTerm, Light, SingleVisitProblem, TimeWindow};
 use apex_planning::solver::Budget;
 
 /// Work units charged for one leg: a unit is about a tenth of a microsecond. Preparing a way is charged in addition.
 pub(crate) const UNITS_PER_LEG: u64 = 2;
+/// Times that differ by no more are equal, so that sums of decimals decide nothing.
+const SAME_S: f64 = 1e-9;
 
 /// One visit of a plan in the making.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,12 +150,25 @@ impl<'a> Schedule<'a> {
         }
         budget.charge(UNITS_PER_LEG + self.travel.take_work());
         let end_s = self.home_at_s(node, time_s)?;
-        if end_s > self.limit_s {
+        if end_s > self.limit_s + SAME_S {
             return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
         }
         let benefits: f64 = visits.iter().map(|visit| visit.worth).sum();
         let score = benefits - self.costs.of_flight(end_s - self.problem.start_s);
         Ok(Judged { visits, end_s, score })
+    }
+
+    /// A flight without visits: home, if the vehicle is elsewhere. Between given places, and from the base, it does not begin.
+    /// None where it would end too late.
+    pub(crate) fn idle(&mut self) -> Option<Judged> {
+        let start_s = self.problem.start_s;
+        let is_at_base = self.problem.base.is_none_or(|base| geodesy::distance_m(self.problem.start, base) <= 1.0);
+        let end_s = match self.problem.travel.is_some() || is_at_base {
+            true => start_s,
+            false => self.home_at_s(PointKey::Start, start_s).ok()?,
+        };
+        let score = -self.costs.of_flight(end_s - start_s);
+        (end_s <= self.limit_s + SAME_S).then_some(Judged { visits: Vec::new(), end_s, score })
     }
 
     /// The visit of `choice` of the vehicle that is ready to leave `node` at `ready_s`.
@@ -169,7 +184,7 @@ impl<'a> Schedule<'a> {
             return Err(Infeasibility::Impossible("there is no such manoeuvre".to_string()));
         };
         let end_s = begin_s + manoeuvre.duration_s;
-        if end_s > self.limit_s {
+        if end_s > self.limit_s + SAME_S {
             return Err(Infeasibility::TooLate { over_s: end_s - self.limit_s });
         }
         self.check_lines(choice, begin_s, end_s)?;
@@ -180,8 +195,8 @@ impl<'a> Schedule<'a> {
     /// The first time from `ready_s` on at which the observation may begin.
     fn begin_s(&self, choice: Choice, ready_s: f64) -> Result<f64, Infeasibility> {
         let windows = self.windows.get(choice.target).and_then(|windows| windows.get(choice.manoeuvre));
-        let open = windows.into_iter().flatten().find(|window| ready_s < window.until_s);
-        open.map(|window| window.from_s.max(ready_s)).ok_or_else(|| {
+        let open = windows.into_iter().flatten().find(|window| ready_s <= window.until_s + SAME_S);
+        open.map(|window| window.from_s.max(ready_s.min(window.until_s))).ok_or_else(|| {
             Infeasibility::Impossible("its last time window closes before the vehicle can be there".to_string())
         })
     }
@@ -275,7 +290,8 @@ fn limit(problem: &SingleVisitProblem) -> (f64, &'static str) {
     limits.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((problem.start_s, "endurance"))
 }
 
-/// The spans in which each observation may begin: the target's windows, cut to the light that must last to its end.
+/// The spans in which each observation may begin, both ends included: the target's windows, cut to the light that must last
+/// to its end.
 fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<TimeWindow>>> {
     let of_target = |target: &apex_model::problem::SingleVisitTarget| {
         let light =
@@ -293,7 +309,7 @@ fn begin_windows(problem: &SingleVisitProblem, limit_s: f64) -> Vec<Vec<Vec<Time
                     until_s: window.until_s.min(lit.until_s - tail_s),
                 })
             });
-            cut.filter(|window| window.from_s < window.until_s).collect()
+            cut.filter(|window| window.from_s <= window.until_s).collect()
         };
         target.manoeuvres.iter().map(|manoeuvre| of_manoeuvre(manoeuvre.duration_s)).collect()
     };

@@ -88,7 +88,9 @@ fn value(problem: &SurveillanceProblem, grid: &Grid, time: &Time) -> Option<f64>
     let at_home: f64 =
         targets().map(|(target, of)| gathered(problem, target, of.initial_age_s, problem.horizon_s)).sum();
     let broken = time.least_per_s * (problem.horizon_s - time.ticks as f64 * time.tick_s).max(0.0);
-    let value = before + broken + (0..problem.targets.len()).filter_map(first).fold(at_home, f64::min);
+    // Who stays at home gathers the last, broken tick as well; it is counted already.
+    let flights = (0..problem.targets.len()).filter_map(first).map(|cost| cost + broken);
+    let value = before + flights.fold(at_home, f64::min);
     Some(value - ROUNDING * value.abs())
 }
 
@@ -106,16 +108,19 @@ impl Time {
         let ways = (0..count).flat_map(|from| (0..count).filter(move |to| *to != from).map(move |to| (from, to)));
         let alone = (0..count).map(|to| leg_s(problem, to, to)).filter(|_| count == 1);
         let legs = ways.map(|(from, to)| leg_s(problem, from, to)).chain(alone);
-        let quickest_s = legs.filter(|leg_s| *leg_s > 0.0).fold(f64::INFINITY, f64::min);
+        let is_leg = |leg_s: &f64| *leg_s > 0.0 && *leg_s < UNREACHABLE_S;
+        let quickest_s = legs.filter(is_leg).fold(f64::INFINITY, f64::min);
         let most = libm::floor(steps_max / grid.visits().max(1.0));
         let wanted_s = (quickest_s / TICKS_PER_LEG).max(problem.horizon_s / most);
         if !(problem.horizon_s > 0.0 && wanted_s.is_finite() && wanted_s > 0.0) {
             return None;
         }
         // Whoever stays has no broken ticks: they would be a cheap way to let time pass.
-        let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(|stay_s| *stay_s > 0.0);
+        let stays = (0..count).map(|target| leg_s(problem, target, target)).filter(is_leg);
         let stay_s = stays.fold(f64::INFINITY, f64::min);
         let tick_s = if stay_s.is_finite() { stay_s / libm::ceil(stay_s / wanted_s) } else { wanted_s };
+        // No leg fits into a tick that is longer than the horizon, nor does the tick.
+        let tick_s = tick_s.min(problem.horizon_s);
         let ticks = libm::floor(problem.horizon_s / tick_s).max(1.0);
         Some(Time { ticks: ticks as usize, tick_s, least_per_s: least_per_s(problem, grid, tick_s) })
     }

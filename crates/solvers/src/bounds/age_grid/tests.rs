@@ -122,7 +122,7 @@ fn who_waits_is_not_held_to_those_who_do_not() {
         let mut plan = apex_model::problem::Plan::Surveillance(plan);
         let mut budget = WorkBudget::new(u64::MAX);
         let asked = apex_model::problem::Problem::Surveillance(problem.clone());
-        crate::prove(&asked, &mut plan, &mut Meter::new(&mut budget));
+        crate::prove(&asked, &mut plan, &mut Meter::new(&mut budget)).unwrap();
         let apex_model::problem::Plan::Surveillance(plan) = plan else { return 0.0 };
         plan.expected_cost_bound.unwrap()
     };

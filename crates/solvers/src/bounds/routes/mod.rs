@@ -38,6 +38,8 @@ pub(crate) const FEW: usize = 40;
 const FINE_UNITS_MIN: u64 = 600_000;
 const FAST_SHARE: f64 = 0.05;
 const FAST_UNITS: u64 = 450_000;
+/// Share within which a bound and the profit of a route are equal: sums are summed in any order.
+const SAME_SHARE: f64 = 1e-8;
 /// Steps of the walk relaxation per unit of work.
 const STEPS_PER_UNIT: u64 = 120;
 
@@ -84,7 +86,10 @@ impl<'n> BoundSearch<'n> {
 
     /// Returns the bound, and takes the better route out.
     pub(crate) fn told(&mut self) -> Proven {
-        Proven { bound: self.value_step.below(self.bound).max(self.incumbent), better: self.better.take() }
+        let bound = self.value_step.below(self.bound);
+        // Rounding is taken off; a bound that is truly below a known route is a contradiction, which is not hidden.
+        let is_same = bound < self.incumbent && self.incumbent - bound <= SAME_SHARE * (1.0 + self.incumbent.abs());
+        Proven { bound: if is_same { self.incumbent } else { bound }, better: self.better.take() }
     }
 
     /// Returns true if no route has more profit than the incumbent.

@@ -133,4 +133,15 @@ mod tests {
         assert!(refused.contains(&format!("visit {}, of {}", twice.len(), order[0])), "{refused}");
         assert!(solve(&human(&order, true), &asked).is_err());
     }
+
+    #[test]
+    fn a_gate_of_no_value_may_come_first() {
+        let mut problem = fires::western_states(86_400.0);
+        let names: Vec<String> = problem.targets.iter().take(3).map(|target| target.name.clone()).collect();
+        problem.targets[0].value = 0.0;
+        problem.precedence = vec![(names[0].clone(), names[1].clone())];
+        let order: Vec<&str> = names.iter().map(String::as_str).collect();
+        let plan = solve(&human(&order, false), &Problem::SingleVisit(problem)).unwrap();
+        assert_eq!(plan.targets(), order);
+    }
 }

@@ -1,5 +1,6 @@
 //! Why a target is not visited, as text for operators.
 
+use crate::routing::reach;
 use crate::routing::schedule::{Choice, Infeasibility, Judged, Schedule};
 use crate::routing::travel::PointKey;
 use apex_model::problem::{LeftOut, Light, SingleVisitProblem};
@@ -8,33 +9,80 @@ use apex_planning::solver::{Budget, WorkBudget};
 /// Places in the order that are tried to say why a target does not fit: those with the shortest detours.
 const GAPS_EXPLAINED: usize = 6;
 
-/// For each target the reason why it cannot be visited even if it were the only one (except for those that must come
-/// earlier); none where it can.
-pub(super) fn alone(schedule: &mut Schedule<'_>) -> Vec<Option<String>> {
-    let mut troubles: Vec<Option<String>> = Vec::new();
-    for target in 0..schedule.problem.targets.len() {
-        troubles.push(trouble_alone(schedule, target));
-    }
-    // What must follow an impossible target is impossible too; a chain is as long as there are targets.
-    for _ in 0..schedule.problem.precedence.len() {
-        for target in 0..troubles.len() {
-            let blocked =
-                schedule.earlier(target).iter().find(|earlier| troubles.get(**earlier).is_some_and(Option::is_some));
-            let name = blocked.and_then(|earlier| schedule.problem.targets.get(*earlier)).map(|target| &target.name);
-            if let (Some(name), Some(slot @ None)) = (name, troubles.get_mut(target)) {
-                *slot = Some(format!("must follow {name}, which cannot be visited"));
+/// What stands in the way of single targets.
+pub(super) struct Troubles {
+    /// For each target why it cannot be visited as the only one; none where it can.
+    alone: Vec<Option<String>>,
+    /// For each target whether no plan visits it.
+    impossible: Vec<bool>,
+}
+
+impl Troubles {
+    /// Looks at each target alone, and proves of those in trouble which ones no plan visits.
+    pub(super) fn new(schedule: &mut Schedule<'_>) -> Troubles {
+        let count = schedule.problem.targets.len();
+        let mut alone: Vec<Option<String>> = Vec::with_capacity(count);
+        for target in 0..count {
+            alone.push(trouble_alone(schedule, target));
+        }
+        let suspects: Vec<usize> =
+            (0..count).filter(|target| alone.get(*target).is_some_and(Option::is_some)).collect();
+        let impossible = match suspects.is_empty() {
+            true => vec![false; count],
+            false => reach::out_of_reach(schedule, &suspects),
+        };
+        let mut troubles = Troubles { alone, impossible };
+        // What must follow an impossible target is impossible too; a chain is as long as there are targets.
+        for _ in 0..schedule.problem.precedence.len() {
+            for target in 0..count {
+                troubles.follow(schedule, target);
             }
         }
+        troubles
     }
-    troubles
+
+    /// Makes a target impossible that must follow an impossible one.
+    fn follow(&mut self, schedule: &Schedule<'_>, target: usize) {
+        let blocked = schedule.earlier(target).iter().find(|earlier| !self.is_possible(**earlier));
+        let name = blocked.and_then(|earlier| schedule.problem.targets.get(*earlier)).map(|target| &target.name);
+        let slots = self.alone.get_mut(target).zip(self.impossible.get_mut(target));
+        if let (Some(name), Some((alone, impossible @ false))) = (name, slots) {
+            *impossible = true;
+            alone.get_or_insert_with(|| format!("must follow {name}, which cannot be visited"));
+        }
+    }
+
+    /// Returns false if no plan visits the target.
+    pub(super) fn is_possible(&self, target: usize) -> bool {
+        self.impossible.get(target) == Some(&false)
+    }
+
+    /// The targets that a plan may visit.
+    pub(super) fn possible(&self) -> Vec<usize> {
+        (0..self.impossible.len()).filter(|target| self.is_possible(*target)).collect()
+    }
+
+    /// The targets that a plan may visit, but not as the only ones.
+    pub(super) fn with_others(&self) -> Vec<usize> {
+        let is_in_trouble = |target: &usize| self.alone(*target).is_some();
+        self.possible().into_iter().filter(is_in_trouble).collect()
+    }
+
+    /// Why the target cannot be visited as the only one; none where it can.
+    pub(super) fn alone(&self, target: usize) -> Option<&String> {
+        self.alone.get(target).and_then(Option::as_ref)
+    }
+}
+
+/// Why a visit of the target earns nothing; none where it does.
+fn worthless(problem: &SingleVisitProblem, target: usize) -> Option<&'static str> {
+    let data = problem.targets.get(target)?;
+    let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
+    (data.value * best_quality <= 0.0).then_some("is worth nothing: its value or every manoeuvre's quality is 0")
 }
 
 fn trouble_alone(schedule: &mut Schedule<'_>, target: usize) -> Option<String> {
     let data = schedule.problem.targets.get(target)?;
-    let best_quality = data.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
-    if data.value * best_quality <= 0.0 {
-        return Some("is worth nothing: its value or every manoeuvre's quality is 0".to_string());
-    }
     // What is closed now may be open after other visits: when a zone's time is over.
     let openings: Vec<f64> = schedule
         .problem
@@ -97,33 +145,35 @@ fn flown_alone(schedule: &mut Schedule<'_>, choice: Choice, start_s: f64) -> Res
     if end_s > schedule.limit_s { Err(Infeasibility::TooLate { over_s: end_s - schedule.limit_s }) } else { Ok(()) }
 }
 
-/// The sentence for a problem in which nothing can be visited: the commonest reason first.
-pub(super) fn nothing_feasible(problem: &SingleVisitProblem, troubles: &[Option<String>]) -> String {
+/// The sentence for a plan without visits: the commonest reason first.
+pub(super) fn nothing_visited(left_out: &[LeftOut], possible: bool) -> String {
     let mut reasons: Vec<(&String, Vec<&str>)> = Vec::new();
-    for (target, trouble) in problem.targets.iter().zip(troubles) {
-        let Some(trouble) = trouble else { continue };
-        match reasons.iter_mut().find(|(reason, _)| *reason == trouble) {
-            Some((_, names)) => names.push(&target.name),
-            None => reasons.push((trouble, vec![&target.name])),
+    for LeftOut { target, reason } in left_out {
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(target),
+            None => reasons.push((reason, vec![target])),
         }
     }
     reasons.sort_by_key(|(_, names)| std::cmp::Reverse(names.len()));
-    let told: Vec<String> =
+    let listed: Vec<String> =
         reasons.iter().take(3).map(|(reason, names)| format!("{}: {reason}", names.join(", "))).collect();
-    format!("No target can be visited. {}.", told.join("; "))
+    let what = if possible { "No target is worth a visit." } else { "No target can be visited." };
+    format!("{what} {}.", listed.join("; "))
 }
 
-/// The reasons of all targets that `order` leaves out. `troubles` are those of [`alone`].
+/// The reasons of all targets that `order` leaves out.
 pub(super) fn left_out(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
     judged: &Judged,
-    troubles: &[Option<String>],
+    troubles: &Troubles,
 ) -> Vec<LeftOut> {
     let mut all = left_out_quickly(schedule, order, judged, troubles);
     for left_out in &mut all {
         let target = schedule.problem.targets.iter().position(|target| target.name == left_out.target);
-        if let Some(target) = target.filter(|target| troubles.get(*target).is_some_and(Option::is_none)) {
+        let known =
+            |target: &usize| troubles.alone(*target).is_some() || worthless(schedule.problem, *target).is_some();
+        if let Some(target) = target.filter(|target| !known(target)) {
             left_out.reason = reason_beside(schedule, order, judged, target);
         }
     }
@@ -135,14 +185,21 @@ pub(super) fn left_out_quickly(
     schedule: &mut Schedule<'_>,
     order: &[Choice],
     _judged: &Judged,
-    troubles: &[Option<String>],
+    troubles: &Troubles,
 ) -> Vec<LeftOut> {
-    let targets = schedule.problem.targets.iter().zip(troubles).enumerate();
-    let missing = targets.filter(|(index, _)| !order.iter().any(|choice| choice.target == *index));
+    let problem = schedule.problem;
+    let mut seen = vec![false; problem.targets.len()];
+    for choice in order {
+        if let Some(seen) = seen.get_mut(choice.target) {
+            *seen = true;
+        }
+    }
+    let missing = problem.targets.iter().enumerate().filter(|(target, _)| seen.get(*target) == Some(&false));
     missing
-        .map(|(_, (target, trouble))| {
-            let reason = trouble.clone().unwrap_or_else(|| "is not in the best plan so far".to_string());
-            LeftOut { target: target.name.clone(), reason }
+        .map(|(target, data)| {
+            let known = troubles.alone(target).map(String::as_str).or_else(|| worthless(problem, target));
+            let reason = known.unwrap_or("is not in the best plan so far").to_string();
+            LeftOut { target: data.name.clone(), reason }
         })
         .collect()
 }

@@ -1,7 +1,8 @@
 //! Visits in an order that is given: each first in the way that ends first, then in the way that is worth most beside the others.
 
+use super::explain::{self, Troubles};
+use super::plan;
 use super::search::{Candidate, inserted};
-use super::{explain, plan};
 use crate::routing::schedule::{Choice, Infeasibility, Schedule};
 use apex_model::problem::{SingleVisitPlan, SingleVisitProblem};
 use apex_planning::solver::{Budget, Environment};
@@ -21,7 +22,7 @@ pub fn in_order(
     environment: &mut Environment<'_>,
 ) -> Result<SingleVisitPlan, String> {
     let mut schedule = Schedule::new(problem)?;
-    let troubles = explain::alone(&mut schedule);
+    let troubles = Troubles::new(&mut schedule);
     let mut best: Option<Candidate> = None;
     for (at, (target, manoeuvre)) in targets.iter().enumerate() {
         let data = problem.targets.get(*target).ok_or("a visit names no target")?;
@@ -29,13 +30,10 @@ pub fn in_order(
         if targets.get(..at).is_some_and(|before| before.iter().any(|(before, _)| before == target)) {
             return Err(refused("it has been visited before"));
         }
-        if let Some(trouble) = troubles.get(*target).and_then(Option::as_ref) {
-            return Err(refused(trouble));
-        }
-        best = Some(
-            added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget)
-                .map_err(|why| refused(&why))?,
-        );
+        let with = added(&mut schedule, best.as_ref(), (*target, *manoeuvre), environment.budget);
+        // What stands in the way of the target alone says more than what does beside the others.
+        let alone = troubles.alone(*target).filter(|_| !troubles.is_possible(*target));
+        best = Some(with.map_err(|why| refused(alone.unwrap_or(&why)))?);
     }
     let best = improved(&mut schedule, best.ok_or("no visit is asked for")?, targets, environment.budget);
     plan::plan_of(&mut schedule, solver, &best, &troubles, explain::left_out_quickly)

@@ -21,6 +21,7 @@ use crate::routing::{schedule, travel};
 use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
 use apex_planning::meter::Meter;
 use apex_planning::solver::{Environment, Solver};
+use explain::Troubles;
 use std::collections::BTreeMap;
 
 /// The planner.
@@ -77,22 +78,24 @@ fn solve(
         return Err("single-visit plans missions of single visits only.".to_string());
     };
     let mut schedule = schedule::Schedule::new(problem)?;
-    let troubles = explain::alone(&mut schedule);
-    if troubles.iter().all(Option::is_some) {
-        return Err(explain::nothing_feasible(problem, &troubles));
-    }
+    let troubles = Troubles::new(&mut schedule);
+    let usable = troubles.possible();
     let mut tell = |schedule: &mut schedule::Schedule<'_>, order, environment: &mut Environment<'_>| {
         let best = search::longest_flown(schedule, order);
+        if best.order.is_empty() {
+            return;
+        }
         if let Some(plan) = plan::sketch(schedule, NAME, &best, &troubles) {
             (environment.report)(&Plan::SingleVisit(plan));
         }
     };
-    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
     let Some(found) = time_independent::run(&mut schedule, &usable, previous, environment, &mut tell) else {
         let best = search::run(&mut schedule, &troubles, previous, environment);
+        let best = search::or_idle(&mut schedule, best);
         return plan::plan_of(&mut schedule, NAME, &best, &troubles, explain::left_out).map(Plan::SingleVisit);
     };
     let best = search::longest_flown(&mut schedule, found.order);
+    let best = search::or_idle(&mut schedule, best);
     // A thousand targets with given times are explained by the search itself; of a flight people want to know the limit.
     let given = problem.travel.is_some();
     let reasons = if given { explain::left_out_quickly } else { explain::left_out };
@@ -119,8 +122,7 @@ pub(crate) fn prove(problem: &SingleVisitProblem, plan: &mut SingleVisitPlan, me
         return;
     }
     let Ok(mut schedule) = schedule::Schedule::new(problem) else { return };
-    let troubles = explain::alone(&mut schedule);
-    let usable: Vec<usize> = (0..troubles.len()).filter(|index| troubles.get(*index) == Some(&None)).collect();
+    let usable = Troubles::new(&mut schedule).possible();
     let Some(found) = time_independent::at_best_departures(&mut schedule, &usable, plan.benefits, meter) else {
         return;
     };

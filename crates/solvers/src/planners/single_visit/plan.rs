@@ -1,6 +1,6 @@
 //! The plan made of the best order: routes, times, fuel, costs, reasons.
 
-use super::explain;
+use super::explain::{self, Troubles};
 use super::search::Candidate;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use crate::routing::travel::{PointKey, TimedPath};
@@ -8,7 +8,7 @@ use apex_metrics::mission_score;
 use apex_model::problem::{LeftOut, PlannedVisit, SingleVisitPlan, SingleVisitProblem};
 
 /// Finds the reasons of what is left out.
-type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &[Option<String>]) -> Vec<LeftOut>;
+type Reasons = fn(&mut Schedule<'_>, &[Choice], &Judged, &Troubles) -> Vec<LeftOut>;
 
 /// The whole plan, with the reasons for what is left out.
 ///
@@ -18,7 +18,7 @@ pub(super) fn plan_of(
     schedule: &mut Schedule<'_>,
     solver: &str,
     best: &Candidate,
-    troubles: &[Option<String>],
+    troubles: &Troubles,
     left_out: Reasons,
 ) -> Result<SingleVisitPlan, String> {
     let mut visits = Vec::with_capacity(best.order.len());
@@ -45,8 +45,11 @@ pub(super) fn plan_of(
         });
     }
     let back = match schedule.problem.base {
-        Some(_) => schedule.travel.way(node, PointKey::Base, ready_s)?,
-        None => TimedPath { route: Vec::new(), path: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
+        // Between given places a vehicle that visits nothing stays where it is.
+        Some(_) if !best.order.is_empty() || schedule.problem.travel.is_none() => {
+            schedule.travel.way(node, PointKey::Base, ready_s)?
+        }
+        _ => TimedPath { route: Vec::new(), path: Vec::new(), depart_s: ready_s, arrive_s: ready_s },
     };
     let left_out = left_out(schedule, &best.order, &best.judged, troubles);
     Ok(assembled(schedule, solver, best, (visits, back, left_out), troubles))
@@ -57,7 +60,7 @@ pub(super) fn sketch(
     schedule: &mut Schedule<'_>,
     solver: &str,
     best: &Candidate,
-    troubles: &[Option<String>],
+    troubles: &Troubles,
 ) -> Option<SingleVisitPlan> {
     plan_of(schedule, solver, best, troubles, explain::left_out_quickly).ok()
 }
@@ -67,16 +70,17 @@ fn assembled(
     solver: &str,
     best: &Candidate,
     (visits, back, left_out): (Vec<PlannedVisit>, TimedPath, Vec<LeftOut>),
-    troubles: &[Option<String>],
+    troubles: &Troubles,
 ) -> SingleVisitPlan {
     let problem = schedule.problem;
-    // Every target that can be visited at all, at its best: no plan can gain more.
-    let bound = problem.targets.iter().zip(troubles).filter(|(_, trouble)| trouble.is_none()).map(|(target, _)| {
+    // Every target that a plan may visit, at its best: no plan can gain more.
+    let bound = troubles.possible().into_iter().filter_map(|target| problem.targets.get(target)).map(|target| {
         let quality = target.manoeuvres.iter().map(|manoeuvre| manoeuvre.quality.product()).fold(0.0, f64::max);
         let timing = target.timing.iter().map(|(_, factor)| *factor).fold(0.0, f64::max);
         target.value * quality * if target.timing.is_empty() { 1.0 } else { timing }
     });
-    let bound: f64 = bound.sum();
+    // An empty sum is minus nothing.
+    let bound = bound.sum::<f64>() + 0.0;
     let plan = SingleVisitPlan {
         solver: solver.to_string(),
         visits,
@@ -99,7 +103,7 @@ fn assembled(
 pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> SingleVisitPlan {
     let flight_s = plan.end_s - problem.start_s;
     plan.fuel_used_kg = problem.vehicle.fuel_flow_kg_per_s * flight_s;
-    plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum();
+    plan.benefits = plan.visits.iter().map(|visit| visit.worth).sum::<f64>() + 0.0;
     plan.costs = mission_score::flight_cost(problem, flight_s);
     plan.score = plan.benefits - plan.costs;
     plan.summary = summary(problem, &plan);
@@ -108,6 +112,9 @@ pub fn scored(problem: &SingleVisitProblem, mut plan: SingleVisitPlan) -> Single
 
 /// One line for operators.
 pub(super) fn summary(problem: &SingleVisitProblem, plan: &SingleVisitPlan) -> String {
+    if plan.visits.is_empty() && !plan.left_out.is_empty() {
+        return explain::nothing_visited(&plan.left_out, plan.benefits_bound.is_none_or(|bound| bound > 0.0));
+    }
     format!(
         "{} of {} targets in {}; worth {:.2} of at most {:.2}, costs {:.2}, score {:.2}.",
         plan.visits.len(),

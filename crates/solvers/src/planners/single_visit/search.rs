@@ -1,5 +1,7 @@
 //! The search: greedy insertion and local search (see `moves`), ruin and re-insertion; small missions exactly.
 
+use super::explain::Troubles;
+use super::moves;
 use crate::routing::schedule::{Choice, Judged, Schedule};
 use apex_model::problem::{Plan, PlannedVisit, SingleVisitPlan};
 use apex_planning::random::Generator;
@@ -30,7 +32,9 @@ pub(super) struct Candidate {
 pub(super) struct LocalSearch<'s, 'p, 'b> {
     pub(super) schedule: &'s mut Schedule<'p>,
     usable: Vec<usize>,
-    troubles: &'s [Option<String>],
+    troubles: &'s Troubles,
+    /// Targets that can be visited with others only: after what leads to them, or after what must come earlier.
+    pub(super) companions: Vec<usize>,
     pub(super) budget: &'b mut dyn Budget,
     pub(super) random: Generator,
     /// Targets that the next filling leaves out, so that others get their turn.
@@ -41,16 +45,15 @@ pub(super) struct LocalSearch<'s, 'p, 'b> {
 /// plan `previous`.
 pub(super) fn run(
     schedule: &mut Schedule<'_>,
-    troubles: &[Option<String>],
+    troubles: &Troubles,
     previous: Option<&SingleVisitPlan>,
     environment: &mut Environment<'_>,
 ) -> Candidate {
     let seed = environment.seed;
     let report = &mut *environment.report;
-    let usable = troubles.iter().enumerate().filter(|(_, trouble)| trouble.is_none()).map(|(index, _)| index).collect();
-    let random = Generator::new(seed);
-    let mut search =
-        LocalSearch { schedule, usable, troubles, budget: &mut *environment.budget, random, banned: Vec::new() };
+    let (usable, random, budget) = (troubles.possible(), Generator::new(seed), &mut *environment.budget);
+    let companions = moves::together::companions(schedule, troubles);
+    let mut search = LocalSearch { schedule, usable, troubles, companions, budget, random, banned: Vec::new() };
     let idle = Judged { visits: Vec::new(), end_s: search.schedule.problem.start_s, score: f64::NEG_INFINITY };
     let mut best = Candidate { order: Vec::new(), judged: idle };
     search.fill(&mut best, 0.0);
@@ -104,6 +107,12 @@ pub(super) fn longest_flown(schedule: &mut Schedule<'_>, mut order: Vec<Choice>)
             Err(_) => drop(order.pop()),
         }
     }
+}
+
+/// `best`, or no visit at all where that is worth more: what is visited may cost more than it brings.
+pub(super) fn or_idle(schedule: &mut Schedule<'_>, best: Candidate) -> Candidate {
+    let idle = schedule.idle().map(|judged| Candidate { order: Vec::new(), judged });
+    idle.filter(|idle| best.order.is_empty() || idle.judged.score > best.judged.score).unwrap_or(best)
 }
 
 fn tell(search: &mut LocalSearch<'_, '_, '_>, best: &Candidate, report: &mut dyn FnMut(&Plan)) {

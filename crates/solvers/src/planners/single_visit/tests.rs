@@ -78,12 +78,13 @@ fn windows_order_light_and_timing_are_obeyed() {
 
 #[test]
 fn nothing_feasible_names_what_binds() {
-    let message = solve(&few(3, 3_000.0), 1000).unwrap_err();
+    // A plan without visits is a plan; it says why.
+    let message = solve(&few(3, 3_000.0), 1000).unwrap().summary;
     assert!(message.starts_with("No target can be visited.") && message.contains("endurance"), "{message}");
     let mut far = few(2, 40_000.0);
     far.landing_distance_m_max = Some(100_000.0);
     far.landing_places = vec![LandingPlace { name: "Edwards".into(), position: far.start }];
-    let message = solve(&far, 1000).unwrap_err();
+    let message = solve(&far, 1000).unwrap().summary;
     assert!(message.contains("emergency landing place"), "{message}");
     let mut closed = few(2, 40_000.0);
     closed.zones = vec![examples::restricted("R-2515", 34.0, 36.0, -119.0, -117.0)];
@@ -91,6 +92,18 @@ fn nothing_feasible_names_what_binds() {
     let mut wrong = few(2, 40_000.0);
     wrong.targets[1].position = Position::new(f64::NAN, 0.0);
     assert!(solve(&wrong, 1000).unwrap_err().contains("not on the map"));
+}
+
+#[test]
+fn where_every_visit_costs_more_than_it_brings_none_is_flown() {
+    let mut problem = few(4, 86_400.0);
+    problem.base = Some(problem.start);
+    problem.crew = vec![CrewMember { role: "pilot".into(), wage_per_hour: 1e6, fixed_hours: 1.0, flight_share: 1.0 }];
+    let plan = solve(&problem, 50_000).unwrap();
+    assert_eq!((plan.visits.len(), plan.benefits, plan.costs, plan.left_out.len()), (0, 0.0, 1e6, 4));
+    assert!(plan.summary.starts_with("No target is worth a visit. "), "{}", plan.summary);
+    let asked = Problem::SingleVisit(problem);
+    assert_eq!(apex_planning::checker::violations(&asked, &Plan::SingleVisit(plan)), Vec::<String>::new());
 }
 
 #[test]

@@ -10,7 +10,8 @@ use apex_planning::surveillance::scenario::Scenario;
 pub(super) enum TourEvaluation<'s, 'p> {
     /// Changes are priced without flying the tour.
     Quick(Box<Timetable<'s, 'p>>),
-    /// Changes are flown: rates or travel times that change with time, steps, tables, very long tours.
+    /// Changes are flown: rates or travel times that change with time, steps, tables, very long tours, and ways home over
+    /// other targets.
     Plain {
         /// The problem.
         scenario: &'s Scenario<'p>,
@@ -28,7 +29,11 @@ impl<'s, 'p> TourEvaluation<'s, 'p> {
     pub(super) fn new(scenario: &'s Scenario<'p>, tour: Vec<usize>, budget: &mut dyn Budget) -> TourEvaluation<'s, 'p> {
         let numbers = (tour.len() + 1).saturating_mul(scenario.problem().targets.len());
         match Intervals::of(scenario.problem()) {
-            Some(intervals) if numbers <= NUMBERS_MAX && scenario.problem().travel.is_constant() => {
+            Some(intervals)
+                if numbers <= NUMBERS_MAX
+                    && scenario.problem().travel.is_constant()
+                    && !scenario.has_detours_home() =>
+            {
                 let table = Box::new(Timetable::new(scenario, intervals, tour));
                 scenario.charge(table.change_ns(), budget);
                 TourEvaluation::Quick(table)

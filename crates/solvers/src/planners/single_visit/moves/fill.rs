@@ -45,6 +45,13 @@ impl LocalSearch<'_, '_, '_> {
     /// Inserts missing targets, each time the one with the most gain per added time, while the score grows.
     /// `noise` blurs the choice so that repeated fillings differ.
     pub(in super::super) fn fill(&mut self, current: &mut Candidate, noise: f64) {
+        self.fill_one_by_one(current, noise);
+        while self.insert_together(current) {
+            self.fill_one_by_one(current, noise);
+        }
+    }
+
+    fn fill_one_by_one(&mut self, current: &mut Candidate, noise: f64) {
         let mut better = true;
         while better {
             better = false;

@@ -57,7 +57,9 @@ pub(super) fn run(
     tell(schedule, choices(&network, &first), environment);
     network.find_neighbours();
     let budget = &mut *environment.budget;
-    let (best, bound) = SearchDriver::new(&network, environment.seed, first, previous.is_none()).run(budget);
+    let lowered = network.lowered(schedule.problem, schedule.limit_s);
+    let networks = [&network, lowered.as_ref().unwrap_or(&network)];
+    let (best, bound) = SearchDriver::new(networks, environment.seed, first, previous.is_none()).run(budget);
     Some(Found { order: choices(&network, &best), bound, reasons: reasons::left_out(&network, &best) })
 }
 

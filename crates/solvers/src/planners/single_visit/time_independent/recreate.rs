@@ -11,6 +11,9 @@ const SCANNED_MAX: usize = 60;
 const SKIPPED_OF: usize = 100;
 const SKIPPED_BELOW: usize = 33;
 
+/// Of so many chances to visit what is worth nothing one is taken.
+const WORTHLESS_ONE_OF: usize = 3;
+
 /// What a delay of the next stop counts against longer legs.
 const SHIFT_WEIGHTS: [i64; 4] = [0, 1, 2, 8];
 
@@ -131,6 +134,10 @@ pub(super) fn best_place(
             }
         }
     }
-    let pays = |place: &InsertionPoint| generous || value > network.cost_per_tick * f64::from(place.end - route.end());
-    (best.map(|(_, place)| place).filter(pays), looks)
+    let place = best.map(|(_, place)| place).filter(|place| {
+        let cost = network.cost_per_tick * f64::from(place.end - route.end());
+        // A visit worth nothing may shorten the way to others, where given times have it so.
+        generous || value > cost || (value <= 0.0 && rng.below(WORTHLESS_ONE_OF) == 0)
+    });
+    (place, looks)
 }

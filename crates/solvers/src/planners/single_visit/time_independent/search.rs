@@ -1,5 +1,7 @@
 //! Divides the budget between annealing runs and proofs.
 //!
+//! With many targets it does so in stages, each with more units than all before it, from the same seed on: more budget never gives
+//! a worse route. With few, proofs settle what a stage would repeat.
 //! Annealing takes all units that proofs do not need: three runs from the empty route, each of which ends in a good route that may
 //! be far from the best, and a last run from the best of them at a lower initial temperature. With few targets, a proof by labels is
 //! tried after the first run: it often takes less work than the other runs, and finds the best route if the first run did not.
@@ -42,12 +44,21 @@ const SEARCH_SHARE_OF_FEW: f64 = 0.15;
 const SEARCH_UNITS_OF_FEW: u64 = 300_000;
 const BOUND_UNITS_MAX_OF_FEW: u64 = 100_000_000;
 
+/// Units of work at which the first stage ends, counted from the planner's beginning, and how many times as many the next
+/// one has: usual budgets end with a stage. Up to [`ROUNDS_NODES_MAX`] nodes several runs cool within a stage, with more a single one,
+/// which is worth little before its end, so stages lie between. A stage is left out if less than the given part of its end remains for it.
+const FIRST_STAGE: u64 = 1_000;
+const STAGE_STEP: u64 = 10;
+const STAGE_BETWEEN_OF_MANY: u64 = 3;
+const STAGE_PART_MIN: u64 = 4;
 /// Relative tolerance between a value and its bound, for sums in different order.
 const SAME_SHARE: f64 = 1e-9;
 
 /// A search in progress.
 pub(super) struct SearchDriver<'n> {
     network: &'n Network,
+    /// The network in which bounds are sought: every route of the problem fits into it.
+    bounded: &'n Network,
     annealing: Annealing<'n>,
     /// Whether this is a new plan with many targets.
     is_of_many: bool,
@@ -64,8 +75,8 @@ pub(super) struct SearchDriver<'n> {
 }
 
 impl<'n> SearchDriver<'n> {
-    /// Starts from `first`, which is kept as a start if the plan is not `fresh`.
-    pub(super) fn new(network: &'n Network, seed: u64, first: Route, fresh: bool) -> SearchDriver<'n> {
+    /// Starts from `first`, which is kept as a start if the plan is not `fresh`. The second network is that of bounds.
+    pub(super) fn new([network, bounded]: [&'n Network; 2], seed: u64, first: Route, fresh: bool) -> SearchDriver<'n> {
         let is_of_many = fresh && network.visits().len() > annealing::ALL_MISSING_MAX;
         let heat = match fresh {
             false => CHANGED,
@@ -75,6 +86,7 @@ impl<'n> SearchDriver<'n> {
         let mean = network.nodes.iter().map(|node| node.value).sum::<f64>() / network.visits().len().max(1) as f64;
         SearchDriver {
             network,
+            bounded,
             annealing: Annealing::new(network, seed),
             is_of_many,
             mean,
@@ -90,16 +102,50 @@ impl<'n> SearchDriver<'n> {
     /// Returns the best route within the budget, and an upper bound on the benefits, if one was found.
     pub(super) fn run(mut self, budget: &mut dyn Budget) -> (Route, Option<f64>) {
         // An unlimited search would never cool: it ends by itself, as one limited by a clock.
-        let known = budget.left().filter(|left| *left < u64::MAX >> 8);
-        let (early, spare) = known.map_or((0, ROUND_UNITS), |left| self.for_proofs(left));
-        match known {
-            Some(left) => self.cool(left.saturating_sub(spare), early, budget),
-            None => self.go_on(budget),
-        }
-        if !self.is_settled() {
-            self.ask(BoundSearch::answer, spare, budget);
+        match budget.left().filter(|left| *left < u64::MAX >> 8) {
+            Some(left) if self.network.targets <= FEW => self.stage(left, budget),
+            Some(_) => self.stages(budget),
+            None => {
+                self.go_on(budget);
+                self.ask_finally(ROUND_UNITS, budget);
+            }
         }
         (self.best, self.bound)
+    }
+
+    /// Stages until the budget ends. None knows how much is left, so a smaller budget goes through the same stages and ends
+    /// earlier: it never finds a better route.
+    fn stages(&mut self, budget: &mut dyn Budget) {
+        let is_of_many = self.network.nodes.len() > ROUNDS_NODES_MAX;
+        let mut decade = FIRST_STAGE;
+        while decade < u64::MAX >> 8 {
+            let ends = [decade, decade * STAGE_BETWEEN_OF_MANY];
+            for end in ends.into_iter().take(if is_of_many { 2 } else { 1 }) {
+                if self.is_settled() || budget.exhausted() {
+                    return;
+                }
+                let left = end.saturating_sub(budget.used());
+                if left >= end / STAGE_PART_MIN {
+                    // A proof that came to its end proves nothing more; a new one has more units from the first step on.
+                    self.question = None;
+                    self.stage(left, budget);
+                }
+            }
+            decade *= STAGE_STEP;
+        }
+    }
+
+    /// Annealing and proofs for `left` units; ends early if a proof settles the problem.
+    fn stage(&mut self, left: u64, budget: &mut dyn Budget) {
+        let (early, spare) = self.for_proofs(left);
+        self.cool(left.saturating_sub(spare), early, budget);
+        self.ask_finally(spare, budget);
+    }
+
+    fn ask_finally(&mut self, units: u64, budget: &mut dyn Budget) {
+        if !self.is_settled() {
+            self.ask(BoundSearch::answer, units, budget);
+        }
     }
 
     /// Of the units that are `left`: what a proof after the first run may take, and what the final proof may take.
@@ -179,12 +225,16 @@ impl<'n> SearchDriver<'n> {
         if units as usize <= nodes * nodes / 100 {
             return;
         }
-        let question = self.question.get_or_insert_with(|| BoundSearch::new(self.network));
+        let question = self.question.get_or_insert_with(|| BoundSearch::new(self.bounded));
         how(question, self.best.value, units, budget);
         let Proven { bound, better } = question.told();
-        self.bound = Some(bound);
+        self.bound = Some(self.bound.map_or(bound, |known| known.min(bound)));
         if let Some(better) = better {
-            self.keep(Route::of(self.network, &better));
+            // What fits in bounds by a part of a tick need not fit in truth; the bound then stays above it.
+            let route = Route::of(self.network, &better);
+            if route.is_feasible() {
+                self.keep(route);
+            }
         }
     }
 }

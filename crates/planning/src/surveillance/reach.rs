@@ -1,0 +1,67 @@
+//! Which targets of surveillance can be observed at all, and which are left more quickly over others than straight home.
+//!
+//! Given times need not obey the triangle inequality, so a target that cannot be flown to, or left, at once may be by way of
+//! another one. Bound: O(targets), O(targets^2) where a target cannot be the first.
+
+use super::scenario::Scenario;
+use apex_model::problem::{SurveillanceProblem, UNREACHABLE_S};
+
+/// Indices of the targets that some flight observes.
+pub(super) fn usable(scenario: &Scenario<'_>) -> Vec<usize> {
+    let count = scenario.problem().targets.len();
+    let end_s = |from: Option<usize>, ready_s: f64, to: usize| {
+        scenario.next_stop(from, ready_s, to).map_or(f64::INFINITY, |stop| stop.end_s)
+    };
+    let mut ends_s: Vec<f64> = (0..count).map(|target| end_s(None, 0.0, target)).collect();
+    if ends_s.iter().any(|end_s| end_s.is_infinite()) {
+        settle(&mut ends_s, |from, ready_s, to| end_s(Some(from), ready_s, to));
+        scenario.spend((count * count) as u64 * LOOK_NS);
+    }
+    (0..count).filter(|target| ends_s.get(*target).is_some_and(|end_s| end_s.is_finite())).collect()
+}
+
+/// Least times home over all departures and any others; empty where the way home itself is always the quickest.
+pub(super) fn detours_home_s(problem: &SurveillanceProblem) -> Vec<f64> {
+    let count = problem.targets.len();
+    let (travel, dwells_s) = (&problem.travel, problem.targets.iter().map(|target| target.dwell_s));
+    let dwells_s: Vec<f64> = dwells_s.collect();
+    let over_s = |next: usize, home_s: f64, here: usize| {
+        travel.between_s_min(here, next) + dwells_s.get(next).copied().unwrap_or(0.0) + home_s
+    };
+    let direct_s: Vec<f64> = (0..count).map(|target| travel.to_base_s_min(target)).collect();
+    // Is any way home longer than by way of one other target? Then by way of several it may be shorter still.
+    let shorter = |here: usize| {
+        let home_s = direct_s.get(here).copied().unwrap_or(UNREACHABLE_S);
+        direct_s.iter().enumerate().any(|(next, rest_s)| next != here && over_s(next, *rest_s, here) < home_s - SAME_S)
+    };
+    if !(0..count).any(shorter) {
+        return Vec::new();
+    }
+    let mut least_s = direct_s.clone();
+    settle(&mut least_s, over_s);
+    least_s
+}
+
+/// Times that differ by no more are equal.
+const SAME_S: f64 = 1e-6;
+/// What a look from one target at another one takes, in nanoseconds.
+const LOOK_NS: u64 = 12;
+
+/// Makes the least number final, lets it lower the others, and so on (Dijkstra). `over` is the number of the third by way of the
+/// first, which has the second.
+fn settle(least: &mut [f64], over: impl Fn(usize, f64, usize) -> f64) {
+    let mut open: Vec<usize> = (0..least.len()).collect();
+    let at = |least: &[f64], node: Option<&usize>| node.and_then(|node| least.get(*node)).copied();
+    loop {
+        let own = |slot: &usize| at(least, open.get(*slot)).unwrap_or(f64::INFINITY);
+        let Some(slot) = (0..open.len()).min_by(|a, b| own(a).total_cmp(&own(b))) else { return };
+        let here = open.swap_remove(slot);
+        let Some(own) = at(least, Some(&here)).filter(|own| *own < UNREACHABLE_S) else { return };
+        for there in &open {
+            let lower = over(here, own, *there);
+            if let Some(known) = least.get_mut(*there) {
+                *known = known.min(lower);
+            }
+        }
+    }
+}

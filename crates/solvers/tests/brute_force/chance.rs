@@ -1,0 +1,42 @@
+//! Chance of its own for this test: SplitMix64 (Steele, Lea and Flood 2014).
+
+/// A generator; equal seeds give equal numbers.
+pub(crate) struct Chance(u64);
+
+impl Chance {
+    pub(crate) fn new(seed: u64) -> Chance {
+        Chance(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xD1B5_4A32_D192_ED03)
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// A number of `0..below`; 0 if `below` is 0.
+    pub(crate) fn below(&mut self, below: usize) -> usize {
+        (self.bits() % (below.max(1) as u64)) as usize
+    }
+
+    /// A number of `0.0..1.0`.
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// True in so many of a hundred cases.
+    pub(crate) fn percent(&mut self, percent: usize) -> bool {
+        self.below(100) < percent
+    }
+
+    /// One of `all`.
+    pub(crate) fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+
+    /// A time up to `most_s` in whole eighths of a second: sums of them are exact.
+    pub(crate) fn eighths(&mut self, most_s: f64) -> f64 {
+        (self.unit() * most_s * 8.0).round() / 8.0
+    }
+}

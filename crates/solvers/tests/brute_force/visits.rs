@@ -1,0 +1,97 @@
+//! What planners and proofs claim of a random single-visit problem, and what is true.
+
+use crate::chance::Chance;
+use crate::{visit_orders, visit_problems};
+use apex_model::problem::{Plan, Problem, SingleVisitPlan, SingleVisitProblem};
+use apex_planning::meter::Meter;
+use apex_planning::solver::{Environment, Solver, WorkBudget};
+use apex_solvers::planners::human::Human;
+use apex_solvers::planners::single_visit::SingleVisit;
+
+/// Times of plans may be off by this: `apex_planning::checker` allows a microsecond.
+const LENIENT_S: f64 = -1e-5;
+/// Share within which sums of worths are equal.
+const SAME: f64 = 1e-9;
+
+/// What is claimed of the problem of this seed and is not true.
+pub(crate) fn differences(seed: u64) -> Vec<String> {
+    let mut chance = Chance::new(seed);
+    let problem = visit_problems::problem(&mut chance);
+    let mut found = of_problem(&mut chance, &problem);
+    let text = || serde_json::to_string(&Problem::SingleVisit(problem.clone())).expect("JSON");
+    found.iter_mut().for_each(|difference| *difference = format!("{difference}\n  {}", text()));
+    found
+}
+
+/// The same for a given problem, by the planner and by poor plans that people bring.
+pub(crate) fn of_problem(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
+    let reached = visit_orders::greatest_benefits(problem, 0.0);
+    let most = visit_orders::greatest_benefits(problem, LENIENT_S);
+    let mut found = Vec::new();
+    let posed = Problem::SingleVisit(problem.clone());
+    let units = chance.of(&[1, 300, 3_000, 10_000]);
+    match solved(&SingleVisit, &posed, units) {
+        Ok(plan) => found.extend(claims(problem, plan, (reached, most), "planned")),
+        Err(why) if reached > 0.0 => found.push(format!("no plan, and {reached} is possible: {why}")),
+        Err(_) => {}
+    }
+    let poor = Human { visits: order(chance, problem), repeat: false };
+    if let Ok(plan) = solved(&poor, &posed, units) {
+        found.extend(claims(problem, plan, (reached, most), "brought"));
+    }
+    found
+}
+
+fn solved(solver: &dyn Solver, problem: &Problem, units: u64) -> Result<SingleVisitPlan, String> {
+    let mut budget = WorkBudget::new(units);
+    let mut environment = Environment { seed: 1, budget: &mut budget, report: &mut |_| {}, previous: None };
+    match solver.solve(problem, &mut environment)? {
+        Plan::SingleVisit(plan) => Ok(plan),
+        Plan::Surveillance(_) => panic!("of another kind"),
+    }
+}
+
+/// Some targets in an order of chance.
+fn order(chance: &mut Chance, problem: &SingleVisitProblem) -> Vec<String> {
+    let mut names: Vec<String> = problem.targets.iter().map(|target| target.name.clone()).collect();
+    (1..names.len()).for_each(|index| names.swap(index, chance.below(index + 1)));
+    names.truncate(1 + chance.below(2));
+    names
+}
+
+fn claims(
+    problem: &SingleVisitProblem,
+    mut plan: SingleVisitPlan,
+    (reached, most): (f64, f64),
+    who: &str,
+) -> Vec<String> {
+    let posed = Problem::SingleVisit(problem.clone());
+    let mut found: Vec<String> = Vec::new();
+    let scale = SAME * most.max(1.0);
+    let visits: Vec<(String, usize, f64)> =
+        plan.visits.iter().map(|visit| (visit.target.clone(), visit.manoeuvre, visit.begin_s)).collect();
+    let worth = visit_orders::worth_of(problem, &visits);
+    if (worth - plan.benefits).abs() > scale {
+        found.push(format!("{who}: the plan claims {} and is worth {worth}", plan.benefits));
+    }
+    if plan.benefits > most + scale {
+        found.push(format!("{who}: the plan claims {} where no order is worth more than {most}", plan.benefits));
+    }
+    let mut bounded = |plan: &SingleVisitPlan, when: &str| {
+        if let Some(bound) = plan.benefits_bound.filter(|bound| *bound < reached - scale) {
+            let worth = plan.benefits;
+            found.push(format!("{who}: {when} the bound is {bound}, {reached} is possible, the plan is worth {worth}"));
+        }
+    };
+    bounded(&plan, "at first");
+    let mut proven = Plan::SingleVisit(plan.clone());
+    let mut budget = WorkBudget::new(20_000);
+    if let Err(contradiction) = apex_solvers::prove(&posed, &mut proven, &mut Meter::new(&mut budget)) {
+        return vec![format!("{who}: {contradiction}")];
+    }
+    if let Plan::SingleVisit(proven) = proven {
+        plan = proven;
+    }
+    bounded(&plan, "after the proof");
+    found
+}
